@@ -1,0 +1,68 @@
+//! The one interface between mechanisms and analyses.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Dimension;
+use crate::Error;
+
+/// Where a constraint system is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Configuration {
+    /// (n) coordinates P of the links and joints, in SI.
+    pub coordinates: DVector<f64>,
+    /// (M) displacements X of the virtual joints, in SI.
+    pub virtual_joints: DVector<f64>,
+}
+
+/// Constraints Φ(P, X) = 0 on the coordinates P of a mechanism, relieved by virtual joints X.
+///
+/// The mechanism without play is the same system with X held where it is.
+/// Every mobility and sensitivity analysis is written against this trait; a mechanism of your own gets them all by implementing it.
+///
+/// # Source
+/// [Virtualization], eq. (1) and (2)
+pub trait System {
+    /// (c) what kind of quantity each constraint is, which also says how many there are.
+    fn constraint_dimensions(&self) -> Vec<Dimension>;
+
+    /// (n) what kind of quantity each coordinate is.
+    fn coordinate_dimensions(&self) -> Vec<Dimension>;
+
+    /// (M) what kind of quantity each virtual joint is.
+    fn virtual_joint_dimensions(&self) -> Vec<Dimension>;
+
+    /// A length typical of the mechanism, by which lengths and angles are made comparable [m].
+    fn characteristic_length(&self) -> f64;
+
+    /// (c) Φ(P, X), each entry in the unit of its constraint.
+    fn residual(&self, at: &Configuration) -> DVector<f64>;
+
+    /// (c, n) ∂Φ/∂P: derivative of each constraint with respect to each coordinate.
+    fn constraint_jacobian(&self, at: &Configuration) -> DMatrix<f64>;
+
+    /// (c, M) ∂Φ/∂X: derivative of each constraint with respect to each virtual joint.
+    fn virtual_jacobian(&self, at: &Configuration) -> DMatrix<f64>;
+
+    /// (c) second derivative of Φ along a direction of P: d²Φ(P + t v, X)/dt² at t = 0.
+    fn second_derivative(&self, at: &Configuration, direction: &DVector<f64>) -> DVector<f64>;
+
+    /// Whether a configuration has as many numbers as this system needs, all finite.
+    ///
+    /// # Errors
+    /// [`Error::WrongLength`], [`Error::NotFinite`].
+    fn check(&self, at: &Configuration) -> Result<(), Error> {
+        let parts = [
+            ("the coordinate vector", &at.coordinates, self.coordinate_dimensions().len()),
+            ("the virtual joint vector", &at.virtual_joints, self.virtual_joint_dimensions().len()),
+        ];
+        for (what, vector, expected) in parts {
+            if vector.len() != expected {
+                return Err(Error::WrongLength { what, found: vector.len(), expected });
+            }
+            if let Some(&value) = vector.iter().find(|value| !value.is_finite()) {
+                return Err(Error::NotFinite { what, value });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,146 @@
+//! What can go wrong in the core, as facts.
+
+use crate::virtualization::{Solver, VirtualJoints};
+
+/// Why a computation has no answer. Lengths are in m, angles in rad.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A number is NaN or infinite.
+    #[error("{what} is {value}, but has to be a finite number")]
+    NotFinite {
+        /// Which number.
+        what: &'static str,
+        /// What was found.
+        value: f64,
+    },
+    /// A length that has to be positive is not.
+    #[error("{what} of limb {limb} is {value} m, but has to be positive")]
+    NotPositive {
+        /// Which length.
+        what: &'static str,
+        /// Limb, counted from 1.
+        limb: usize,
+        /// What was found [m].
+        value: f64,
+    },
+    /// Three points lie on one line, or so near that they fix no plane.
+    #[error(
+        "the three {what} lie on one line: their triangle is {height_to_base} times as high as it is long, at least {allowed} is needed"
+    )]
+    Collinear {
+        /// Which points.
+        what: &'static str,
+        /// Height of the triangle over its longest side, as a share of that side.
+        height_to_base: f64,
+        /// The least share allowed.
+        allowed: f64,
+    },
+    /// Base points and sockets run round in opposite senses, so that no upright platform fits.
+    #[error(
+        "base points and sockets run round in opposite senses: number the sockets in the order of the base points"
+    )]
+    OppositeSenses,
+    /// A lower limit is not below its upper limit.
+    #[error("the {what} limits are reversed: least {min}, most {max}")]
+    LimitsReversed {
+        /// Which limits.
+        what: &'static str,
+        /// Lower limit in SI.
+        min: f64,
+        /// Upper limit in SI.
+        max: f64,
+    },
+    /// A length that has to lie within limits does not.
+    #[error("the {what} is {value}, but has to lie from {min} to {max}")]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// What was found in SI.
+        value: f64,
+        /// Least allowed value in SI.
+        min: f64,
+        /// Greatest allowed value in SI.
+        max: f64,
+    },
+    /// A tilt at which the rods no longer meet the platform plane.
+    #[error("the pitch is {pitch} rad, but has to stay within ±π/2")]
+    PitchTooLarge {
+        /// Pitch asked for [rad].
+        pitch: f64,
+    },
+    /// A vector of the wrong length.
+    #[error("{what} has {found} entries, but {expected} are needed")]
+    WrongLength {
+        /// Which vector.
+        what: &'static str,
+        /// How many entries it has.
+        found: usize,
+        /// How many it needs.
+        expected: usize,
+    },
+    /// A virtualization with too few or too many virtual joints.
+    #[error("the virtualization has {found} virtual joints, but needs {min} to {max}")]
+    VirtualJointCount {
+        /// How many it has.
+        found: usize,
+        /// Least number: one for each side.
+        min: usize,
+        /// Greatest number that the solvers hold without allocating.
+        max: usize,
+    },
+    /// A configuration that breaks the constraints it should satisfy.
+    #[error(
+        "the configuration breaks the constraints: scaled residual {residual}, at most {allowed} is allowed; close the loops first"
+    )]
+    NotClosed {
+        /// Largest constraint residual, in units of the characteristic length.
+        residual: f64,
+        /// Largest that is taken as closed.
+        allowed: f64,
+    },
+    /// Virtual joints that produce the sides, but mirror the triangle of the sockets.
+    #[error(
+        "the virtual joints found for these sides turn the platform over; the pose is too far from the nominal one"
+    )]
+    TurnedOver {
+        /// The virtual joints found ([m], [rad]).
+        virtual_joints: VirtualJoints,
+    },
+    /// The iteration for the virtual joints did not converge.
+    #[error(transparent)]
+    NotConverged(#[from] Box<Unconverged>),
+    /// The singular value decomposition did not converge.
+    #[error("the singular values of a {rows}×{columns} matrix did not converge in {sweeps} sweeps")]
+    SvdNotConverged {
+        /// Rows of the matrix.
+        rows: usize,
+        /// Columns of the matrix.
+        columns: usize,
+        /// Sweeps done.
+        sweeps: usize,
+    },
+}
+
+/// The best that an iteration for the virtual joints found before it gave up.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "the {solver} iteration did not converge in {iterations} steps: the sides are {residual} m off at best, {threshold} m is asked for; the pose is too far from the nominal one, or the virtual joints cannot produce these sides"
+)]
+pub struct Unconverged {
+    /// Which iteration.
+    pub solver: Solver,
+    /// Virtual joints with the least residual found, in their own units ([m], [rad]).
+    pub best: VirtualJoints,
+    /// Largest difference between a side and its virtual length at `best` [m].
+    pub residual: f64,
+    /// Residual asked for [m].
+    pub threshold: f64,
+    /// Iterations done.
+    pub iterations: usize,
+}
+
+/// `value` if finite.
+pub(crate) fn finite(what: &'static str, value: f64) -> Result<f64, Error> {
+    if value.is_finite() { Ok(value) } else { Err(Error::NotFinite { what, value }) }
+}

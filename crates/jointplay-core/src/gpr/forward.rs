@@ -1,0 +1,105 @@
+//! From the rods to where the platform is.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::{AxisHeight, Gpr, ball_sides};
+use crate::Error;
+use crate::error::finite;
+use crate::spatial::{Pose, Tilt, fit_in_plane};
+use crate::virtualization::{Sides, Solution, SolveOptions, Virtualization, signed_area, solve};
+
+/// A pose of the platform, with everything that led to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Forward {
+    /// Rod lengths q_1, q_2, q_3 [m].
+    pub rods: [f64; 3],
+    /// Sides L_12, L_23, L_31 [m].
+    pub sides: Sides,
+    /// Virtual joints, with iterations and residual.
+    pub solution: Solution,
+    /// Pose of the platform frame in the base frame.
+    pub base_from_platform: Pose,
+}
+
+impl Gpr {
+    /// Where the platform is for given rods.
+    ///
+    /// ```text
+    ///    q  →  P_k = B_k + q_k e_b3  →  L_ij = |P_j − P_i|  →  X  →  the pose that carries p_k(X) onto P_k
+    /// ```
+    /// Plane and sides are geometry; where the platform sits over the triangle is the virtualization's model.
+    ///
+    /// # Arguments
+    /// * `rods` – (3) lengths q_k [m]
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], and those of [`solve`]; [`Error::TurnedOver`] for a solution that mirrors the platform.
+    ///
+    /// # Numerics
+    /// Does not allocate.
+    ///
+    /// # Source
+    /// [Virtualization], IV.B; the placement is own derivation, `docs/theory.md`
+    #[inline]
+    pub fn forward<V: Virtualization + ?Sized>(
+        &self,
+        rods: [f64; 3],
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<Forward, Error> {
+        for length in rods {
+            finite("a rod length", length)?;
+        }
+        let balls = self.ball_centers(&rods);
+        let sides = ball_sides(&balls);
+        let solution = solve(virtualization, self.platform(), &sides, options)?;
+        let sockets = virtualization.sockets(self.platform(), &solution.virtual_joints);
+        let sense = signed_area(self.platform().sockets());
+        if signed_area(&sockets) * sense <= 0.0 {
+            return Err(Error::TurnedOver { virtual_joints: solution.virtual_joints });
+        }
+        let upward = (balls[1] - balls[0]).cross(&(balls[2] - balls[0])) * sense.signum();
+        let normal = upward / upward.norm();
+        let base_from_platform = fit_in_plane(&sockets, &balls, &normal);
+        Ok(Forward { rods, sides, solution, base_from_platform })
+    }
+}
+
+impl Forward {
+    /// Platform normal e_p3 in the base frame.
+    #[must_use]
+    pub fn normal(&self) -> Vector3<f64> {
+        self.base_from_platform.rotation.matrix().column(2).into_owned()
+    }
+
+    /// Tilt of the platform, with pitch ≥ 0.
+    #[must_use]
+    pub fn tilt(&self) -> Tilt {
+        Tilt::from_normal(&self.normal())
+    }
+
+    /// How far the platform is turned about its own normal, beyond the shortest rotation to it [rad].
+    ///
+    /// ```text
+    ///    R  =  Rz(γ) Ry(α) Rz(−γ) Rz(τ)
+    /// ```
+    #[must_use]
+    pub fn twist_about_normal(&self) -> f64 {
+        // R Rz(−τ) is symmetric but for signs: the upper left block of R is the symmetric block of the tilt times a turn.
+        let r = self.base_from_platform.rotation.matrix();
+        (r[(1, 0)] - r[(0, 1)]).atan2(r[(0, 0)] + r[(1, 1)])
+    }
+
+    /// Where the platform plane crosses the base axis [m].
+    #[must_use]
+    pub fn axis_height(&self) -> AxisHeight {
+        let (normal, origin) = (self.normal(), self.base_from_platform.translation.vector);
+        AxisHeight(origin.z + (normal.x * origin.x + normal.y * origin.y) / normal.z)
+    }
+
+    /// How far O_p stands off the base axis: its e_b1 and e_b2 coordinates [m].
+    #[must_use]
+    pub fn center_shift(&self) -> Vector2<f64> {
+        self.base_from_platform.translation.vector.xy()
+    }
+}

@@ -1,0 +1,141 @@
+//! What the robot is: its dimensions and limits, which never change while it is computed with.
+
+use nalgebra::{Vector2, Vector3};
+
+use super::Limits;
+use crate::Error;
+use crate::error::finite;
+use crate::mobility::kutzbach_mobility;
+use crate::virtualization::{Platform, Sides, Sockets, signed_area};
+
+/// One limb: a guide in the base, a rod, and a socket in the platform.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limb {
+    /// B_k, where the rod's axis crosses the base plane, in the base frame [m].
+    pub base_point: Vector2<f64>,
+    /// r_k, distance of the nominal socket from O_p [m].
+    pub socket_radius: f64,
+    /// β_k, direction of the nominal socket from e_p1 toward e_p2 [rad].
+    pub socket_angle: f64,
+}
+
+impl Limb {
+    /// A limb whose rod stands under its nominal socket when the platform is level.
+    #[must_use]
+    pub fn under_socket(socket_radius: f64, socket_angle: f64) -> Self {
+        let (sin, cos) = socket_angle.sin_cos();
+        let base_point = Vector2::new(cos, sin) * socket_radius;
+        Self { base_point, socket_radius, socket_angle }
+    }
+}
+
+/// A three-rod robot.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gpr {
+    base_points: Sockets,
+    platform: Platform,
+    limits: Limits,
+    working_height: f64,
+}
+
+impl Gpr {
+    /// A robot from its limbs, limits and working height [m].
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::NotPositive`] for a socket radius, [`Error::Collinear`] base points or sockets,
+    /// [`Error::OppositeSenses`], [`Error::LimitsReversed`], [`Error::OutOfRange`] for the tilt limit or a working height beyond the rods.
+    pub fn new(limbs: [Limb; 3], limits: Limits, working_height: f64) -> Result<Self, Error> {
+        for limb in &limbs {
+            finite("a base point", limb.base_point.x)?;
+            finite("a base point", limb.base_point.y)?;
+        }
+        let base_points = limbs.map(|limb| limb.base_point);
+        crate::virtualization::check_not_collinear("base points", &base_points)?;
+        let platform = Platform::new(
+            limbs.map(|limb| limb.socket_radius),
+            limbs.map(|limb| limb.socket_angle),
+        )?;
+        if signed_area(&base_points) * signed_area(platform.sockets()) < 0.0 {
+            return Err(Error::OppositeSenses);
+        }
+        let limits = limits.checked()?;
+        let (min, max) = (limits.rod_min, limits.rod_max);
+        if !(min..=max).contains(&finite("the working height", working_height)?) {
+            return Err(Error::OutOfRange {
+                what: "working height",
+                value: working_height,
+                min,
+                max,
+            });
+        }
+        Ok(Self { base_points, platform, limits, working_height })
+    }
+
+    /// The robot of the paper: three sockets 120° apart on a radius of 93.218 mm, each over its rod.
+    ///
+    /// Tilt limit ±1.5° and stroke 508 mm are the paper's; that the rods run from 246 mm to 754 mm is our assumption.
+    ///
+    /// # Source
+    /// [Virtualization], I and VI
+    #[must_use]
+    pub fn paper() -> Self {
+        let limbs =
+            [0.0_f64, 120.0, 240.0].map(|angle| Limb::under_socket(0.093218, angle.to_radians()));
+        let limits = Limits { rod_min: 0.246, rod_max: 0.754, tilt_max: 1.5_f64.to_radians() };
+        Self::new(limbs, limits, 0.5).expect("the paper's dimensions are valid")
+    }
+
+    /// Base points B_k in the base frame [m].
+    #[must_use]
+    pub fn base_points(&self) -> &[Vector2<f64>; 3] {
+        &self.base_points
+    }
+
+    /// The platform's nominal sockets.
+    #[must_use]
+    pub fn platform(&self) -> &Platform {
+        &self.platform
+    }
+
+    /// Limits of rods and tilt.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// The axis height at which the robot usually works [m].
+    #[must_use]
+    pub fn working_height(&self) -> f64 {
+        self.working_height
+    }
+
+    /// The three limbs, as given to [`Self::new`].
+    #[must_use]
+    pub fn limbs(&self) -> [Limb; 3] {
+        [0, 1, 2].map(|k| Limb {
+            base_point: self.base_points[k],
+            socket_radius: self.platform.radii()[k],
+            socket_angle: self.platform.angles()[k],
+        })
+    }
+
+    /// Ball centres P_k for rods of these lengths, in the base frame [m].
+    #[must_use]
+    #[inline]
+    pub fn ball_centers(&self, rods: &[f64; 3]) -> [Vector3<f64>; 3] {
+        [0, 1, 2].map(|k| self.base_points[k].push(rods[k]))
+    }
+
+    /// Freedoms by the Kutzbach count: five links, three prismatic and three spherical joints give 0.
+    #[must_use]
+    pub fn kutzbach_mobility(&self) -> i64 {
+        kutzbach_mobility(5, &[1, 1, 1, 3, 3, 3])
+    }
+}
+
+/// Sides L_12, L_23, L_31 of the triangle of the ball centres [m].
+#[must_use]
+#[inline]
+pub fn ball_sides(ball_centers: &[Vector3<f64>; 3]) -> Sides {
+    [0, 1, 2].map(|k| (ball_centers[(k + 1) % 3] - ball_centers[k]).norm())
+}

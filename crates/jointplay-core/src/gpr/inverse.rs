@@ -1,0 +1,56 @@
+//! From where the platform should be to the rods.
+
+use super::{AxisHeight, CenterHeight, Forward, Gpr};
+use crate::Error;
+use crate::error::finite;
+use crate::spatial::Tilt;
+use crate::virtualization::{SolveOptions, Virtualization};
+
+impl Gpr {
+    /// Rods that put the platform plane at a tilt and an axis height [m].
+    ///
+    /// ```text
+    ///    q_k  =  z − (n_x B_kx + n_y B_ky) / n_z
+    /// ```
+    /// Exact, and the same for every virtualization: three ball centres fix the plane, whatever gives way within it.
+    /// Limits are not checked here; see [`Limits::broken`](super::Limits::broken).
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::PitchTooLarge`] at ±90° and beyond.
+    ///
+    /// # Source
+    /// Own derivation, `docs/theory.md`
+    #[inline]
+    pub fn inverse(&self, tilt: Tilt, height: AxisHeight) -> Result<[f64; 3], Error> {
+        finite("the yaw", tilt.yaw)?;
+        finite("the pitch", tilt.pitch)?;
+        finite("the axis height", height.0)?;
+        if tilt.pitch.abs() >= std::f64::consts::FRAC_PI_2 {
+            return Err(Error::PitchTooLarge { pitch: tilt.pitch });
+        }
+        let slope = tilt.pitch.tan();
+        let (sin, cos) = tilt.yaw.sin_cos();
+        let (slope_x, slope_y) = (slope * cos, slope * sin);
+        Ok(self.base_points().map(|point| height.0 - (slope_x * point.x + slope_y * point.y)))
+    }
+
+    /// The pose whose origin O_p lies at a tilt and a centre height [m], with the rods that reach it.
+    ///
+    /// Raising all rods alike raises the platform alike, sides and virtual joints unchanged; so one correction of the height is exact.
+    ///
+    /// # Errors
+    /// As [`Self::inverse`] and [`Self::forward`].
+    pub fn inverse_for_center<V: Virtualization + ?Sized>(
+        &self,
+        tilt: Tilt,
+        height: CenterHeight,
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<Forward, Error> {
+        let first =
+            self.forward(self.inverse(tilt, AxisHeight(height.0))?, virtualization, options)?;
+        let missing = height.0 - first.base_from_platform.translation.z;
+        let rods = self.inverse(tilt, AxisHeight(height.0 + missing))?;
+        self.forward(rods, virtualization, options)
+    }
+}

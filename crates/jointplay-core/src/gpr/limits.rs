@@ -1,0 +1,83 @@
+//! How far the robot may go.
+
+use crate::Error;
+use crate::error::finite;
+use crate::spatial::Tilt;
+
+/// Limits of rods and tilt.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Limits {
+    /// Shortest rod [m].
+    pub rod_min: f64,
+    /// Longest rod [m].
+    pub rod_max: f64,
+    /// Largest tilt toward any azimuth [rad].
+    pub tilt_max: f64,
+}
+
+/// One limit that a pose breaks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BrokenLimit {
+    /// A rod is too short or too long.
+    Rod {
+        /// Which rod, counted from 1.
+        limb: usize,
+        /// Its length [m].
+        length: f64,
+        /// Shortest allowed [m].
+        min: f64,
+        /// Longest allowed [m].
+        max: f64,
+    },
+    /// The platform leans too far.
+    Tilt {
+        /// How far it leans [rad].
+        pitch: f64,
+        /// How far it may [rad].
+        max: f64,
+    },
+}
+
+impl Limits {
+    /// Relative slack, so that a pose computed to lie on a limit is not beyond it by round-off.
+    const SLACK: f64 = 1e-12;
+
+    pub(super) fn checked(self) -> Result<Self, Error> {
+        finite("the shortest rod", self.rod_min)?;
+        finite("the longest rod", self.rod_max)?;
+        if self.rod_min >= self.rod_max {
+            return Err(Error::LimitsReversed {
+                what: "rod",
+                min: self.rod_min,
+                max: self.rod_max,
+            });
+        }
+        let right_angle = std::f64::consts::FRAC_PI_2;
+        if !(finite("the largest tilt", self.tilt_max)? > 0.0 && self.tilt_max < right_angle) {
+            return Err(Error::OutOfRange {
+                what: "largest tilt",
+                value: self.tilt_max,
+                min: 0.0,
+                max: right_angle,
+            });
+        }
+        Ok(self)
+    }
+
+    /// Every limit that rods of these lengths [m] and this tilt break, rods first.
+    #[must_use]
+    pub fn broken(&self, rods: &[f64; 3], tilt: Tilt) -> Vec<BrokenLimit> {
+        let (min, max) = (self.rod_min, self.rod_max);
+        let slack = Self::SLACK * max.abs().max(min.abs());
+        let mut broken: Vec<BrokenLimit> = (1..)
+            .zip(rods)
+            .filter(|&(_, &length)| !(length >= min - slack && length <= max + slack))
+            .map(|(limb, &length)| BrokenLimit::Rod { limb, length, min, max })
+            .collect();
+        let pitch = tilt.pitch.abs();
+        if pitch.is_nan() || pitch > self.tilt_max * (1.0 + Self::SLACK) {
+            broken.push(BrokenLimit::Tilt { pitch, max: self.tilt_max });
+        }
+        broken
+    }
+}

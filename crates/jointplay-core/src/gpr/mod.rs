@@ -1,0 +1,25 @@
+//! The GPR: three parallel rods of adjustable length under a platform on three ball joints.
+//!
+//! | quantity | is |
+//! | --- | --- |
+//! | B_k | where rod k's axis crosses the base plane |
+//! | q_k | length of rod k, the actuated coordinate |
+//! | P_k = B_k + q_k e_b3 | centre of ball k |
+//! | L_12, L_23, L_31 | sides of the triangle of the ball centres |
+
+mod approximate;
+mod forward;
+mod geometry;
+mod height;
+mod inverse;
+mod limits;
+mod system;
+mod tilt_play;
+
+pub use approximate::Approximate;
+pub use forward::Forward;
+pub use geometry::{Gpr, Limb, ball_sides};
+pub use height::{AxisHeight, CenterHeight};
+pub use limits::{BrokenLimit, Limits};
+pub use system::GprSystem;
+pub use tilt_play::{Bounded, TiltPlay};

@@ -1,0 +1,38 @@
+//! The mathematics of robots that move only because their joints have play.
+//!
+//! Everything is in SI units (m, rad); nothing here reads a file, prints, or keeps state.
+//! Symbols, frames, signs and the order of coordinates are those of `NOTATION.md`.
+//!
+//! | to… | use |
+//! | --- | --- |
+//! | describe a three-rod robot | [`gpr::Gpr`] |
+//! | find the rods for a tilt, the pose for rods | [`gpr::Gpr::inverse`], [`gpr::Gpr::forward`] |
+//! | choose how play is modelled | [`virtualization`]: [`Radial`](virtualization::Radial), [`Polar`](virtualization::Polar), [`Offset`](virtualization::Offset), [`Planar`](virtualization::Planar), or your own |
+//! | ask what can move | [`mobility`] |
+//! | ask how much play a motion takes | [`sensitivity`], [`gpr::Gpr::tilt_play`] |
+//! | bring another mechanism | implement [`constraint::System`] |
+//! | trust a rank | [`linalg`] |
+//!
+//! ```
+//! use jointplay_core::gpr::{AxisHeight, Gpr};
+//! use jointplay_core::spatial::Tilt;
+//! use jointplay_core::virtualization::{Planar, SolveOptions};
+//!
+//! let gpr = Gpr::paper();
+//! let tilt = Tilt { yaw: 0.3, pitch: 0.02 };
+//! let rods = gpr.inverse(tilt, AxisHeight(0.5))?;
+//! let platform = gpr.forward(rods, &Planar, &SolveOptions::default())?;
+//! assert!((platform.tilt().pitch - 0.02).abs() < 1e-12);
+//! # Ok::<(), jointplay_core::Error>(())
+//! ```
+
+pub mod constraint;
+mod error;
+pub mod gpr;
+pub mod linalg;
+pub mod mobility;
+pub mod sensitivity;
+pub mod spatial;
+pub mod virtualization;
+
+pub use error::{Error, Unconverged};

@@ -1,0 +1,85 @@
+//! Mobility for real: in how many directions the mechanism can go a finite way.
+
+use super::neighbours::{Neighbours, neighbours};
+use super::second_order::{SecondOrder, second_order};
+use super::{InstantaneousMobility, instantaneous_mobility};
+use crate::Error;
+use crate::constraint::{Configuration, System, scaled_residual, units};
+
+/// Scaled residual up to which a configuration counts as closed: far above round-off, far below any play.
+const CLOSED: f64 = 1e-9;
+
+/// Dimension of the set of configurations near one, between two bounds of different origin.
+///
+/// The upper bound is proved from first and second derivatives, to the rank threshold; the lower bound is what neighbouring configurations that were really found span.
+/// Where they meet, the dimension is decided.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FiniteMobility {
+    /// The dimension, or `None` where the bounds do not meet: an honest "undecided".
+    pub mobility: Option<usize>,
+    /// Dimension of the configurations found nearby.
+    pub lower_bound: usize,
+    /// Dimension that first and second order leave room for.
+    pub upper_bound: usize,
+    /// The first-order analysis.
+    pub instantaneous: InstantaneousMobility,
+    /// The second-order analysis; `None` where all constraints are independent, so that first order decides.
+    pub second_order: Option<SecondOrder>,
+    /// The search for neighbours; `None` where first order decides.
+    pub neighbours: Option<Neighbours>,
+}
+
+/// Finite mobility of the mechanism with its virtual joints held.
+///
+/// 1. Where all constraints are independent, the implicit function theorem makes every first-order motion finite.
+/// 2. Otherwise a motion v is the start of a finite one only if sᵀ Φ''[v, v] = 0 for every self-stress s: these quadrics bound the dimension from above.
+/// 3. Configurations near the given one are searched for from many directions; the dimension of what is found is the lower bound.
+///
+/// # Arguments
+/// * `at` – a configuration that satisfies the constraints
+/// * `relative_threshold` – as for [`instantaneous_mobility`]
+///
+/// # Errors
+/// [`Error::NotClosed`] if Φ is not zero there, and those of [`instantaneous_mobility`].
+///
+/// # Numerics
+/// Second order is not always enough: a motion stopped only at third order stays undecided, with both bounds reported.
+/// The search sees a branch only where it ends on it, so that a lower bound can be too small, never by round-off too large.
+/// Deterministic: the directions are the same at every call.
+///
+/// # Source
+/// [ConnellyWhiteley] for the second-order condition; the bounds are own derivation, `docs/theory.md`
+pub fn finite_mobility<S: System + ?Sized>(
+    system: &S,
+    at: &Configuration,
+    relative_threshold: f64,
+) -> Result<FiniteMobility, Error> {
+    let instantaneous = instantaneous_mobility(system, at, relative_threshold)?;
+    let rows = units(&system.constraint_dimensions(), instantaneous.characteristic_length);
+    let residual = scaled_residual(&system.residual(at), &rows).amax();
+    if residual.is_nan() || residual > CLOSED {
+        return Err(Error::NotClosed { residual, allowed: CLOSED });
+    }
+    if instantaneous.redundancy == 0 || instantaneous.mobility == 0 {
+        let mobility = instantaneous.mobility;
+        return Ok(FiniteMobility {
+            mobility: Some(mobility),
+            lower_bound: mobility,
+            upper_bound: mobility,
+            instantaneous,
+            second_order: None,
+            neighbours: None,
+        });
+    }
+    let second_order = second_order(system, at, &instantaneous)?;
+    let neighbours = neighbours(system, at, &instantaneous)?;
+    let (lower_bound, upper_bound) = (neighbours.dimension, second_order.upper_bound);
+    Ok(FiniteMobility {
+        mobility: (lower_bound == upper_bound).then_some(lower_bound),
+        lower_bound,
+        upper_bound,
+        instantaneous,
+        second_order: Some(second_order),
+        neighbours: Some(neighbours),
+    })
+}

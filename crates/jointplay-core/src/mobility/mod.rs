@@ -1,0 +1,24 @@
+//! What can move: by counting, to first order, and for real.
+//!
+//! | question | function |
+//! | --- | --- |
+//! | what does a count of links and joints give? | [`kutzbach_mobility`] |
+//! | which motions do the constraints allow to first order? | [`instantaneous_mobility`] |
+//! | …with the virtual joints free as well? | [`augmented_mobility`] |
+//! | in how many directions can it really go? | [`finite_mobility`] |
+//!
+//! The answers differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
+
+mod finite;
+mod instantaneous;
+mod kutzbach;
+mod neighbours;
+mod second_order;
+
+pub use finite::{FiniteMobility, finite_mobility};
+pub use instantaneous::{
+    InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,
+};
+pub use kutzbach::kutzbach_mobility;
+pub use neighbours::Neighbours;
+pub use second_order::SecondOrder;

@@ -1,0 +1,164 @@
+//! Which configurations there are nearby.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{InstantaneousMobility, instantaneous_mobility};
+use crate::Error;
+use crate::constraint::{Configuration, System, scaled_jacobian, scaled_residual, units};
+use crate::linalg::svd;
+
+/// How far away neighbours are looked for, in units of the characteristic length: on a branch, and well off the given point.
+const RADIUS: f64 = 1e-2;
+/// Neighbours nearer than this share of [`RADIUS`] are the given point found again.
+const SAME_POINT: f64 = 0.02;
+/// How far away the neighbours of a neighbour are looked for: its branch is flat to this share of it.
+const INNER_RADIUS: f64 = 1e-4;
+/// Scaled residual of a neighbour that counts as found.
+const FOUND: f64 = 1e-14;
+/// Displacements that span less than this share of [`INNER_RADIUS`] do not count as a direction.
+///
+/// A constraint that is touched, not crossed, is met to [`FOUND`] 10⁻⁷ away from where it is met exactly: a share of 10⁻³.
+const SPAN_THRESHOLD: f64 = 1e-2;
+/// For the same reason singular values at a neighbour are known to 10⁻⁷ only; those below this share of the largest count as zero there.
+const NEIGHBOUR_RANK_THRESHOLD: f64 = 1e-6;
+/// Corrections of one neighbour: touched constraints halve the error at a time, 20 of them from 10⁻² to 10⁻⁸.
+const MAX_CORRECTIONS: usize = 40;
+/// Singular values left out of a correction, relative to the largest.
+const CORRECTION_THRESHOLD: f64 = 1e-12;
+/// Neighbours whose own neighbours are looked for.
+const BRANCHES: usize = 3;
+
+/// Configurations found near a given one, and what they span.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Neighbours {
+    /// How many starts were tried about the given configuration.
+    pub tried: usize,
+    /// How many of them ended on another configuration nearby.
+    pub found: usize,
+    /// Dimension of the largest branch found: what the neighbours of one neighbour span.
+    pub dimension: usize,
+    /// Singular values of those neighbours' displacements, in units of the search radius, largest first.
+    pub spans: Vec<f64>,
+}
+
+/// Looks for neighbours, then for the neighbours of a few of them.
+///
+/// The second look is what counts: where branches cross, as they may at the given point, the neighbours of the crossing span more than any branch has.
+pub(super) fn neighbours<S: System + ?Sized>(
+    system: &S,
+    at: &Configuration,
+    first: &InstantaneousMobility,
+) -> Result<Neighbours, Error> {
+    let search = Search::new(system, first.characteristic_length);
+    let displacements = search.around(at, &first.null_space, RADIUS)?;
+    let tried = displacements.len();
+    let mut found: Vec<DVector<f64>> = displacements.into_iter().flatten().collect();
+    found.retain(|displacement| displacement.norm() > SAME_POINT * RADIUS);
+    let mut best = Neighbours { tried, found: found.len(), dimension: 0, spans: Vec::new() };
+    for displacement in found.iter().take(BRANCHES) {
+        let neighbour = search.moved(at, displacement);
+        let there = instantaneous_mobility(system, &neighbour, NEIGHBOUR_RANK_THRESHOLD)?;
+        let close: Vec<DVector<f64>> = search
+            .around(&neighbour, &there.null_space, INNER_RADIUS)?
+            .into_iter()
+            .flatten()
+            .collect();
+        if close.is_empty() {
+            continue;
+        }
+        let spans = svd(&(DMatrix::from_columns(&close) / INNER_RADIUS))?.singular_values;
+        let dimension = spans.iter().filter(|&&span| span > SPAN_THRESHOLD).count();
+        if dimension > best.dimension || best.spans.is_empty() {
+            best = Neighbours { dimension, spans: spans.iter().copied().collect(), ..best };
+        }
+    }
+    Ok(best)
+}
+
+/// A search for configurations, in dimensionless coordinates.
+struct Search<'a, S: ?Sized> {
+    system: &'a S,
+    rows: DVector<f64>,
+    columns: DVector<f64>,
+}
+
+impl<'a, S: System + ?Sized> Search<'a, S> {
+    fn new(system: &'a S, characteristic_length: f64) -> Self {
+        Self {
+            system,
+            rows: units(&system.constraint_dimensions(), characteristic_length),
+            columns: units(&system.coordinate_dimensions(), characteristic_length),
+        }
+    }
+
+    fn moved(&self, from: &Configuration, displacement: &DVector<f64>) -> Configuration {
+        Configuration {
+            coordinates: &from.coordinates + displacement.component_mul(&self.columns),
+            virtual_joints: from.virtual_joints.clone(),
+        }
+    }
+
+    /// Displacements to configurations at about `radius`, started in random directions of the null space; `None` for a start that led nowhere.
+    fn around(
+        &self,
+        from: &Configuration,
+        null_space: &DMatrix<f64>,
+        radius: f64,
+    ) -> Result<Vec<Option<DVector<f64>>>, Error> {
+        let mut random = Random(1);
+        (0..null_space.ncols() + 2)
+            .map(|_| {
+                let direction =
+                    DVector::from_fn(null_space.ncols(), |_, _| random.next()).normalize();
+                self.corrected(from, null_space * direction * radius, radius)
+            })
+            .collect()
+    }
+
+    /// Brings a displacement onto the constraints by Gauss–Newton steps of least norm.
+    fn corrected(
+        &self,
+        from: &Configuration,
+        mut displacement: DVector<f64>,
+        radius: f64,
+    ) -> Result<Option<DVector<f64>>, Error> {
+        for _ in 0..MAX_CORRECTIONS {
+            let at = self.moved(from, &displacement);
+            let residual = scaled_residual(&self.system.residual(&at), &self.rows);
+            // The share of the largest coordinate by which rounding it moves a constraint.
+            let round_off = f64::EPSILON * at.coordinates.component_div(&self.columns).amax();
+            if residual.amax() <= FOUND.max(round_off) {
+                return Ok((displacement.norm() <= 3.0 * radius).then_some(displacement));
+            }
+            let jacobian =
+                scaled_jacobian(&self.system.constraint_jacobian(&at), &self.rows, &self.columns);
+            let decomposition = svd(&jacobian)?;
+            displacement -=
+                decomposition.solve(&residual, decomposition.rank(CORRECTION_THRESHOLD));
+            if !displacement.norm().is_finite() {
+                break;
+            }
+        }
+        Ok(None)
+    }
+}
+
+/// SplitMix64, so that the directions are the same at every call.
+///
+/// # Source
+/// [SplitMix]
+struct Random(u64);
+
+impl Random {
+    /// Uniform in −1…1.
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^= z >> 31;
+        #[expect(clippy::cast_precision_loss, reason = "53 bits fit")]
+        let unit = (z >> 11) as f64 / (1_u64 << 53) as f64;
+        2.0 * unit - 1.0
+    }
+}

@@ -1,0 +1,83 @@
+//! Where a body is and how it is turned.
+
+use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector2, Vector3};
+
+/// A rigid transform, named by where it goes and where it comes from: `base_from_platform`.
+///
+/// `base_from_platform * point_in_platform` is the point in the base frame [m].
+pub type Pose = IsometryMatrix3<f64>;
+
+/// The shortest rotation that carries e_b3 onto `normal`.
+///
+/// ```text
+///    R = Rz(γ) Ry(α) Rz(−γ)      for the normal of the tilt (γ, α)
+/// ```
+///
+/// # Arguments
+/// * `normal` – unit vector in the base frame, not −e_b3
+///
+/// # Numerics
+/// Algebraic: no angle is formed, exact to round-off for every tilt below π.
+#[must_use]
+#[inline]
+pub fn leaning(normal: &Vector3<f64>) -> Rotation3<f64> {
+    let (x, y, z) = (normal.x, normal.y, normal.z);
+    let k = 1.0 / (1.0 + z);
+    let xy = -x * y * k;
+    Rotation3::from_matrix_unchecked(Matrix3::new(
+        1.0 - x * x * k,
+        xy,
+        x,
+        xy,
+        1.0 - y * y * k,
+        y,
+        -x,
+        -y,
+        z,
+    ))
+}
+
+/// The pose that carries three points of a platform's own plane onto three points of space, fitted within the plane.
+///
+/// The platform plane is laid on the plane of `targets`, the centroids on each other, and the platform turned within the plane to the least sum of squared distances.
+/// Where both triangles have the same sides, every point falls on its target.
+///
+/// # Arguments
+/// * `points_in_platform` – three points in the plane z = 0 of the platform frame [m]
+/// * `targets_in_base` – three points in the base frame, run round in the same sense seen from above [m]
+/// * `normal` – unit normal of the plane of the targets, upward, in the base frame
+///
+/// # Numerics
+/// The in-plane turn is the two-dimensional Procrustes fit in closed form: two sums and one root.
+///
+/// # Source
+/// [Umeyama], eq. (40), in two dimensions.
+#[must_use]
+#[inline]
+pub fn fit_in_plane(
+    points_in_platform: &[Vector2<f64>; 3],
+    targets_in_base: &[Vector3<f64>; 3],
+    normal: &Vector3<f64>,
+) -> Pose {
+    const THIRD: f64 = 1.0 / 3.0;
+    let from_center =
+        (points_in_platform[0] + points_in_platform[1] + points_in_platform[2]) * THIRD;
+    let onto_center = (targets_in_base[0] + targets_in_base[1] + targets_in_base[2]) * THIRD;
+    let lean = leaning(normal);
+    let (e_1, e_2) = (lean.matrix().column(0), lean.matrix().column(1));
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for k in 0..3 {
+        let from = points_in_platform[k] - from_center;
+        let target = targets_in_base[k] - onto_center;
+        let onto = Vector2::new(e_1.dot(&target), e_2.dot(&target));
+        cosine += from.dot(&onto);
+        sine += from.perp(&onto);
+    }
+    let scale = 1.0 / (cosine * cosine + sine * sine).sqrt();
+    let (c, s) = (cosine * scale, sine * scale);
+    let turned_1 = e_1 * c + e_2 * s;
+    let turned_2 = e_2 * c - e_1 * s;
+    let rotation = Matrix3::from_columns(&[turned_1, turned_2, *normal]);
+    let origin = onto_center - turned_1 * from_center.x - turned_2 * from_center.y;
+    Pose::from_parts(Translation3::from(origin), Rotation3::from_matrix_unchecked(rotation))
+}

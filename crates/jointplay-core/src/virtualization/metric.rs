@@ -1,0 +1,61 @@
+//! How lengths and angles of virtual joints are weighed against each other.
+
+use super::{Motion, Platform};
+use crate::Error;
+use crate::error::finite;
+
+/// The length ρ by which an angle is multiplied before it is added to lengths.
+///
+/// ```text
+///    ‖X‖²  =  Σ (linear)²  +  ρ² Σ (angular)²
+/// ```
+/// Without it, a least displacement would depend on the unit of length.
+///
+/// # Source
+/// Own choice; that the paper's numbers in mm and rad are ρ = 1 mm is shown in `docs/errata.md`.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Metric {
+    /// ρ = 1 mm: what [Virtualization] does, without saying so, by adding mm² to rad².
+    #[default]
+    Paper,
+    /// ρ = the mean socket radius: an angle counts as the arc that the socket runs through.
+    PlatformRadius,
+    /// Any other ρ, positive [m].
+    Length(f64),
+}
+
+impl Metric {
+    /// ρ for a platform [m].
+    ///
+    /// # Errors
+    /// [`Error::NotFinite`], [`Error::OutOfRange`] for a length that is not a positive number.
+    #[inline]
+    pub fn characteristic_length(self, platform: &Platform) -> Result<f64, Error> {
+        match self {
+            Self::Paper => Ok(1e-3),
+            Self::PlatformRadius => Ok(platform.mean_radius()),
+            Self::Length(length) => {
+                let what = "characteristic length";
+                // The square of ρ and its inverse have to be normal numbers.
+                let (min, max) = (1e-100, 1e100);
+                if (min..=max).contains(&finite(what, length)?) {
+                    Ok(length)
+                } else {
+                    Err(Error::OutOfRange { what, value: length, min, max })
+                }
+            }
+        }
+    }
+}
+
+impl Motion {
+    /// What a unit of this motion measures in the metric: 1 for a slide, ρ for a turn.
+    #[must_use]
+    #[inline]
+    pub fn weight(self, characteristic_length: f64) -> f64 {
+        match self {
+            Self::Linear => 1.0,
+            Self::Angular => characteristic_length,
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! A displacement of each socket in polar coordinates about its nominal place.
+
+use nalgebra::Vector2;
+
+use super::polar::turned;
+use super::{Motion, Platform, Sockets, VirtualJoint, Virtualization};
+
+/// Sockets displaced by dr_k in the direction β_k + dφ_k: p_k = r_k u(β_k) + dr_k u(β_k + dφ_k).
+///
+/// At dr_k = 0, where every solve starts, dφ_k has no effect: these coordinates have a singular point there, and dφ_k stays near zero whatever the robot does.
+/// [`Planar`](super::Planar) is the same freedom without that point.
+///
+/// # Source
+/// [Virtualization], V.B, with the misprinted index of r_3 put right (`docs/errata.md`)
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Offset;
+
+static JOINTS: [VirtualJoint; 6] =
+    VirtualJoint::pairs(("dr", Motion::Linear), ("dphi", Motion::Angular));
+
+impl Virtualization for Offset {
+    fn name(&self) -> &str {
+        "offset"
+    }
+
+    #[inline]
+    fn joints(&self) -> &[VirtualJoint] {
+        &JOINTS
+    }
+
+    #[inline]
+    fn nominal(&self, _platform: &Platform, x: &mut [f64]) {
+        x.fill(0.0);
+    }
+
+    #[inline]
+    fn sockets(&self, platform: &Platform, x: &[f64]) -> Sockets {
+        [0, 1, 2]
+            .map(|k| platform.sockets()[k] + turned(&platform.directions()[k], x[3 + k]) * x[k])
+    }
+
+    #[inline]
+    fn socket_velocities(&self, platform: &Platform, x: &[f64], velocities: &mut [Sockets]) {
+        velocities.fill(Sockets::default());
+        for k in 0..3 {
+            let direction = turned(&platform.directions()[k], x[3 + k]);
+            velocities[k][k] = direction;
+            velocities[3 + k][k] = Vector2::new(-direction.y, direction.x) * x[k];
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Model, analyse and simulate robots that move only because their joints have play.
+//!
+//! | module | role |
+//! | --- | --- |
+//! | [`gpr`] | the three-rod robot: geometry, inverse and forward kinematics |
+//! | [`virtualization`] | virtual joints: radial, polar, offset, planar, or your own |
+//! | [`mobility`], [`sensitivity`] | what can move, and how much play it takes |
+//! | [`constraint`] | the interface that both speak to |
+//! | [`linalg`], [`spatial`] | ranks and null spaces, poses and tilts |
+//! | [`study`] | sweeps over many poses |
+//! | [`mod@format`] | robot files in, JSON and tables out |
+//! | [`plot`] | figures as SVG and PNG |
+
+pub use jointplay_core::{
+    Error, Unconverged, constraint, gpr, linalg, mobility, sensitivity, spatial, virtualization,
+};
+pub use jointplay_format as format;
+pub use jointplay_plot as plot;
+pub use jointplay_study as study;
