@@ -1,1 +1,32 @@
-//! Placeholder.
+//! Sweeps over many poses: results as columns, in SI units.
+//!
+//! | to… | use |
+//! | --- | --- |
+//! | lay out the paper's poses, or others | [`Raster`] |
+//! | compute all poses under one virtualization | [`simulate`] → [`Samples`] |
+//! | sum them up | [`summarize`] → [`Summary`] |
+//! | set the bounds of sensitivity beside them | [`check_bounds`] → [`BoundsCheck`] |
+//! | set all models side by side | [`compare`] → [`Comparison`] |
+//!
+//! ```
+//! use jointplay_core::{gpr::Gpr, virtualization::{Polar, SolveOptions}};
+//! use jointplay_study::{Raster, simulate};
+//!
+//! let samples = simulate(&Gpr::paper(), &Raster::paper(), &Polar, &SolveOptions::default(), &mut |_| ())?;
+//! assert_eq!(samples.len(), 777);
+//! # Ok::<(), jointplay_study::Error>(())
+//! ```
+
+mod bounds_check;
+mod compare;
+mod error;
+mod raster;
+mod samples;
+mod summary;
+
+pub use bounds_check::{BoundsCheck, check_bounds};
+pub use compare::{Comparison, ModelCurve, compare};
+pub use error::Error;
+pub use raster::{Order, Raster};
+pub use samples::{Samples, Series, SeriesKind, simulate};
+pub use summary::{SeriesSummary, Summary, summarize};

@@ -34,6 +34,12 @@ pub use virtual_joint::{MAX_VIRTUAL_JOINTS, Motion, VirtualJoint, VirtualJoints}
 use platform::unit;
 pub(crate) use platform::{check_not_collinear, sides_of, signed_area};
 
+/// The four virtualizations of this crate, in the order of the table above.
+#[must_use]
+pub fn built_in() -> [&'static dyn Virtualization; 4] {
+    [&Radial, &Polar, &Offset, &Planar]
+}
+
 /// A way to let the sockets move in the platform plane.
 ///
 /// All vectors are in the platform frame; `x` always has as many entries as [`joints`](Self::joints).

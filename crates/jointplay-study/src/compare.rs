@@ -1,0 +1,81 @@
+//! All models side by side over a range of tilts.
+
+use jointplay_core::gpr::{AxisHeight, Gpr};
+use jointplay_core::spatial::Tilt;
+use jointplay_core::virtualization::{SolveOptions, Virtualization};
+use nalgebra::Vector2;
+
+use crate::Error;
+
+/// What one model says over the tilts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelCurve {
+    /// Name of the virtualization.
+    pub name: String,
+    /// Offset of O_p from the base axis, e_b1 and e_b2 [m].
+    pub center_shift: Vec<Vector2<f64>>,
+    /// The farthest that a socket is moved from its nominal place in the platform [m].
+    pub largest_displacement: Vec<f64>,
+}
+
+/// All models and the approximate one over the same tilts.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// Azimuth of all tilts [rad].
+    pub yaw: f64,
+    /// Axis height of all tilts.
+    pub height: AxisHeight,
+    /// The pitch angles [rad].
+    pub pitches: Vec<f64>,
+    /// One curve for each virtualization; their displacements are distances in the platform, the same measure for all.
+    pub models: Vec<ModelCurve>,
+    /// The farthest that a socket of the approximate model is off its ball [m]; its centre never shifts.
+    pub approximate_gap: Vec<f64>,
+}
+
+/// Computes every model at every pitch.
+///
+/// # Errors
+/// [`Error::Empty`]; [`Error::Pose`] with the first pose that cannot be computed.
+pub fn compare(
+    gpr: &Gpr,
+    virtualizations: &[&dyn Virtualization],
+    yaw: f64,
+    pitches: &[f64],
+    height: AxisHeight,
+    options: &SolveOptions,
+) -> Result<Comparison, Error> {
+    if pitches.is_empty() {
+        return Err(Error::Empty { yaws: 1, pitches: 0 });
+    }
+    let failed = |sample: usize| move |source| Error::pose(sample, Tilt { yaw, pitch: pitches[sample] }, source);
+    let mut models = Vec::with_capacity(virtualizations.len());
+    for virtualization in virtualizations {
+        let mut curve = ModelCurve {
+            name: virtualization.name().to_owned(),
+            center_shift: Vec::with_capacity(pitches.len()),
+            largest_displacement: Vec::with_capacity(pitches.len()),
+        };
+        for (sample, &pitch) in pitches.iter().enumerate() {
+            let pose = gpr
+                .inverse(Tilt { yaw, pitch }, height)
+                .and_then(|rods| gpr.forward(rods, *virtualization, options))
+                .map_err(failed(sample))?;
+            let sockets = virtualization.sockets(gpr.platform(), &pose.solution.virtual_joints);
+            let nominal = gpr.platform().sockets();
+            let moved = (0..3).map(|k| (sockets[k] - nominal[k]).norm());
+            curve.center_shift.push(pose.center_shift());
+            curve.largest_displacement.push(moved.fold(0.0, f64::max));
+        }
+        models.push(curve);
+    }
+    let approximate_gap = pitches
+        .iter()
+        .enumerate()
+        .map(|(sample, &pitch)| {
+            let approximate = gpr.approximate(Tilt { yaw, pitch }, height).map_err(failed(sample))?;
+            Ok(approximate.gaps.iter().map(|gap| gap.norm()).fold(0.0, f64::max))
+        })
+        .collect::<Result<_, Error>>()?;
+    Ok(Comparison { yaw, height, pitches: pitches.to_vec(), models, approximate_gap })
+}

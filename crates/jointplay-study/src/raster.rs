@@ -1,0 +1,69 @@
+//! The poses of a study: a raster over yaw and pitch.
+
+use jointplay_core::gpr::AxisHeight;
+use jointplay_core::spatial::Tilt;
+
+/// In which order the poses of a raster follow each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Order {
+    /// Every yaw runs through the pitches from first to last, as in the paper; jumps back at the end of each.
+    #[default]
+    Raster,
+    /// Every other yaw runs through the pitches backwards: continuous in time, for motion.
+    Serpentine,
+}
+
+/// A raster of tilts at one axis height.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raster {
+    /// Yaw angles γ, the slow direction [rad].
+    pub yaws: Vec<f64>,
+    /// Pitch angles α, the fast direction [rad].
+    pub pitches: Vec<f64>,
+    /// Where the platform plane crosses the base axis.
+    pub height: AxisHeight,
+    /// Order of the poses.
+    pub order: Order,
+}
+
+impl Raster {
+    /// The paper's raster: pitch −2° to 2° by 0.2° for each yaw from 0° to 360°, at 500 mm.
+    ///
+    /// The yaw step is not printed; 10° is our choice, both ends included: 37 × 21 = 777 poses.
+    ///
+    /// # Source
+    /// [Virtualization], VI.A
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            yaws: (0..=36).map(|i| (f64::from(i) * 10.0).to_radians()).collect(),
+            pitches: (-10..=10).map(|i| (f64::from(i) / 5.0).to_radians()).collect(),
+            height: AxisHeight(0.5),
+            order: Order::Raster,
+        }
+    }
+
+    /// Number of poses.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.yaws.len() * self.pitches.len()
+    }
+
+    /// Whether there is no pose at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The poses, in order.
+    pub fn tilts(&self) -> impl Iterator<Item = Tilt> + '_ {
+        self.yaws.iter().enumerate().flat_map(move |(row, &yaw)| {
+            let backwards = self.order == Order::Serpentine && row % 2 == 1;
+            let count = self.pitches.len();
+            (0..count).map(move |i| {
+                let pitch = self.pitches[if backwards { count - 1 - i } else { i }];
+                Tilt { yaw, pitch }
+            })
+        })
+    }
+}

@@ -1,0 +1,75 @@
+//! Who may import whom: the table.
+
+/// What one crate may import.
+pub(super) struct Rule {
+    /// The package's name.
+    pub(super) name: &'static str,
+    /// Where it stands, as people say it.
+    pub(super) ring: &'static str,
+    /// Crates of this workspace it may import.
+    pub(super) ours: &'static [&'static str],
+    /// Libraries from outside it may import.
+    pub(super) outside: Outside,
+}
+
+/// A choice among the libraries from outside.
+#[derive(Clone, Copy)]
+pub(super) enum Outside {
+    /// These and no other.
+    Only(&'static [&'static str]),
+    /// Every one but these and their companions: `clap` stands for `clap_complete` too.
+    AllBut(&'static [&'static str]),
+}
+
+impl Outside {
+    /// Whether the library `name` is in the choice.
+    pub(super) fn allows(self, name: &str) -> bool {
+        let companion =
+            |family: &str| name.strip_prefix(family).is_some_and(|end| end.starts_with(['-', '_']));
+        match self {
+            Self::Only(names) => names.contains(&name),
+            Self::AllBut(names) => !names.iter().any(|family| name == *family || companion(family)),
+        }
+    }
+}
+
+const CORE: &str = "jointplay-core";
+const STUDY: &str = "jointplay-study";
+const CELL: &str = "jointplay-cell";
+const FORMAT: &str = "jointplay-format";
+const PLOT: &str = "jointplay-plot";
+const FACADE: &str = "jointplay";
+
+const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "faer"]);
+const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror"]);
+/// Arguments, catch-all errors and Python belong to ring 4, servers to the studio.
+const LIBRARIES: Outside = Outside::AllBut(&["clap", "anyhow", "pyo3", "tokio", "axum"]);
+const NONE: Outside = Outside::Only(&[]);
+const ANY: Outside = Outside::AllBut(&[]);
+const CHORES: Outside = Outside::AllBut(&["clap", "anyhow", "pyo3"]);
+
+const TABLE: [Rule; 12] = [
+    Rule { name: CORE, ring: "ring 0", ours: &[], outside: MATHEMATICS },
+    Rule { name: STUDY, ring: "ring 1", ours: &[CORE], outside: STUDIES },
+    Rule { name: CELL, ring: "ring 1", ours: &[CORE, STUDY], outside: STUDIES },
+    Rule { name: FORMAT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
+    Rule { name: PLOT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
+    Rule { name: FACADE, ring: "ring 3", ours: &[CORE, STUDY, CELL, FORMAT, PLOT], outside: NONE },
+    Rule { name: "jointplay-cli", ring: "ring 4", ours: &[FACADE], outside: ANY },
+    Rule { name: "jointplay-studio", ring: "ring 4", ours: &[FACADE], outside: ANY },
+    Rule { name: "jointplay-python", ring: "ring 4", ours: &[FACADE], outside: ANY },
+    Rule { name: "jointplay-c", ring: "ring 4", ours: &[FACADE], outside: ANY },
+    Rule { name: "jointplay-validation", ring: "ring 4", ours: &[FACADE], outside: ANY },
+    Rule { name: "xtask", ring: "outside the rings", ours: &[], outside: CHORES },
+];
+
+/// The rule for a package, if the table has one.
+pub(super) fn rule(name: &str) -> Option<&'static Rule> {
+    TABLE.iter().find(|rule| rule.name == name)
+}
+
+/// Names, as code writes them, of our crates that ring 4 may not import.
+pub(super) fn crates_below_facade() -> impl Iterator<Item = String> {
+    let below = TABLE.iter().filter(|rule| matches!(rule.ring, "ring 0" | "ring 1" | "ring 2"));
+    below.map(|rule| rule.name.replace('-', "_"))
+}

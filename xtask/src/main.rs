@@ -1,0 +1,50 @@
+//! The project's own chores, run as `cargo xtask NAME`.
+//!
+//! | chore  | what it answers                                    |
+//! | ------ | -------------------------------------------------- |
+//! | `test` | May this change go in? Runs everything below too.  |
+//! | `tidy` | Do the documents and sources keep the house rules? |
+//! | `deps` | Does each crate import only what its ring may?     |
+
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a chore reports to the person who runs it"
+)]
+
+mod deps;
+mod finding;
+mod markdown;
+mod root;
+mod rust_source;
+mod test;
+mod tidy;
+mod tree;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+usage: cargo xtask CHORE
+
+  test   everything a change must pass, stopping at the first failure
+  tidy   paths, links, source keys, sizes and unfinished code
+  deps   who may import whom";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let root = root::find();
+    let passed = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["test"] => test::run(&root),
+        ["tidy"] => tidy::run(&root),
+        ["deps"] => deps::run(&root),
+        [] | ["help" | "-h" | "--help"] => {
+            println!("{USAGE}");
+            true
+        }
+        _ => {
+            eprintln!("unknown chore: {}\n\n{USAGE}", arguments.join(" "));
+            return ExitCode::from(2);
+        }
+    };
+    if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}

@@ -1,0 +1,208 @@
+//! `cargo xtask test`: everything a change must pass, stopping at the first failure.
+//!
+//! Quick steps come first. Benches are compiled by clippy's `--all-targets`.
+
+mod doc_links;
+
+use crate::{deps, tidy};
+use std::io::{self, IsTerminal};
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// One thing a change must pass.
+struct Step {
+    /// Arguments of cargo.
+    arguments: Vec<String>,
+    /// Environment of this step alone.
+    environment: Option<(&'static str, &'static str)>,
+    /// What to do when it fails.
+    cure: String,
+}
+
+impl Step {
+    fn new(arguments: &str, cure: impl Into<String>) -> Self {
+        let arguments = arguments.split_whitespace().map(str::to_owned).collect();
+        Self { arguments, environment: None, cure: cure.into() }
+    }
+
+    /// The line a person would type to run this step alone.
+    fn command_line(&self) -> String {
+        let quoted =
+            self.environment.map(|(key, value)| format!("{key}=\"{value}\" ")).unwrap_or_default();
+        format!("{quoted}cargo {}", self.arguments.join(" "))
+    }
+}
+
+/// The step whose warnings are sifted by [`doc_links`].
+const DOC: &str = "doc --workspace --all-features --no-deps";
+
+/// Runs all steps in the workspace at `root`; true if each passed.
+pub(crate) fn run(root: &Path) -> bool {
+    let examples = match examples(root) {
+        Ok(examples) => examples,
+        Err(error) => {
+            eprintln!("test: cannot read the folder examples: {error}");
+            return false;
+        }
+    };
+    run_steps(&steps(&examples), |step| match step.arguments.join(" ").as_str() {
+        // Already in this program: no need to start it again.
+        "xtask tidy" => tidy::run(root),
+        "xtask deps" => deps::run(root),
+        DOC => doc_links::run(cargo(step, root), root),
+        _ => run_cargo(step, root),
+    })
+}
+
+/// The steps in order, for the given names of examples.
+fn steps(examples: &[String]) -> Vec<Step> {
+    let mut steps = vec![
+        Step::new("fmt --all --check", "run `cargo fmt --all`"),
+        Step::new("xtask tidy", "mend each line listed above"),
+        Step::new(
+            "xtask deps",
+            "drop the import, or move the code to the ring it belongs to (ARCHITECTURE.md)",
+        ),
+        Step::new(
+            "clippy --workspace --all-targets --all-features -- -D warnings",
+            "mend what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
+        ),
+        Step::new(
+            "test --workspace --all-features",
+            "run the failing test alone: `cargo test -p CRATE NAME`; after a wanted change of snapshots, `INSTA_UPDATE=always cargo test` and read the difference",
+        ),
+    ];
+    for name in examples {
+        let cure =
+            format!("mend examples/{name}.rs; its crate's manifest must list it under [[example]]");
+        steps.push(Step::new(&format!("run -p jointplay --example {name}"), cure));
+    }
+    let docs = Step::new(DOC, "mend the doc comments that rustdoc names above");
+    steps.push(Step { environment: Some(("RUSTDOCFLAGS", doc_links::FLAGS)), ..docs });
+    steps
+}
+
+/// Names of the files `examples/*.rs`, in order.
+fn examples(root: &Path) -> io::Result<Vec<String>> {
+    let folder = root.join("examples");
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let mut names = Vec::new();
+    for entry in folder.read_dir()? {
+        let path = entry?.path();
+        if path.extension().is_some_and(|end| end == "rs") {
+            names.extend(path.file_stem().map(|stem| stem.to_string_lossy().into_owned()));
+        }
+    }
+    names.sort();
+    Ok(names)
+}
+
+/// Announces and runs each step until one fails; true if none did.
+fn run_steps(steps: &[Step], mut run: impl FnMut(&Step) -> bool) -> bool {
+    let start = Instant::now();
+    for (i, step) in steps.iter().enumerate() {
+        println!("\n=== {}/{}  {}", i + 1, steps.len(), step.command_line());
+        let step_start = Instant::now();
+        let passed = run(step);
+        let time = seconds(step_start.elapsed());
+        if !passed {
+            println!("=== FAILED after {time}: {}", step.command_line());
+            println!("=== cure: {}", step.cure);
+            return false;
+        }
+        println!("=== passed in {time}");
+    }
+    println!("\n=== all {} steps passed in {}", steps.len(), seconds(start.elapsed()));
+    true
+}
+
+fn seconds(time: Duration) -> String {
+    format!("{:.1} s", time.as_secs_f64())
+}
+
+/// A step's cargo, not yet started.
+fn cargo(step: &Step, root: &Path) -> Command {
+    let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    command.args(&step.arguments).current_dir(root).envs(step.environment);
+    if std::env::var_os("CARGO_TERM_COLOR").is_none() {
+        let unwanted = std::env::var_os("NO_COLOR").is_some();
+        command.env("CARGO_TERM_COLOR", color(io::stderr().is_terminal(), unwanted));
+    }
+    command
+}
+
+/// Runs a step's cargo with our own input and output; true if it succeeded.
+fn run_cargo(step: &Step, root: &Path) -> bool {
+    match cargo(step, root).status() {
+        Ok(status) => status.success(),
+        Err(error) => {
+            eprintln!("cannot start cargo: {error}");
+            false
+        }
+    }
+}
+
+/// Colours for people, none for log files or those who asked for none.
+fn color(is_terminal: bool, unwanted: bool) -> &'static str {
+    if is_terminal && !unwanted { "always" } else { "never" }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(examples: &[&str]) -> Vec<String> {
+        let names: Vec<String> = examples.iter().map(|name| (*name).to_owned()).collect();
+        steps(&names).iter().map(Step::command_line).collect()
+    }
+
+    #[test]
+    fn every_step_is_there() {
+        let expect = [
+            "cargo fmt --all --check",
+            "cargo xtask tidy",
+            "cargo xtask deps",
+            "cargo clippy --workspace --all-targets --all-features -- -D warnings",
+            "cargo test --workspace --all-features",
+            "cargo run -p jointplay --example 01_a",
+            &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
+        ];
+        assert_eq!(lines(&["01_a"]), expect);
+        assert_eq!(lines(&[]).len(), expect.len() - 1);
+    }
+
+    #[test]
+    fn the_first_failure_is_the_last_step() {
+        let mut seen = Vec::new();
+        let passed = run_steps(&steps(&[]), |step| {
+            seen.push(step.command_line());
+            !step.arguments.contains(&"deps".to_owned())
+        });
+        assert!(!passed);
+        assert_eq!(seen, &lines(&[])[..3]);
+        assert!(run_steps(&steps(&[]), |_| true));
+    }
+
+    #[test]
+    fn examples_are_found_in_order() {
+        let root = std::env::temp_dir().join(format!("xtask-examples-{}", std::process::id()));
+        assert_eq!(examples(&root).unwrap(), Vec::<String>::new());
+        std::fs::create_dir_all(root.join("examples")).unwrap();
+        for name in ["02_b.rs", "01_a.rs", "notes.md"] {
+            std::fs::write(root.join("examples").join(name), "").unwrap();
+        }
+        let found = examples(&root).unwrap();
+        std::fs::remove_dir_all(&root).unwrap();
+        assert_eq!(found, ["01_a", "02_b"]);
+    }
+
+    #[test]
+    fn colours() {
+        assert_eq!(color(true, false), "always");
+        assert_eq!(color(true, true), "never");
+        assert_eq!(color(false, false), "never");
+    }
+}
