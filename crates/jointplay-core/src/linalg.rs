@@ -3,9 +3,12 @@
 //! Low rank is daily bread here, and the common library's decomposition returns wrong singular values on low-rank matrices without a word.
 //! This one is a one-sided Jacobi iteration: slower on large matrices, right on every rank, and its right vectors are a complete basis, so that a wide matrix has its null space.
 
-use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+use nalgebra::{DMatrix, DVector, Vector3};
 
 use crate::Error;
+
+/// An equation of which elimination leaves no more than this share is a combination of those before it: a few hundred units of round-off.
+const LEAST_PIVOT: f64 = 1e-13;
 
 /// More sweeps than any matrix has been seen to need: ten do for most, scaling by 10³⁰⁰ included.
 const MAX_SWEEPS: usize = 60;
@@ -197,7 +200,7 @@ impl Svd {
 /// * `x` – (M) takes the solution
 ///
 /// # Numerics
-/// Cholesky of a 3×3, without allocation; J has to have full row rank, and the condition is squared.
+/// L D Lᵀ of a 3×3, without allocation; the condition is squared, so that equations count as dependent from 3·10⁻⁷ on.
 #[must_use]
 #[inline]
 pub fn least_norm_of_three(
@@ -206,14 +209,359 @@ pub fn least_norm_of_three(
     b: &Vector3<f64>,
     x: &mut [f64],
 ) -> bool {
-    let mut gram = Matrix3::zeros();
+    // J C Jᵀ = L D Lᵀ with ones on the diagonal of L.
+    let [mut xx, mut xy, mut xz, mut yy, mut yz, mut zz] = [0.0; 6];
     for (column, c) in columns.iter().zip(compliance) {
-        gram += column * (column * *c).transpose();
+        let weighted = column * *c;
+        xx += weighted.x * column.x;
+        xy += weighted.x * column.y;
+        xz += weighted.x * column.z;
+        yy += weighted.y * column.y;
+        yz += weighted.y * column.z;
+        zz += weighted.z * column.z;
     }
-    let Some(factor) = gram.cholesky() else { return false };
-    let multiplier = factor.solve(b);
+    let (l_yx, l_zx) = (xy / xx, xz / xx);
+    let d_y = yy - l_yx * xy;
+    let remainder = yz - l_zx * xy;
+    let l_zy = remainder / d_y;
+    let d_z = zz - l_zx * xz - l_zy * remainder;
+    // Written so that NaN counts as dependent.
+    if !(xx > 0.0 && d_y > LEAST_PIVOT * yy && d_z > LEAST_PIVOT * zz) {
+        return false;
+    }
+    let forward_y = b.y - l_yx * b.x;
+    let forward_z = b.z - l_zx * b.x - l_zy * forward_y;
+    let z = forward_z / d_z;
+    let y = forward_y / d_y - l_zy * z;
+    let multiplier = Vector3::new(b.x / xx - l_yx * y - l_zx * z, y, z);
     for ((unknown, column), c) in x.iter_mut().zip(columns).zip(compliance) {
         *unknown = c * column.dot(&multiplier);
     }
     true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Round-off allowed, relative to the largest singular value: a few hundred rotations of a few units each.
+    const ROUND_OFF: f64 = 1e-13;
+
+    /// SplitMix64, so that every run tests the same matrices.
+    struct Random(u64);
+
+    impl Random {
+        /// Uniform in −1…1.
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+            let mut z = self.0;
+            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+            z ^= z >> 31;
+            (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        }
+
+        fn matrix(&mut self, m: usize, n: usize) -> DMatrix<f64> {
+            DMatrix::from_fn(m, n, |_, _| self.next())
+        }
+
+        fn orthogonal(&mut self, n: usize) -> DMatrix<f64> {
+            self.matrix(n, n).qr().q()
+        }
+
+        /// A matrix with these singular values and random singular vectors.
+        fn with_values(&mut self, m: usize, n: usize, values: &[f64]) -> DMatrix<f64> {
+            let sigma = DMatrix::from_fn(m, n, |i, j| {
+                if i == j { values.get(i).copied().unwrap_or(0.0) } else { 0.0 }
+            });
+            self.orthogonal(m) * sigma * self.orthogonal(n)
+        }
+    }
+
+    fn near(what: &str, found: &DMatrix<f64>, expected: &DMatrix<f64>, tolerance: f64) {
+        assert_eq!(found.shape(), expected.shape(), "{what}");
+        let off = (found - expected).amax();
+        assert!(off <= tolerance, "{what} is off by {off:e}, more than {tolerance:e}");
+    }
+
+    /// Everything that a decomposition of a matrix of known rank has to be.
+    #[track_caller]
+    fn check(a: &DMatrix<f64>, rank: usize) -> Svd {
+        let (m, n) = a.shape();
+        let found = svd(a).unwrap();
+        let largest = found.largest();
+        let sigma = DMatrix::from_fn(m, n, |i, j| {
+            if i == j { found.singular_values[i] / largest.max(f64::MIN_POSITIVE) } else { 0.0 }
+        });
+        let unit = a.map(|value| value / largest.max(f64::MIN_POSITIVE));
+        near("U Σ Vᵀ", &(&found.u * &sigma * found.v.transpose()), &unit, ROUND_OFF);
+        near("UᵀU", &(found.u.transpose() * &found.u), &DMatrix::identity(m, m), ROUND_OFF);
+        near("VᵀV", &(found.v.transpose() * &found.v), &DMatrix::identity(n, n), ROUND_OFF);
+        let values = found.singular_values.as_slice();
+        assert_eq!(values.len(), m.min(n));
+        assert!(values.is_sorted_by(|a, b| a >= b) && values.iter().all(|&s| s >= 0.0));
+
+        assert_eq!(found.rank(ROUND_OFF), rank, "{values:?}");
+        let null_space = found.null_space(rank);
+        let left = found.left_null_space(rank);
+        assert_eq!((null_space.shape(), left.shape()), ((n, n - rank), (m, m - rank)));
+        near("A N", &(&unit * &null_space), &DMatrix::zeros(m, n - rank), ROUND_OFF);
+        near("LᵀA", &(left.transpose() * &unit), &DMatrix::zeros(m - rank, n), ROUND_OFF);
+        found
+    }
+
+    #[test]
+    fn every_rank_of_every_shape() {
+        let mut random = Random(1);
+        for (m, n, repeats) in [(12, 18, 100), (18, 12, 100), (12, 12, 100), (3, 6, 200)] {
+            for rank in 0..=m.min(n) {
+                for _ in 0..repeats {
+                    check(&(random.matrix(m, rank) * random.matrix(rank, n)), rank);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rows_columns_and_nothing() {
+        let mut random = Random(2);
+        for n in 1..30 {
+            check(&random.matrix(1, n), 1);
+            check(&random.matrix(n, 1), 1);
+            check(&DMatrix::zeros(1, n), 0);
+            check(&DMatrix::zeros(n, 1), 0);
+            check(&DMatrix::zeros(n, 0), 0);
+            check(&DMatrix::zeros(0, n), 0);
+        }
+        let empty = check(&DMatrix::zeros(0, 0), 0);
+        assert_eq!(empty.largest(), 0.0);
+        assert_eq!(empty.pseudo_inverse(0).shape(), (0, 0));
+    }
+
+    #[test]
+    fn known_singular_values() {
+        let mut random = Random(3);
+        for (m, n) in [(12, 18), (18, 12), (12, 12), (40, 40)] {
+            for repeated in [false, true] {
+                for _ in 0..50 {
+                    let count = m.min(n) - 2;
+                    let mut values: Vec<f64> = (0..count)
+                        .map(|i| if repeated { [3.0, 1.0][i % 2] } else { 1.5 + random.next() })
+                        .collect();
+                    values.sort_by(|a, b| b.total_cmp(a));
+                    let a = random.with_values(m, n, &values);
+                    let found = check(&a, count);
+                    // A second witness, at half the digits: eigenvalues of AᵀA.
+                    let mut squares: Vec<f64> =
+                        (a.transpose() * &a).symmetric_eigen().eigenvalues.iter().copied().collect();
+                    squares.sort_by(|a, b| b.total_cmp(a));
+                    for (k, expected) in values.iter().enumerate() {
+                        assert!((found.singular_values[k] - expected).abs() < ROUND_OFF);
+                        assert!((squares[k].sqrt() - expected).abs() < 1e-12);
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn graded_singular_values() {
+        let mut random = Random(4);
+        let values: Vec<f64> = (0..12).map(|k| 10_f64.powf(-15.0 * f64::from(k) / 11.0)).collect();
+        for (m, n) in [(12, 18), (18, 12), (12, 12)] {
+            for _ in 0..100 {
+                let found = check(&random.with_values(m, n, &values), 10);
+                for (found, expected) in found.singular_values.iter().zip(&values) {
+                    assert!((found - expected).abs() < 1e-14);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn any_scale_and_uneven_columns() {
+        let mut random = Random(5);
+        for _ in 0..200 {
+            let a = random.matrix(12, 4) * random.matrix(4, 18);
+            let expected = check(&a, 4);
+            for exponent in [-300, -150, 150, 300] {
+                let scale = 10_f64.powi(exponent);
+                let found = check(&(&a * scale), 4);
+                for k in 0..12 {
+                    let off = found.singular_values[k] / scale - expected.singular_values[k];
+                    assert!(off.abs() < ROUND_OFF * expected.largest());
+                }
+            }
+            // Independent columns and rows, each with its own unit: still independent, however uneven.
+            let mut uneven = random.matrix(18, 12);
+            for mut column in uneven.column_iter_mut() {
+                column *= 10_f64.powf(12.0 * random.next());
+            }
+            let found = svd(&uneven).unwrap();
+            let unit = &found.u.transpose() * &found.u - DMatrix::identity(18, 18);
+            assert!(unit.amax() < ROUND_OFF);
+            let sigma = DMatrix::from_fn(18, 12, |i, j| if i == j { found.singular_values[i] } else { 0.0 });
+            let back = &found.u * sigma * found.v.transpose();
+            assert!((back - &uneven).amax() < ROUND_OFF * uneven.amax());
+        }
+    }
+
+    #[test]
+    fn subnormal_and_huge_entries() {
+        let mut random = Random(6);
+        for scale in [f64::MIN_POSITIVE * 1e-10, f64::MIN_POSITIVE, 1e-305, 1e305] {
+            // The least bits of a subnormal number are few: the rank is that of what is left of the matrix.
+            let found = svd(&(random.matrix(12, 18) * scale)).unwrap();
+            assert!(found.largest() > scale && found.largest() < 100.0 * scale);
+            assert!((found.v.transpose() * &found.v - DMatrix::identity(18, 18)).amax() < ROUND_OFF);
+        }
+        let least = f64::from_bits(1);
+        assert_eq!(svd(&DMatrix::from_element(1, 1, least)).unwrap().largest(), least);
+        assert_eq!(svd(&DMatrix::from_element(2, 2, 0.25 * f64::MAX)).unwrap().rank(0.1), 1);
+    }
+
+    #[test]
+    fn no_number_no_answer() {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            let mut a = DMatrix::identity(3, 4);
+            a[(2, 1)] = value;
+            let error = svd(&a).unwrap_err();
+            assert_eq!(
+                error.to_string(),
+                format!("an entry of the matrix is {value}, but has to be a finite number")
+            );
+        }
+    }
+
+    #[test]
+    fn large_matrices_converge() {
+        let mut random = Random(7);
+        for (n, rank) in [(60, 60), (100, 30), (150, 149)] {
+            check(&(random.matrix(n, rank) * random.matrix(rank, n)), rank);
+        }
+    }
+
+    /// The four conditions of Penrose, and the shortest of the best solutions.
+    #[test]
+    fn pseudo_inverse_and_least_norm() {
+        let mut random = Random(8);
+        for (m, n) in [(12, 18), (18, 12), (12, 12), (1, 7), (7, 1)] {
+            for rank in 0..=m.min(n) {
+                let values: Vec<f64> = (0..rank).map(|_| 1.5 + random.next()).collect();
+                let a = random.with_values(m, n, &values);
+                let found = check(&a, rank);
+                let inverse = found.pseudo_inverse(rank);
+                near("A A† A", &(&a * &inverse * &a), &a, ROUND_OFF);
+                near("A† A A†", &(&inverse * &a * &inverse), &inverse, 10.0 * ROUND_OFF);
+                near("A A†", &(&a * &inverse), &(&a * &inverse).transpose(), ROUND_OFF);
+                near("A† A", &(&inverse * &a), &(&inverse * &a).transpose(), ROUND_OFF);
+
+                let b = DVector::from_fn(m, |_, _| random.next());
+                let x = found.solve(&b, rank);
+                assert!((&x - &inverse * &b).amax() < 10.0 * ROUND_OFF);
+                // Nothing of x lies in the null space, nothing of the remainder in the range.
+                assert!((found.null_space(rank).transpose() * &x).amax() < 10.0 * ROUND_OFF);
+                assert!((a.transpose() * (&a * &x - &b)).amax() < 10.0 * ROUND_OFF);
+            }
+        }
+    }
+
+    #[test]
+    fn three_equations_with_compliances() {
+        let mut random = Random(9);
+        for count in 3..=12 {
+            for _ in 0..100 {
+                let columns: Vec<Vector3<f64>> =
+                    (0..count).map(|_| Vector3::from_fn(|_, _| random.next())).collect();
+                let compliance: Vec<f64> =
+                    (0..count).map(|_| 10_f64.powf(3.0 * random.next())).collect();
+                let b = Vector3::from_fn(|_, _| random.next());
+                // In y = x/√C the weighted norm is the plain one.
+                let scaled = DMatrix::from_fn(3, count, |i, m| columns[m][i] * compliance[m].sqrt());
+                let decomposition = svd(&scaled).unwrap();
+                let condition = decomposition.largest() / decomposition.singular_values[2];
+                if condition > 1e3 {
+                    continue;
+                }
+                let y = decomposition.solve(&DVector::from_column_slice(b.as_slice()), 3);
+                let mut x = vec![0.0; count];
+                assert!(least_norm_of_three(&columns, &compliance, &b, &mut x));
+                for m in 0..count {
+                    let off = x[m] / compliance[m].sqrt() - y[m];
+                    assert!(off.abs() <= 1e-15 * condition.powi(2) * y.norm(), "{off:e}");
+                }
+            }
+        }
+    }
+
+    /// Products of whole numbers on which the bidiagonal iteration of nalgebra 0.35 (`Matrix::svd`) goes wrong.
+    ///
+    /// Its largest singular values, as found: 4.5415 for the first, 13.6877 for the second, 31.9863 for the third.
+    #[test]
+    fn low_rank_matrices_that_the_common_library_gets_wrong() {
+        #[track_caller]
+        fn check_product(m: usize, n: usize, left: &[f64], right: &[f64], expected: &[f64]) {
+            let rank = expected.len();
+            let left = DMatrix::from_column_slice(m, rank, left);
+            let right = DMatrix::from_column_slice(rank, n, right);
+            let found = check(&(&left * &right), rank);
+            for (found, expected) in found.singular_values.iter().zip(expected) {
+                assert!((found / expected - 1.0).abs() < ROUND_OFF, "{found} for {expected}");
+            }
+        }
+        check_product(
+            4,
+            6,
+            &[1.0, 1.0, 1.0, 0.0],
+            &[1.0, 0.0, -1.0, -1.0, 1.0, 1.0],
+            &[15_f64.sqrt()],
+        );
+        check_product(
+            4,
+            6,
+            &[-1.0, -2.0, -1.0, -1.0],
+            &[2.0, -1.0, 2.0, -2.0, -2.0, -2.0],
+            &[147_f64.sqrt()],
+        );
+        #[rustfmt::skip]
+        let left = [
+            0.0, 0.0, 1.0, -1.0, -2.0, 1.0, 2.0, 0.0, -1.0, 0.0, 0.0, 1.0,
+            1.0, 1.0, 2.0, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0, 1.0, -2.0, -2.0,
+        ];
+        #[rustfmt::skip]
+        let right = [
+            1.0, 2.0, -1.0, -2.0, 0.0, -1.0, -1.0, -2.0, 2.0, 2.0, -2.0, 1.0,
+            1.0, -1.0, -1.0, 1.0, 2.0, 1.0, -2.0, 2.0, 2.0, 2.0, -1.0, 1.0,
+            0.0, 0.0, 1.0, 0.0, -2.0, 2.0, 0.0, 2.0, 2.0, -1.0, 1.0, 1.0,
+        ];
+        // The squares are the roots of λ² − t λ + d, t and d being trace and determinant of (LᵀL)(RRᵀ).
+        let (l, r) = (DMatrix::from_column_slice(12, 2, &left), DMatrix::from_column_slice(2, 18, &right));
+        let product = (l.transpose() * &l) * (&r * r.transpose());
+        let (half, determinant): (f64, f64) = (0.5 * product.trace(), product.determinant());
+        let root = (half * half - determinant).sqrt();
+        check_product(12, 18, &left, &right, &[(half + root).sqrt(), (half - root).sqrt()]);
+    }
+
+    #[test]
+    fn dependent_equations_are_refused() {
+        let mut x = [7.0, 8.0, 9.0];
+        for dependent in [Vector3::new(1.0, 2.0, 0.0), Vector3::zeros()] {
+            let columns = [dependent; 3];
+            assert!(!least_norm_of_three(&columns, &[1.0; 3], &Vector3::x(), &mut x));
+        }
+        // Dependent to round-off only, as they come out of a computation.
+        let mut random = Random(10);
+        for _ in 0..1000 {
+            let first = Vector3::from_fn(|_, _| random.next());
+            let second = first.cross(&Vector3::from_fn(|_, _| random.next()));
+            let third = first * random.next() + second * random.next();
+            // Rows of J, of which the third is a combination.
+            let columns = [0, 1, 2].map(|m| Vector3::new(first[m], second[m], third[m]));
+            let compliance = [1.0, 2.0, 3.0];
+            assert!(!least_norm_of_three(&columns, &compliance, &Vector3::x(), &mut x));
+        }
+        let not_a_number = [Vector3::from_element(f64::NAN); 3];
+        assert!(!least_norm_of_three(&not_a_number, &[1.0; 3], &Vector3::x(), &mut x));
+        assert_eq!(x, [7.0, 8.0, 9.0]);
+    }
 }
