@@ -1,1 +1,24 @@
-//! Placeholder.
+//! Files and text of jointplay: robot files in; JSON, CSV and Parquet out.
+//!
+//! The one place that knows serde, millimetres and degrees; takes and gives text or bytes, and opens no file.
+//!
+//! | to… | use |
+//! | --- | --- |
+//! | read a robot file | [`robot::parse`] |
+//! | read `FROM:TO:STEP` | [`steps::parse`] |
+//! | change units without changing decimals | [`units`] |
+//! | say an error of the core in mm and degrees | [`explain::explain`] |
+//! | give results to a program | [`report`] |
+//! | give a study to a spreadsheet or a data frame | [`table`] |
+//!
+//! ```
+//! let robot = jointplay_format::robot::paper();
+//! assert_eq!(robot.gpr, jointplay_core::gpr::Gpr::paper());
+//! ```
+
+pub mod explain;
+pub mod report;
+pub mod robot;
+pub mod steps;
+pub mod table;
+pub mod units;

@@ -1,0 +1,65 @@
+//! Errors of the core, said in the units that people use.
+
+use jointplay_core::Error;
+use jointplay_core::gpr::BrokenLimit;
+
+use crate::units::{deg, mm};
+
+/// What went wrong, in mm and degrees.
+#[must_use]
+pub fn explain(error: &Error) -> String {
+    match error {
+        Error::NotPositive { what, limb, value } => {
+            format!("{what} of limb {limb} is {} mm, but has to be positive", mm(*value))
+        }
+        Error::LimitsReversed { what, min, max } => {
+            format!("the {what} limits are reversed: least {} mm, most {} mm", mm(*min), mm(*max))
+        }
+        Error::OutOfRange { what: what @ "largest tilt", value, min, max } => {
+            format!(
+                "the {what} is {}°, but has to lie between {}° and {}°",
+                deg(*value),
+                deg(*min),
+                deg(*max)
+            )
+        }
+        Error::OutOfRange { what, value, min, max } => {
+            format!(
+                "the {what} is {} mm, but has to lie from {} to {} mm",
+                mm(*value),
+                mm(*min),
+                mm(*max)
+            )
+        }
+        Error::PitchTooLarge { pitch } => {
+            format!("the pitch is {}°, but has to lie between -90° and 90°", deg(*pitch))
+        }
+        Error::NotConverged(unconverged) => format!(
+            "the {} iteration for the virtual joints did not converge in {} steps: at best the sides are {:.3e} mm off, {:.3e} mm is asked for\n  best virtual joints (m, rad): {:?}\n  the pose may be too far from the nominal one; try --solver closed-form or --virtualization planar",
+            unconverged.solver,
+            unconverged.iterations,
+            mm(unconverged.residual),
+            mm(unconverged.threshold),
+            unconverged.best,
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// A broken limit, in mm and degrees.
+#[must_use]
+pub fn explain_limit(limit: &BrokenLimit) -> String {
+    match limit {
+        BrokenLimit::Rod { limb, length, min, max } => {
+            format!(
+                "rod {limb} is {:.6} mm long, allowed are {} to {} mm",
+                mm(*length),
+                mm(*min),
+                mm(*max)
+            )
+        }
+        BrokenLimit::Tilt { pitch, max } => {
+            format!("the tilt is {:.6}°, allowed is up to {}°", deg(*pitch), deg(*max))
+        }
+    }
+}

@@ -1,0 +1,345 @@
+//! Robot files: TOML that an engineer can read, read strictly.
+
+use jointplay_core::gpr::{Gpr, Limb, Limits};
+use nalgebra::Vector2;
+use serde::Deserialize;
+use toml::Spanned;
+
+use crate::explain::explain;
+use crate::units::m_from_mm;
+
+/// The file of the paper's robot.
+pub const PAPER: &str = include_str!("../../../robots/gpr.toml");
+
+/// A robot as read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// What the file calls it.
+    pub name: String,
+    /// The robot.
+    pub gpr: Gpr,
+}
+
+/// Where in a file something is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Column in characters, counted from 1.
+    pub column: usize,
+    /// How many characters are meant.
+    pub width: usize,
+    /// The line itself.
+    pub text: String,
+}
+
+/// Why a text is no robot, and where.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{problem}")]
+pub struct Error {
+    /// Where in the file.
+    pub place: Place,
+    /// What is wrong there.
+    pub problem: Box<Problem>,
+}
+
+/// What can be wrong in a robot file.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Problem {
+    /// A key that does not exist.
+    #[error("unknown key `{key}`{}; known here: {}", suggestion(nearest), known.join(", "))]
+    UnknownKey {
+        /// The key found.
+        key: String,
+        /// The known key most like it.
+        nearest: Option<String>,
+        /// All keys known there.
+        known: Vec<String>,
+    },
+    /// Not TOML, a missing key, or a value of the wrong type.
+    #[error("{message}")]
+    Form {
+        /// What the TOML reader says.
+        message: String,
+    },
+    /// A number that is NaN or infinite.
+    #[error("`{key}` is {value}, but has to be a finite number")]
+    NotFinite {
+        /// Which key.
+        key: &'static str,
+        /// What was found.
+        value: f64,
+    },
+    /// A kind of robot that is not known.
+    #[error("kind {found:?} is not known; known: \"gpr\"")]
+    Kind {
+        /// What was found.
+        found: String,
+    },
+    /// Not three limbs.
+    #[error("a GPR has 3 limbs, but {found} are given")]
+    LimbCount {
+        /// How many were found.
+        found: usize,
+    },
+    /// Numbers that make no robot.
+    #[error("{}", explain(.0))]
+    Geometry(jointplay_core::Error),
+}
+
+fn suggestion(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
+}
+
+impl Error {
+    /// The whole message: file, line and column, the line itself, and a caret under what is meant.
+    #[must_use]
+    pub fn with_excerpt(&self, file: &str) -> String {
+        let Place { line, column, width, text } = &self.place;
+        let number = line.to_string();
+        let (gutter, before) = (" ".repeat(number.len()), " ".repeat(column - 1));
+        let carets = "^".repeat((*width).max(1));
+        format!(
+            "{file}:{line}:{column}: {self}\n{gutter} |\n{number} | {text}\n{gutter} | {before}{carets}"
+        )
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    kind: Spanned<String>,
+    name: Option<String>,
+    limb: Vec<Spanned<LimbTable>>,
+    limits: LimitsTable,
+    working: WorkingTable,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimbTable {
+    socket_radius_mm: Spanned<f64>,
+    socket_angle_deg: Spanned<f64>,
+    base_point_mm: Option<Spanned<[f64; 2]>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsTable {
+    rod_mm: Spanned<[f64; 2]>,
+    tilt_deg: Spanned<f64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct WorkingTable {
+    height_mm: Spanned<f64>,
+}
+
+/// The paper's robot, from its file.
+#[must_use]
+pub fn paper() -> Robot {
+    parse(PAPER).expect("the robot file of the paper is valid, a test says so")
+}
+
+/// Reads a robot file.
+///
+/// # Errors
+/// [`Error`] with the place: TOML that is malformed, keys that are missing or unknown, numbers that are not finite or make no robot.
+pub fn parse(text: &str) -> Result<Robot, Error> {
+    let file: File = toml::from_str(text).map_err(|error| reading_error(text, &error))?;
+    let wrong = |span, problem| Error { place: place(text, span), problem: Box::new(problem) };
+    if file.kind.get_ref() != "gpr" {
+        return Err(wrong(file.kind.span(), Problem::Kind { found: file.kind.into_inner() }));
+    }
+    let number = |key: &'static str, span: std::ops::Range<usize>, value: f64| {
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(wrong(span, Problem::NotFinite { key, value }))
+        }
+    };
+    let scalar = |key, value: &Spanned<f64>| number(key, value.span(), *value.get_ref());
+    let mut limbs = Vec::with_capacity(3);
+    for limb in &file.limb {
+        let limb = limb.get_ref();
+        let socket_radius = m_from_mm(scalar("socket_radius_mm", &limb.socket_radius_mm)?);
+        let socket_angle = scalar("socket_angle_deg", &limb.socket_angle_deg)?.to_radians();
+        let mut read = Limb::under_socket(socket_radius, socket_angle);
+        if let Some(point) = &limb.base_point_mm {
+            let coordinate =
+                |i: usize| number("base_point_mm", point.span(), point.get_ref()[i]).map(m_from_mm);
+            read.base_point = Vector2::new(coordinate(0)?, coordinate(1)?);
+        }
+        limbs.push(read);
+    }
+    let limbs: [Limb; 3] = limbs.try_into().map_err(|limbs: Vec<Limb>| {
+        let span = file.limb.get(3).or(file.limb.last()).map_or(0..0, Spanned::span);
+        wrong(span, Problem::LimbCount { found: limbs.len() })
+    })?;
+    let [rod_min, rod_max] = *file.limits.rod_mm.get_ref();
+    let rod = |value| number("rod_mm", file.limits.rod_mm.span(), value).map(m_from_mm);
+    let limits = Limits {
+        rod_min: rod(rod_min)?,
+        rod_max: rod(rod_max)?,
+        tilt_max: scalar("tilt_deg", &file.limits.tilt_deg)?.to_radians(),
+    };
+    let working_height = m_from_mm(scalar("height_mm", &file.working.height_mm)?);
+    let gpr = Gpr::new(limbs, limits, working_height)
+        .map_err(|error| wrong(blame(&file, &error), Problem::Geometry(error)))?;
+    Ok(Robot { name: file.name.unwrap_or_else(|| "GPR".to_owned()), gpr })
+}
+
+/// The part of the file that a geometry error is about.
+fn blame(file: &File, error: &jointplay_core::Error) -> std::ops::Range<usize> {
+    use jointplay_core::Error as E;
+    match error {
+        E::NotPositive { limb, .. } => file.limb[limb - 1].get_ref().socket_radius_mm.span(),
+        E::LimitsReversed { .. } => file.limits.rod_mm.span(),
+        E::OutOfRange { what: "largest tilt", .. } => file.limits.tilt_deg.span(),
+        E::OutOfRange { .. } => file.working.height_mm.span(),
+        E::Collinear { what: "base points", .. } => {
+            let point = file.limb.iter().find_map(|limb| limb.get_ref().base_point_mm.as_ref());
+            point.map_or_else(|| file.limb[0].get_ref().socket_angle_deg.span(), Spanned::span)
+        }
+        _ => file.limb[0].get_ref().socket_angle_deg.span(),
+    }
+}
+
+/// An error of the TOML reader as one of ours.
+fn reading_error(text: &str, error: &toml::de::Error) -> Error {
+    let place = place(text, error.span().unwrap_or(0..0));
+    let message = error.message();
+    // serde names the unknown key and the known ones between backticks; a test holds it to that.
+    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let problem = match quoted.split_first() {
+        Some((&key, known)) if message.starts_with("unknown field") => {
+            let nearest = known
+                .iter()
+                .map(|name| (strsim::jaro_winkler(key, name), *name))
+                .filter(|(likeness, _)| *likeness > 0.7)
+                .max_by(|a, b| a.0.total_cmp(&b.0))
+                .map(|(_, name)| name.to_owned());
+            let known = known.iter().map(|&name| name.to_owned()).collect();
+            Problem::UnknownKey { key: key.to_owned(), nearest, known }
+        }
+        _ => Problem::Form { message: message.replace('\n', " ").replace("field", "key") },
+    };
+    Error { place, problem: Box::new(problem) }
+}
+
+fn place(text: &str, span: std::ops::Range<usize>) -> Place {
+    let start = span.start.min(text.len());
+    let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+    let line = text[line_start..].lines().next().unwrap_or_default();
+    let within = text.get(start..span.end.min(line_start + line.len())).unwrap_or_default();
+    Place {
+        line: text[..start].matches('\n').count() + 1,
+        column: text[line_start..start].chars().count() + 1,
+        width: within.chars().count(),
+        text: line.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_paper_s_file_is_the_paper_s_robot() {
+        assert_eq!(parse(PAPER).unwrap().gpr, Gpr::paper());
+    }
+
+    #[test]
+    fn a_rod_may_stand_beside_its_socket() {
+        let text = PAPER.replacen(
+            "socket_angle_deg = 0.0",
+            "socket_angle_deg = 0.0\nbase_point_mm = [95, -1.5]",
+            1,
+        );
+        let robot = parse(&text).unwrap();
+        assert_eq!(robot.gpr.base_points()[0], Vector2::new(0.095, -0.0015));
+    }
+
+    /// Replaces a piece of the paper's file and reads the message.
+    #[track_caller]
+    fn refuse(from: &str, to: &str, line: usize, message: &str) {
+        assert!(PAPER.contains(from), "{from:?} is not in the file");
+        let error = parse(&PAPER.replacen(from, to, 1)).unwrap_err();
+        assert!(error.to_string().contains(message), "{error}");
+        assert_eq!(error.place.line, line, "{}", error.with_excerpt("x.toml"));
+    }
+
+    #[test]
+    fn bad_files_are_refused_with_their_place() {
+        let radius = "socket_radius_mm = 93.218";
+        refuse(radius, "socket_radius_mm = nan", 13, "`socket_radius_mm` is NaN");
+        refuse(radius, "socket_radius_mm = inf", 13, "`socket_radius_mm` is inf");
+        refuse(radius, "socket_radius_mm = 0", 13, "the socket radius of limb 1 is 0 mm");
+        refuse(radius, "socket_radius_mm = -5.5", 13, "is -5.5 mm, but has to be positive");
+        refuse(radius, "socket_radius_mm = \"93\"", 13, "expected f64");
+        refuse(radius, "socket_radious_mm = 93.218", 13, "did you mean `socket_radius_mm`?");
+        refuse(
+            radius,
+            "colour = 3",
+            13,
+            "known here: socket_radius_mm, socket_angle_deg, base_point_mm",
+        );
+        refuse(radius, "", 12, "missing key `socket_radius_mm`");
+        refuse(radius, "socket_radius_mm = = 3", 13, "");
+        refuse("= 120.0", "= 0.0", 14, "lie on one line");
+        refuse("= 120.0", "= 240.0", 14, "lie on one line");
+        refuse("[246.0, 754.0]", "[754.0, 246.0]", 26, "reversed: least 754 mm, most 246 mm");
+        refuse("[246.0, 754.0]", "[246.0]", 26, "");
+        refuse("[246.0, 754.0]", "[246.0, inf]", 26, "`rod_mm` is inf");
+        refuse("tilt_deg = 1.5", "tilt_deg = 90", 28, "the largest tilt is 90°");
+        refuse("tilt_deg = 1.5", "tilt_deg = -1.5", 28, "the largest tilt is -1.5°");
+        refuse("height_mm = 500.0", "height_mm = 800", 32, "has to lie from 246 to 754 mm");
+        refuse("kind = \"gpr\"", "kind = \"delta\"", 6, "kind \"delta\" is not known");
+        refuse("[[limb]]", "[[limbs]]", 12, "did you mean `limb`?");
+        refuse(
+            "[limits]",
+            "[[limb]]\nsocket_radius_mm = 1\nsocket_angle_deg = 7\n[limits]",
+            24,
+            "3 limbs, but 4",
+        );
+    }
+
+    #[test]
+    fn sockets_numbered_against_the_base_points_are_refused() {
+        let points = ["[93.0, 0.0]", "[-46.0, -80.0]", "[-46.0, 80.0]"];
+        let mut text = PAPER.to_owned();
+        for (angle, point) in ["0.0", "120.0", "240.0"].iter().zip(points) {
+            let key = format!("socket_angle_deg = {angle}\n");
+            text = text.replacen(&key, &format!("{key}base_point_mm = {point}\n"), 1);
+        }
+        assert!(parse(&text).unwrap_err().to_string().contains("opposite senses"));
+    }
+
+    #[test]
+    fn an_error_shows_the_line() {
+        let error = parse(&PAPER.replacen("tilt_deg = 1.5", "tilt_deg = nan", 1)).unwrap_err();
+        let shown = error.with_excerpt("my.toml");
+        assert_eq!(
+            shown,
+            "my.toml:28:12: `tilt_deg` is NaN, but has to be a finite number\n   |\n28 | tilt_deg = nan\n   |            ^^^"
+        );
+    }
+
+    #[test]
+    fn nothing_panics() {
+        for cut in 0..PAPER.len() {
+            if PAPER.is_char_boundary(cut) {
+                let _ = parse(&PAPER[..cut]);
+                let _ = parse(&PAPER[cut..]);
+                if let Err(error) = parse(&PAPER[..cut]) {
+                    let _ = error.with_excerpt("x");
+                }
+            }
+        }
+        for text in ["", "\u{0}", "é = [", "kind = \"gpr\"", "limb = 3", "[limb]"] {
+            let _ = parse(text).unwrap_err().with_excerpt("x");
+        }
+    }
+}

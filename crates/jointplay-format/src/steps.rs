@@ -1,0 +1,137 @@
+//! Ranges as people type them: `FROM:TO:STEP`.
+
+/// The most values that one range may have.
+pub const MOST: usize = 1_000_000;
+
+/// Why a text is no range.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Not three numbers with colons between them.
+    #[error("{text:?} is no range: write FROM:TO:STEP, such as -2:2:0.2")]
+    Form {
+        /// What was found.
+        text: String,
+    },
+    /// NaN or infinite.
+    #[error("{value} in the range has to be a finite number")]
+    NotFinite {
+        /// What was found.
+        value: f64,
+    },
+    /// A step of zero, or one that leads away from the end.
+    #[error("a step of {step} does not lead from {from} to {to}")]
+    Direction {
+        /// First value.
+        from: f64,
+        /// Last value.
+        to: f64,
+        /// Step.
+        step: f64,
+    },
+    /// A step that misses the end.
+    #[error(
+        "steps of {step} from {from} miss {to}: the range is {intervals} steps long; a step of {nearest} fits"
+    )]
+    Misses {
+        /// First value.
+        from: f64,
+        /// Last value.
+        to: f64,
+        /// Step.
+        step: f64,
+        /// How many steps the range is long.
+        intervals: f64,
+        /// A step nearby that fits.
+        nearest: f64,
+    },
+    /// More values than anyone can mean.
+    #[error("the range has {found} values, at most {MOST} are allowed")]
+    TooMany {
+        /// How many values it would have.
+        found: f64,
+    },
+}
+
+/// The values of `FROM:TO:STEP`, both ends included; a single number is a range of one value.
+///
+/// Every value is as near its decimal as a double can be: no rounding adds up from step to step.
+///
+/// # Errors
+/// [`Error`]: not of the form, not finite, a zero or reversed step, a step that misses the end, too many values.
+pub fn parse(text: &str) -> Result<Vec<f64>, Error> {
+    let numbers: Vec<f64> = text
+        .split(':')
+        .map(|part| part.trim().parse())
+        .collect::<Result<_, _>>()
+        .map_err(|_| Error::Form { text: text.to_owned() })?;
+    if let Some(&value) = numbers.iter().find(|value| !value.is_finite()) {
+        return Err(Error::NotFinite { value });
+    }
+    match numbers[..] {
+        [value] => Ok(vec![value]),
+        [from, to, step] => spread(from, to, step),
+        _ => Err(Error::Form { text: text.to_owned() }),
+    }
+}
+
+/// Values from `from` to `to` by `step`, both ends included, in the unit of its arguments.
+///
+/// # Errors
+/// As [`parse`].
+pub fn spread(from: f64, to: f64, step: f64) -> Result<Vec<f64>, Error> {
+    let intervals = (to - from) / step;
+    if !(intervals >= 0.0 && step != 0.0) {
+        return Err(Error::Direction { from, to, step });
+    }
+    let whole = intervals.round();
+    #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³")]
+    let most = MOST as f64;
+    if whole >= most {
+        return Err(Error::TooMany { found: whole + 1.0 });
+    }
+    if (intervals - whole).abs() > 1e-9 * whole.max(1.0) {
+        let nearest = (to - from) / whole.max(1.0);
+        return Err(Error::Misses { from, to, step, intervals, nearest });
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
+    let count = whole as u32;
+    let at = |i: u32| (from * f64::from(count - i) + to * f64::from(i)) / whole;
+    Ok(if count == 0 { vec![from] } else { (0..=count).map(at).collect() })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_their_decimals() {
+        let values = parse("-2:2:0.2").unwrap();
+        assert_eq!(values.len(), 21);
+        assert_eq!((values[0], values[7], values[10], values[20]), (-2.0, -0.6, 0.0, 2.0));
+        assert_eq!(parse("0:360:10").unwrap().len(), 37);
+        assert_eq!(parse("1.5").unwrap(), [1.5]);
+        assert_eq!(parse("2:2:1").unwrap(), [2.0]);
+        assert_eq!(parse("1:0:-0.5").unwrap(), [1.0, 0.5, 0.0]);
+    }
+
+    #[track_caller]
+    fn refuse(text: &str, message: &str) {
+        let error = parse(text).unwrap_err().to_string();
+        assert!(error.contains(message), "{text}: {error}");
+    }
+
+    #[test]
+    fn what_is_no_range_is_refused() {
+        refuse("", "write FROM:TO:STEP");
+        refuse("1:2", "write FROM:TO:STEP");
+        refuse("1:2:3:4", "write FROM:TO:STEP");
+        refuse("a:b:c", "write FROM:TO:STEP");
+        refuse("0:nan:1", "finite");
+        refuse("0:inf:1", "finite");
+        refuse("0:1:0", "does not lead");
+        refuse("2:-2:0.2", "does not lead");
+        refuse("0:1:0.3", "a step of 0.3333333333333333 fits");
+        refuse("0:1:1e-9", "at most 1000000");
+    }
+}
