@@ -1,10 +1,25 @@
-//! Reading the golden data: tables of an independent program, with their provenance in comments.
+//! What the comparisons need: golden tables, the paper's print as code, and independent geometry.
+//!
+//! | module | holds |
+//! | --- | --- |
+//! | this one | reading the golden data: tables of an independent program, with their provenance in comments |
+//! | [`cases`] | poses of the paper's robot, by degrees |
+//! | [`printed`] | equations of the paper, as printed and put right, and its iteration |
+//! | [`centers`] | centroid, circumcentre and Fermat point of a triangle in space |
+//! | [`paths`] | what happens to a solver that starts at the last pose |
+//! | [`elastic`] | a rigid platform on bending rods |
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use jointplay::gpr::{Gpr, Limb, Limits};
 use jointplay::virtualization::{Metric, Offset, Planar, Polar, Radial, Solver, Virtualization};
+
+pub mod cases;
+pub mod centers;
+pub mod elastic;
+pub mod paths;
+pub mod printed;
 
 /// One row of a golden table, by column name.
 pub struct Row(BTreeMap<String, String>);

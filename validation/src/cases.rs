@@ -1,0 +1,50 @@
+//! Poses of the paper's robot, by degrees and at its working height.
+
+use jointplay::gpr::{AxisHeight, Forward, Gpr};
+use jointplay::spatial::Tilt;
+use jointplay::virtualization::{
+    Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
+};
+
+/// Socket radius of the paper's robot [m].
+pub const RADIUS: f64 = 0.093218;
+
+/// Axis height in the paper's study [m].
+pub const HEIGHT: AxisHeight = AxisHeight(0.5);
+
+/// The four virtualizations, in the order of a legend.
+pub const MODELS: [&dyn Virtualization; 4] = [&Radial, &Polar, &Offset, &Planar];
+
+/// A tilt from yaw and pitch in degrees.
+#[must_use]
+pub fn tilt(yaw_deg: f64, pitch_deg: f64) -> Tilt {
+    Tilt { yaw: yaw_deg.to_radians(), pitch: pitch_deg.to_radians() }
+}
+
+/// Options with this solver and metric.
+#[must_use]
+pub fn options(solver: Solver, metric: Metric) -> SolveOptions {
+    SolveOptions { solver, metric, ..SolveOptions::default() }
+}
+
+/// The pose of the paper's robot at a tilt in degrees.
+///
+/// # Panics
+/// If there is none, which no case here means to show.
+#[must_use]
+pub fn pose(
+    virtualization: &dyn Virtualization,
+    solver: Solver,
+    metric: Metric,
+    yaw_deg: f64,
+    pitch_deg: f64,
+) -> Forward {
+    let gpr = Gpr::paper();
+    let rods = gpr.inverse(tilt(yaw_deg, pitch_deg), HEIGHT).expect("a pitch below 90°");
+    gpr.forward(rods, virtualization, &options(solver, metric)).expect("a pose near level")
+}
+
+/// Yaws every 10° from 0° to 350° [deg].
+pub fn yaws_deg() -> impl Iterator<Item = f64> {
+    (0..36).map(|i| 10.0 * f64::from(i))
+}
