@@ -103,3 +103,35 @@ impl Forward {
         self.base_from_platform.translation.vector.xy()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::virtualization::Planar;
+
+    #[test]
+    fn a_rod_that_is_no_number() {
+        for value in [f64::NAN, f64::INFINITY] {
+            let rods = [0.5, value, 0.5];
+            let error = Gpr::paper().forward(rods, &Planar, &SolveOptions::default()).unwrap_err();
+            let message = format!("a rod length is {value}, but has to be a finite number");
+            assert_eq!(error.to_string(), message);
+        }
+    }
+
+    #[test]
+    fn twist_is_measured_beyond_the_shortest_rotation() {
+        use nalgebra::{Rotation3, Vector3};
+        let mut pose = Gpr::paper().forward([0.5; 3], &Planar, &SolveOptions::default()).unwrap();
+        for (yaw, pitch, twist) in [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)] {
+            let lean = leaning_by(yaw, pitch);
+            pose.base_from_platform.rotation =
+                lean * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
+            assert!((pose.twist_about_normal() - twist).abs() < 1e-15);
+        }
+    }
+
+    fn leaning_by(yaw: f64, pitch: f64) -> nalgebra::Rotation3<f64> {
+        crate::spatial::leaning(&Tilt { yaw, pitch }.normal())
+    }
+}

@@ -139,3 +139,124 @@ impl Gpr {
 pub fn ball_sides(ball_centers: &[Vector3<f64>; 3]) -> Sides {
     [0, 1, 2].map(|k| (ball_centers[(k + 1) % 3] - ball_centers[k]).norm())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limbs() -> [Limb; 3] {
+        Gpr::paper().limbs()
+    }
+
+    #[track_caller]
+    fn check(limbs: [Limb; 3], limits: Limits, working_height: f64, message: &str) {
+        let error = Gpr::new(limbs, limits, working_height).unwrap_err();
+        assert_eq!(error.to_string(), message);
+    }
+
+    #[test]
+    fn limbs_that_make_no_robot() {
+        let limits = *Gpr::paper().limits();
+        let with = |change: &dyn Fn(&mut [Limb; 3])| {
+            let mut changed = limbs();
+            change(&mut changed);
+            changed
+        };
+        let bad = |change: &dyn Fn(&mut [Limb; 3]), message: &str| check(with(change), limits, 0.5, message);
+        bad(
+            &|limbs| limbs[1].base_point.x = f64::NAN,
+            "a base point is NaN, but has to be a finite number",
+        );
+        bad(
+            &|limbs| limbs[2].base_point.y = f64::INFINITY,
+            "a base point is inf, but has to be a finite number",
+        );
+        bad(
+            &|limbs| limbs[0].socket_radius = f64::NAN,
+            "a socket radius is NaN, but has to be a finite number",
+        );
+        bad(
+            &|limbs| limbs[0].socket_angle = f64::INFINITY,
+            "a socket angle is inf, but has to be a finite number",
+        );
+        bad(
+            &|limbs| limbs[2].socket_radius = 0.0,
+            "the socket radius of limb 3 is 0 m, but has to be positive",
+        );
+        bad(
+            &|limbs| limbs[0].socket_radius = -0.1,
+            "the socket radius of limb 1 is -0.1 m, but has to be positive",
+        );
+        let on_one_line = |what: &str| {
+            format!(
+                "the three {what} lie on one line: their triangle is 0 times as high as it is long, at least 0.000001 is needed"
+            )
+        };
+        let base_points = &|limbs: &mut [Limb; 3]| {
+            limbs.iter_mut().for_each(|limb| limb.base_point.y = 0.1);
+        };
+        bad(base_points, &on_one_line("base points"));
+        let sockets = &|limbs: &mut [Limb; 3]| limbs.iter_mut().for_each(|limb| limb.socket_angle = 1.0);
+        bad(sockets, &on_one_line("sockets"));
+        bad(
+            &|limbs| limbs.iter_mut().for_each(|limb| limb.socket_angle *= -1.0),
+            "base points and sockets run round in opposite senses: number the sockets in the order of the base points",
+        );
+    }
+
+    #[test]
+    fn limits_that_are_none() {
+        let limits = *Gpr::paper().limits();
+        let bad = |limits, height, message: &str| check(limbs(), limits, height, message);
+        bad(
+            Limits { rod_min: f64::NAN, ..limits },
+            0.5,
+            "the shortest rod is NaN, but has to be a finite number",
+        );
+        bad(
+            Limits { rod_max: f64::INFINITY, ..limits },
+            0.5,
+            "the longest rod is inf, but has to be a finite number",
+        );
+        bad(
+            Limits { rod_min: 0.8, ..limits },
+            0.5,
+            "the rod limits are reversed: least 0.8, most 0.754",
+        );
+        bad(
+            Limits { rod_min: 0.754, ..limits },
+            0.5,
+            "the rod limits are reversed: least 0.754, most 0.754",
+        );
+        for tilt_max in [0.0, -0.1, std::f64::consts::FRAC_PI_2, 2.0] {
+            bad(
+                Limits { tilt_max, ..limits },
+                0.5,
+                &format!(
+                    "the largest tilt is {tilt_max}, but has to lie from 0 to {}",
+                    std::f64::consts::FRAC_PI_2
+                ),
+            );
+        }
+        bad(
+            Limits { tilt_max: f64::NAN, ..limits },
+            0.5,
+            "the largest tilt is NaN, but has to be a finite number",
+        );
+        bad(limits, f64::NAN, "the working height is NaN, but has to be a finite number");
+        bad(limits, 0.2, "the working height is 0.2, but has to lie from 0.246 to 0.754");
+        bad(limits, 0.8, "the working height is 0.8, but has to lie from 0.246 to 0.754");
+    }
+
+    #[test]
+    fn the_robot_of_the_paper() {
+        let gpr = Gpr::paper();
+        assert_eq!((gpr.kutzbach_mobility(), gpr.working_height()), (0, 0.5));
+        assert!(gpr.platform().equally_spaced());
+        let sides = ball_sides(&gpr.ball_centers(&[0.5; 3]));
+        for side in sides {
+            assert!((side - 0.093218 * 3.0_f64.sqrt()).abs() < 1e-16);
+        }
+        assert_eq!(Gpr::new(gpr.limbs(), *gpr.limits(), 0.5).unwrap(), gpr);
+    }
+}

@@ -54,3 +54,29 @@ impl Gpr {
         self.forward(rods, virtualization, options)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::virtualization::Planar;
+    use std::f64::consts::FRAC_PI_2;
+
+    #[track_caller]
+    fn check(yaw: f64, pitch: f64, height: f64, message: &str) {
+        let (gpr, tilt) = (Gpr::paper(), Tilt { yaw, pitch });
+        assert_eq!(gpr.inverse(tilt, AxisHeight(height)).unwrap_err().to_string(), message);
+        let options = SolveOptions::default();
+        let center = gpr.inverse_for_center(tilt, CenterHeight(height), &Planar, &options);
+        assert_eq!(center.unwrap_err().to_string(), message);
+    }
+
+    #[test]
+    fn what_no_rods_reach() {
+        check(f64::NAN, 0.1, 0.5, "the yaw is NaN, but has to be a finite number");
+        check(0.1, f64::INFINITY, 0.5, "the pitch is inf, but has to be a finite number");
+        check(0.1, 0.1, f64::NAN, "the axis height is NaN, but has to be a finite number");
+        for pitch in [FRAC_PI_2, -2.0] {
+            check(0.1, pitch, 0.5, &format!("the pitch is {pitch} rad, but has to stay within ±π/2"));
+        }
+    }
+}

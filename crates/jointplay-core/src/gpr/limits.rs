@@ -81,3 +81,46 @@ impl Limits {
         broken
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LIMITS: Limits = Limits { rod_min: 0.246, rod_max: 0.754, tilt_max: 0.03 };
+
+    #[track_caller]
+    fn check(rods: [f64; 3], pitch: f64, limbs: &[usize], tilt: bool) {
+        let broken = LIMITS.broken(&rods, Tilt { yaw: 1.0, pitch });
+        let mut found = Vec::new();
+        let mut tilted = false;
+        for limit in broken {
+            match limit {
+                BrokenLimit::Rod { limb, length, min, max } => {
+                    assert!(!tilted, "rods come first");
+                    assert_eq!((min, max), (0.246, 0.754));
+                    assert_eq!(length.to_bits(), rods[limb - 1].to_bits());
+                    found.push(limb);
+                }
+                BrokenLimit::Tilt { pitch: found, max } => {
+                    assert_eq!((found.to_bits(), max), (pitch.abs().to_bits(), 0.03));
+                    tilted = true;
+                }
+            }
+        }
+        assert_eq!((found.as_slice(), tilted), (limbs, tilt));
+    }
+
+    #[test]
+    fn within_at_and_beyond() {
+        check([0.3, 0.5, 0.7], 0.02, &[], false);
+        check([0.2, 0.5, 0.8], 0.02, &[1, 3], false);
+        check([0.3, 0.2, 0.7], -0.04, &[2], true);
+        check([0.3, 0.5, 0.7], 0.0301, &[], true);
+        // On the limit, and beyond it by round-off only.
+        check([0.246, 0.754, 0.5], -0.03, &[], false);
+        check([0.246_f64.next_down(), 0.754_f64.next_up(), 0.5], 0.03_f64.next_up(), &[], false);
+        check([0.246 - 1e-11, 0.754 + 1e-11, 0.5], 0.03 + 1e-11, &[1, 2], true);
+        // What is no number keeps no limit.
+        check([f64::NAN, f64::INFINITY, f64::NEG_INFINITY], f64::NAN, &[1, 2, 3], true);
+    }
+}

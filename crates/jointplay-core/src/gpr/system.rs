@@ -178,3 +178,79 @@ impl<V: Virtualization + ?Sized> GprSystem<'_, V> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility};
+    use crate::sensitivity::sensitivity;
+    use crate::virtualization::{Polar, SolveOptions};
+
+    /// Every analysis refuses this configuration with this message.
+    #[track_caller]
+    fn check(change: impl Fn(&mut Configuration), message: &str) {
+        let gpr = Gpr::paper();
+        let system = gpr.system(&Polar);
+        let pose = gpr.forward([0.5, 0.501, 0.502], &Polar, &SolveOptions::default()).unwrap();
+        let good = system.configuration(&pose);
+        let mut at = good.clone();
+        change(&mut at);
+        let errors = [
+            system.check(&at).unwrap_err(),
+            instantaneous_mobility(&system, &at, RANK_THRESHOLD).unwrap_err(),
+            augmented_mobility(&system, &at, RANK_THRESHOLD).unwrap_err(),
+            finite_mobility(&system, &at, RANK_THRESHOLD).unwrap_err(),
+            sensitivity(&system, &at, 1e-3, RANK_THRESHOLD).unwrap_err(),
+            system.midpoint(&good, &at).unwrap_err(),
+            system.midpoint(&at, &good).unwrap_err(),
+        ];
+        for error in errors {
+            assert_eq!(error.to_string(), message);
+        }
+    }
+
+    #[test]
+    fn wrong_lengths_and_no_numbers() {
+        check(
+            |at| at.coordinates = DVector::zeros(11),
+            "the coordinate vector has 11 entries, but 12 are needed",
+        );
+        check(
+            |at| at.virtual_joints = DVector::zeros(3),
+            "the virtual joint vector has 3 entries, but 6 are needed",
+        );
+        check(
+            |at| at.coordinates[7] = f64::NAN,
+            "the coordinate vector is NaN, but has to be a finite number",
+        );
+        check(
+            |at| at.virtual_joints[5] = f64::INFINITY,
+            "the virtual joint vector is inf, but has to be a finite number",
+        );
+    }
+
+    #[test]
+    fn open_loops_have_no_finite_mobility() {
+        let gpr = Gpr::paper();
+        let system = gpr.system(&Polar);
+        let pose = gpr.forward([0.5; 3], &Polar, &SolveOptions::default()).unwrap();
+        let mut at = system.configuration(&pose);
+        at.coordinates[0] += 1e-6 * system.characteristic_length();
+        let Err(Error::NotClosed { residual, allowed }) = finite_mobility(&system, &at, RANK_THRESHOLD)
+        else {
+            panic!("an open loop was taken as closed");
+        };
+        assert!((residual - 1e-6).abs() < 1e-12 && allowed == 1e-9);
+    }
+
+    #[test]
+    fn a_motion_of_the_wrong_length_has_no_bounds() {
+        let gpr = Gpr::paper();
+        let system = gpr.system(&Polar);
+        let pose = gpr.forward([0.5; 3], &Polar, &SolveOptions::default()).unwrap();
+        let at = system.configuration(&pose);
+        let found = sensitivity(&system, &at, 1e-3, RANK_THRESHOLD).unwrap();
+        let error = found.bounds(&DVector::zeros(3)).unwrap_err();
+        assert_eq!(error.to_string(), "the motion has 3 entries, but 12 are needed");
+    }
+}

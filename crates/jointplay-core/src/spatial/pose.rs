@@ -81,3 +81,69 @@ pub fn fit_in_plane(
     let origin = onto_center - turned_1 * from_center.x - turned_2 * from_center.y;
     Pose::from_parts(Translation3::from(origin), Rotation3::from_matrix_unchecked(rotation))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spatial::Tilt;
+
+    const DIRECTIONS: [(f64, f64); 6] =
+        [(0.0, 0.0), (0.4, 0.02), (-2.0, 1e-9), (3.0, 0.5), (1.0, 1.5), (2.0, 3.0)];
+
+    #[test]
+    fn leaning_is_the_shortest_rotation_to_the_normal() {
+        for (yaw, pitch) in DIRECTIONS {
+            let normal = Tilt { yaw, pitch }.normal();
+            let found = leaning(&normal);
+            let about_z = |angle| Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
+            let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), pitch);
+            let expected = about_z(yaw) * about_y * about_z(-yaw);
+            assert!((found.matrix() - expected.matrix()).amax() < 1e-13, "{yaw} {pitch}");
+            assert!((found * Vector3::z() - normal).norm() < 1e-15);
+            assert!((found.angle() - pitch).abs() < 1e-7, "no turn beyond the tilt");
+        }
+    }
+
+    #[test]
+    fn equal_triangles_fall_on_each_other() {
+        for points in [
+            [Vector2::new(1.0, 0.0), Vector2::new(-0.5, 0.9), Vector2::new(-0.4, -0.8)],
+            [Vector2::new(0.1, 0.2), Vector2::new(0.3, -5.0), Vector2::new(0.2, 0.4)],
+        ] {
+            for (yaw, pitch) in DIRECTIONS {
+                let normal = Tilt { yaw, pitch }.normal();
+                let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 7.0 * yaw + 2.0);
+                let placed =
+                    Pose::from_parts(Translation3::new(4.0, -5.0, 6.0), leaning(&normal) * turn);
+                let targets = points.map(|point| {
+                    placed.rotation * point.push(0.0) + placed.translation.vector
+                });
+                let found = fit_in_plane(&points, &targets, &normal);
+                let off = found.to_homogeneous() - placed.to_homogeneous();
+                assert!(off.amax() < 1e-13, "{yaw} {pitch} {off}");
+            }
+        }
+    }
+
+    #[test]
+    fn unequal_triangles_are_fitted_by_least_squares() {
+        let points = [Vector2::new(1.0, 0.0), Vector2::new(-0.5, 0.9), Vector2::new(-0.4, -0.8)];
+        let targets =
+            [Vector3::new(0.1, 1.2, 2.0), Vector3::new(-0.9, -0.5, 2.0), Vector3::new(0.8, -0.3, 2.0)];
+        let found = fit_in_plane(&points, &targets, &Vector3::z());
+        let error = |turn: f64, x: f64, y: f64| -> f64 {
+            let moved = Pose::from_parts(
+                Translation3::new(x, y, 0.0) * found.translation,
+                Rotation3::from_axis_angle(&Vector3::z_axis(), turn) * found.rotation,
+            );
+            points.iter().zip(&targets).map(|(p, t)| {
+                (moved.rotation * p.push(0.0) + moved.translation.vector - t).norm_squared()
+            }).sum()
+        };
+        let least = error(0.0, 0.0, 0.0);
+        for (turn, x, y) in [(1e-4, 0.0, 0.0), (0.0, 1e-4, 0.0), (0.0, 0.0, 1e-4), (1e-4, 2e-4, -1e-4)] {
+            assert!(error(turn, x, y) > least && error(-turn, -x, -y) > least);
+        }
+        assert_eq!(found.translation.z, 2.0);
+    }
+}

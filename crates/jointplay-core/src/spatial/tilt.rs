@@ -62,3 +62,51 @@ impl Tilt {
         Self { yaw, pitch }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::{FRAC_PI_2, PI};
+
+    /// A tilt, and the same tilt with pitch ≥ 0 as a normal gives it back.
+    #[track_caller]
+    fn check(yaw: f64, pitch: f64, same_yaw: f64, same_pitch: f64) {
+        let tilt = Tilt { yaw, pitch };
+        let normal = tilt.normal();
+        assert!((normal.norm() - 1.0).abs() < 1e-15);
+        let back = Tilt::from_normal(&(normal * 3.0));
+        assert!((back.yaw - same_yaw).abs() < 1e-15, "{back:?}");
+        assert!((back.pitch - same_pitch).abs() < 1e-15 * same_pitch.max(1e-6), "{back:?}");
+
+        let (about_x, about_y) = tilt.about_x_and_y();
+        let again = Tilt::from_about_x_and_y(about_x, about_y);
+        assert!((again.normal() - normal).norm() < 1e-15);
+        assert!((again.pitch - same_pitch).abs() < 1e-15);
+    }
+
+    #[test]
+    fn to_a_normal_and_back() {
+        check(0.0, 0.0, 0.0, 0.0);
+        check(2.0, 0.0, 0.0, 0.0);
+        check(0.0, 0.02, 0.0, 0.02);
+        check(FRAC_PI_2, 0.02, FRAC_PI_2, 0.02);
+        check(-2.5, 0.3, -2.5, 0.3);
+        check(1.0, -0.3, 1.0 - PI, 0.3);
+        check(1.0, 1e-9, 1.0, 1e-9);
+        check(1.0, 1e-200, 1.0, 1e-200);
+        check(0.5, 2.0, 0.5, 2.0);
+    }
+
+    #[test]
+    fn signs_of_the_axes() {
+        assert_eq!(Tilt::LEVEL.normal(), Vector3::z());
+        assert_eq!(Tilt::from_normal(&Vector3::z()), Tilt::LEVEL);
+        // Leaning toward e_b1 is a turn about e_b2; leaning toward e_b2 a turn about −e_b1.
+        let toward_x = Tilt { yaw: 0.0, pitch: 0.1 };
+        assert!(toward_x.normal().x > 0.0 && toward_x.normal().y == 0.0);
+        assert_eq!(toward_x.about_x_and_y(), (0.0, 0.1));
+        let toward_y = Tilt { yaw: FRAC_PI_2, pitch: 0.1 };
+        let (about_x, about_y) = toward_y.about_x_and_y();
+        assert!((about_x + 0.1).abs() < 1e-16 && about_y.abs() < 1e-16);
+    }
+}

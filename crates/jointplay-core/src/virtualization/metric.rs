@@ -38,7 +38,7 @@ impl Metric {
                 let what = "characteristic length";
                 // The square of ρ and its inverse have to be normal numbers.
                 let (min, max) = (1e-100, 1e100);
-                if (min..=max).contains(&finite(what, length)?) {
+                if (min..=max).contains(&finite("the characteristic length", length)?) {
                     Ok(length)
                 } else {
                     Err(Error::OutOfRange { what, value: length, min, max })
@@ -57,5 +57,42 @@ impl Motion {
             Self::Linear => 1.0,
             Self::Angular => characteristic_length,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(metric: Metric, expected: Result<f64, &str>) {
+        let platform = Platform::new([0.1, 0.2, 0.3], [0.0, 2.0, 4.0]).unwrap();
+        let found = metric.characteristic_length(&platform);
+        match expected {
+            Ok(length) => assert!((found.unwrap() - length).abs() < 1e-16),
+            Err(message) => assert_eq!(found.unwrap_err().to_string(), message),
+        }
+    }
+
+    #[test]
+    fn lengths_and_what_is_none() {
+        check(Metric::default(), Ok(1e-3));
+        check(Metric::PlatformRadius, Ok(0.2));
+        check(Metric::Length(0.05), Ok(0.05));
+        for length in ["0", "-1"] {
+            let message = format!(
+                "the characteristic length is {length}, but has to lie from {} to {}",
+                1e-100, 1e100
+            );
+            check(Metric::Length(length.parse().unwrap()), Err(&message));
+        }
+        check(
+            Metric::Length(f64::NAN),
+            Err("the characteristic length is NaN, but has to be a finite number"),
+        );
+        check(
+            Metric::Length(f64::INFINITY),
+            Err("the characteristic length is inf, but has to be a finite number"),
+        );
     }
 }

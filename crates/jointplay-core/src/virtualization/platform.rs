@@ -115,3 +115,74 @@ pub(crate) fn check_not_collinear(what: &'static str, points: &Sockets) -> Resul
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    const RADII: [f64; 3] = [0.1, 0.2, 0.3];
+    const ANGLES: [f64; 3] = [0.0, TAU / 3.0, 2.0 * TAU / 3.0];
+
+    #[track_caller]
+    fn check(radii: [f64; 3], angles: [f64; 3], message: &str) {
+        assert_eq!(Platform::new(radii, angles).unwrap_err().to_string(), message);
+    }
+
+    #[test]
+    fn what_is_no_platform() {
+        check(
+            [0.1, f64::NAN, 0.1],
+            ANGLES,
+            "a socket radius is NaN, but has to be a finite number",
+        );
+        check(
+            [0.1, 0.1, f64::INFINITY],
+            ANGLES,
+            "a socket radius is inf, but has to be a finite number",
+        );
+        check(
+            RADII,
+            [0.0, f64::NEG_INFINITY, 1.0],
+            "a socket angle is -inf, but has to be a finite number",
+        );
+        check(
+            [0.1, 0.0, 0.1],
+            ANGLES,
+            "the socket radius of limb 2 is 0 m, but has to be positive",
+        );
+        check(
+            [0.1, 0.2, -0.3],
+            ANGLES,
+            "the socket radius of limb 3 is -0.3 m, but has to be positive",
+        );
+        check(
+            RADII,
+            [0.5; 3],
+            "the three sockets lie on one line: their triangle is 0 times as high as it is long, at least 0.000001 is needed",
+        );
+        check(
+            [0.1; 3],
+            [0.0, 0.0, 1.0],
+            "the three sockets lie on one line: their triangle is 0 times as high as it is long, at least 0.000001 is needed",
+        );
+    }
+
+    #[test]
+    fn sockets_and_spacing() {
+        let platform = Platform::new(RADII, ANGLES).unwrap();
+        assert_eq!(platform.sockets()[0], Vector2::new(0.1, 0.0));
+        assert!((platform.sockets()[1] - Vector2::new(-0.1, 0.03_f64.sqrt())).norm() < 1e-16);
+        assert!((platform.mean_radius() - 0.2).abs() < 1e-16);
+        assert!(platform.equally_spaced() && signed_area(platform.sockets()) > 0.0);
+        for turn in [0.1, 1.0, 3.0, -2.0] {
+            for sense in [1.0, -1.0] {
+                let turned = Platform::new(RADII, ANGLES.map(|angle| sense * angle + turn)).unwrap();
+                assert!(turned.equally_spaced(), "{turn}");
+                assert_eq!(signed_area(turned.sockets()) > 0.0, sense > 0.0);
+            }
+        }
+        let uneven = Platform::new(RADII, [0.0, 2.1, 4.2]).unwrap();
+        assert!(!uneven.equally_spaced());
+    }
+}

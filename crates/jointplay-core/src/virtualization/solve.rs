@@ -225,3 +225,148 @@ fn largest(gaps: &Vector3<f64>) -> f64 {
 fn side_gaps(wanted: &Sides, found: &Sides) -> Vector3<f64> {
     Vector3::from([0, 1, 2].map(|k| wanted[k] - found[k]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpr::Gpr;
+    use crate::virtualization::{Motion, Offset, Planar, Polar, Radial, VirtualJoint, built_in};
+
+    /// A virtualization of any number of joints, whose sockets are no numbers once they leave the nominal place.
+    struct Broken {
+        joints: Vec<VirtualJoint>,
+        closed_form: bool,
+    }
+
+    impl Broken {
+        fn with(count: usize, closed_form: bool) -> Self {
+            let joint = VirtualJoint { symbol: "x", limb: 0, motion: Motion::Linear };
+            Self { joints: vec![joint; count], closed_form }
+        }
+    }
+
+    impl Virtualization for Broken {
+        fn name(&self) -> &str {
+            "broken"
+        }
+        fn joints(&self) -> &[VirtualJoint] {
+            &self.joints
+        }
+        fn nominal(&self, _platform: &Platform, x: &mut [f64]) {
+            x.fill(0.0);
+        }
+        fn sockets(&self, platform: &Platform, x: &[f64]) -> Sockets {
+            let nowhere = if x.iter().any(|&value| value != 0.0) { f64::NAN } else { 0.0 };
+            platform.sockets().map(|socket| socket.add_scalar(nowhere))
+        }
+        fn socket_velocities(&self, platform: &Platform, _x: &[f64], velocities: &mut [Sockets]) {
+            velocities.fill(Sockets::default());
+            for k in 0..3 {
+                velocities[k][k] = platform.directions()[k];
+            }
+        }
+        fn closed_form(&self, _platform: &Platform, _sides: &Sides, x: &mut [f64]) -> bool {
+            x.fill(f64::NAN);
+            self.closed_form
+        }
+    }
+
+    const SOLVERS: [Solver; 3] = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm];
+
+    fn sides_at(pitch: f64) -> Sides {
+        let gpr = Gpr::paper();
+        let tilt = crate::spatial::Tilt { yaw: 0.4, pitch };
+        let rods = gpr.inverse(tilt, crate::gpr::AxisHeight(0.5)).unwrap();
+        crate::gpr::ball_sides(&gpr.ball_centers(&rods))
+    }
+
+    /// Solves on the paper's platform and wants an "unconverged".
+    #[track_caller]
+    fn check(model: &dyn Virtualization, sides: Sides, options: &SolveOptions) -> Unconverged {
+        match solve(model, Gpr::paper().platform(), &sides, options) {
+            Err(Error::NotConverged(found)) => *found,
+            other => panic!("{} gives {other:?}", model.name()),
+        }
+    }
+
+    #[test]
+    fn too_few_and_too_many_virtual_joints() {
+        for found in [0, 2, 13] {
+            let platform = *Gpr::paper().platform();
+            let model = Broken::with(found, true);
+            let error = solve(&model, &platform, &sides_at(0.0), &SolveOptions::default());
+            assert_eq!(
+                error.unwrap_err().to_string(),
+                format!("the virtualization has {found} virtual joints, but needs 3 to 12")
+            );
+        }
+    }
+
+    #[test]
+    fn giving_up_leaves_the_best_iterate() {
+        let (platform, sides) = (*Gpr::paper().platform(), sides_at(0.1));
+        let start = largest(&side_gaps(&sides, &sides_of(platform.sockets())));
+        for model in built_in() {
+            for solver in [Solver::Newton, Solver::LeastNorm] {
+                let options = SolveOptions { solver, max_iterations: 1, ..SolveOptions::default() };
+                let found = check(model, sides, &options);
+                assert_eq!((found.solver, found.iterations), (solver, 1));
+                assert!(found.residual < start && found.residual > found.threshold);
+                let there = sides_of(&model.sockets(&platform, &found.best));
+                assert_eq!(largest(&side_gaps(&sides, &there)), found.residual);
+
+                let none = SolveOptions { max_iterations: 0, ..options };
+                assert_eq!(check(model, sides, &none).residual, start);
+            }
+        }
+    }
+
+    #[test]
+    fn the_message_says_what_was_asked_for() {
+        let options =
+            SolveOptions { solver: Solver::Newton, max_iterations: 1, ..SolveOptions::default() };
+        let found = check(&Polar, sides_at(0.1), &options);
+        let message = Error::from(Box::new(found)).to_string();
+        assert!(message.starts_with("the newton iteration did not converge in 1 steps: the sides are "));
+    }
+
+    #[test]
+    fn sides_that_are_no_triangle() {
+        for sides in [[0.1, 0.1, 0.3], [0.1, -0.1, 0.1], [0.1, 0.1, f64::NAN]] {
+            for model in built_in() {
+                for solver in SOLVERS {
+                    check(model, sides, &SolveOptions { solver, ..SolveOptions::default() });
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_model_of_no_numbers_gives_no_answer() {
+        for closed_form in [false, true] {
+            for solver in SOLVERS {
+                let options = SolveOptions { solver, ..SolveOptions::default() };
+                let found = check(&Broken::with(3, closed_form), sides_at(0.1), &options);
+                assert!(!(found.residual <= found.threshold));
+            }
+        }
+    }
+
+    #[test]
+    fn names_of_solvers() {
+        assert_eq!(SOLVERS.map(|solver| solver.to_string()), ["newton", "least-norm", "closed-form"]);
+        assert_eq!(format!("[{:>8}]", Solver::Newton), "[  newton]");
+    }
+
+    #[test]
+    fn the_solver_used_is_told() {
+        let (gpr, sides) = (Gpr::paper(), sides_at(0.02));
+        let used = |model: &dyn Virtualization| {
+            solve(model, gpr.platform(), &sides, &SolveOptions::default()).unwrap().solver
+        };
+        assert_eq!(used(&Radial), Solver::ClosedForm);
+        assert_eq!(used(&Planar), Solver::ClosedForm);
+        assert_eq!(used(&Polar), Solver::LeastNorm);
+        assert_eq!(used(&Offset), Solver::LeastNorm);
+    }
+}
