@@ -1,0 +1,324 @@
+//! Finite mobility of systems small enough to know the answer by thought.
+
+use jointplay_core::constraint::{Configuration, Dimension, System};
+use jointplay_core::mobility::{FiniteMobility, RANK_THRESHOLD, finite_mobility};
+use nalgebra::{DMatrix, DVector};
+
+/// A polynomial: terms of a factor and an exponent for each unknown.
+type Polynomial = &'static [(f64, &'static [i32])];
+
+/// Polynomials that have to vanish, with the origin as configuration.
+struct Polynomials(usize, &'static [Polynomial]);
+
+impl Polynomials {
+    /// Sum over the terms of the derivative with respect to the unknowns in `by`.
+    fn derivative(polynomial: Polynomial, x: &DVector<f64>, by: &[usize]) -> f64 {
+        let value = |&(factor, exponents): &(f64, &[i32])| {
+            let mut exponents = exponents.to_vec();
+            let mut value = factor;
+            for &i in by {
+                value *= f64::from(exponents[i]);
+                exponents[i] -= 1;
+            }
+            if value == 0.0 {
+                return 0.0;
+            }
+            exponents.iter().zip(x).fold(value, |product, (&e, &x)| product * x.powi(e))
+        };
+        polynomial.iter().map(value).sum()
+    }
+}
+
+impl System for Polynomials {
+    fn constraint_dimensions(&self) -> Vec<Dimension> {
+        vec![Dimension::Angle; self.1.len()]
+    }
+    fn coordinate_dimensions(&self) -> Vec<Dimension> {
+        vec![Dimension::Angle; self.0]
+    }
+    fn virtual_joint_dimensions(&self) -> Vec<Dimension> {
+        Vec::new()
+    }
+    fn characteristic_length(&self) -> f64 {
+        1.0
+    }
+    fn residual(&self, at: &Configuration) -> DVector<f64> {
+        DVector::from_fn(self.1.len(), |c, _| Self::derivative(self.1[c], &at.coordinates, &[]))
+    }
+    fn constraint_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
+        DMatrix::from_fn(self.1.len(), self.0, |c, i| {
+            Self::derivative(self.1[c], &at.coordinates, &[i])
+        })
+    }
+    fn virtual_jacobian(&self, _at: &Configuration) -> DMatrix<f64> {
+        DMatrix::zeros(self.1.len(), 0)
+    }
+    fn second_derivative(&self, at: &Configuration, v: &DVector<f64>) -> DVector<f64> {
+        DVector::from_fn(self.1.len(), |c, _| {
+            let hessian = DMatrix::from_fn(self.0, self.0, |i, j| {
+                Self::derivative(self.1[c], &at.coordinates, &[i, j])
+            });
+            v.dot(&(hessian * v))
+        })
+    }
+}
+
+/// Bars of fixed length between pins in a plane; the first few pins are fixed [m].
+struct Bars {
+    fixed: Vec<[f64; 2]>,
+    free: Vec<[f64; 2]>,
+    bars: Vec<(usize, usize)>,
+    /// Pins held on the line through their place in a direction.
+    slots: Vec<(usize, [f64; 2])>,
+}
+
+impl Bars {
+    fn pin(&self, at: &DVector<f64>, i: usize) -> [f64; 2] {
+        match i.checked_sub(self.fixed.len()) {
+            None => self.fixed[i],
+            Some(free) => [at[2 * free], at[2 * free + 1]],
+        }
+    }
+    fn start(&self) -> DVector<f64> {
+        DVector::from_iterator(2 * self.free.len(), self.free.iter().flatten().copied())
+    }
+    fn squared(&self, at: &DVector<f64>, (i, j): (usize, usize)) -> f64 {
+        let (a, b) = (self.pin(at, i), self.pin(at, j));
+        (a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2)
+    }
+}
+
+impl System for Bars {
+    fn constraint_dimensions(&self) -> Vec<Dimension> {
+        let mut dimensions = vec![Dimension::SquaredLength; self.bars.len()];
+        dimensions.extend(vec![Dimension::Length; self.slots.len()]);
+        dimensions
+    }
+    fn coordinate_dimensions(&self) -> Vec<Dimension> {
+        vec![Dimension::Length; 2 * self.free.len()]
+    }
+    fn virtual_joint_dimensions(&self) -> Vec<Dimension> {
+        Vec::new()
+    }
+    fn characteristic_length(&self) -> f64 {
+        1.0
+    }
+    fn residual(&self, at: &Configuration) -> DVector<f64> {
+        let start = self.start();
+        let bars = self
+            .bars
+            .iter()
+            .map(|&bar| self.squared(&at.coordinates, bar) - self.squared(&start, bar));
+        let slots = self.slots.iter().map(|&(pin, [x, y])| {
+            let (now, then) = (self.pin(&at.coordinates, pin), self.pin(&start, pin));
+            -(now[0] - then[0]) * y + (now[1] - then[1]) * x
+        });
+        DVector::from_vec(bars.chain(slots).collect())
+    }
+    fn constraint_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
+        let mut jacobian =
+            DMatrix::zeros(self.bars.len() + self.slots.len(), 2 * self.free.len());
+        let fixed = self.fixed.len();
+        for (row, &(i, j)) in self.bars.iter().enumerate() {
+            let (a, b) = (self.pin(&at.coordinates, i), self.pin(&at.coordinates, j));
+            for axis in 0..2 {
+                let slope = 2.0 * (b[axis] - a[axis]);
+                if i >= fixed {
+                    jacobian[(row, 2 * (i - fixed) + axis)] = -slope;
+                }
+                if j >= fixed {
+                    jacobian[(row, 2 * (j - fixed) + axis)] = slope;
+                }
+            }
+        }
+        for (row, &(pin, [x, y])) in (self.bars.len()..).zip(&self.slots) {
+            jacobian[(row, 2 * (pin - fixed))] = -y;
+            jacobian[(row, 2 * (pin - fixed) + 1)] = x;
+        }
+        jacobian
+    }
+    fn virtual_jacobian(&self, _at: &Configuration) -> DMatrix<f64> {
+        DMatrix::zeros(self.bars.len() + self.slots.len(), 0)
+    }
+    fn second_derivative(&self, _at: &Configuration, v: &DVector<f64>) -> DVector<f64> {
+        let velocity = |i: usize| match i.checked_sub(self.fixed.len()) {
+            None => [0.0, 0.0],
+            Some(free) => [v[2 * free], v[2 * free + 1]],
+        };
+        let bars = self.bars.iter().map(|&(i, j)| {
+            let (a, b) = (velocity(i), velocity(j));
+            2.0 * ((b[0] - a[0]).powi(2) + (b[1] - a[1]).powi(2))
+        });
+        DVector::from_vec(bars.chain(self.slots.iter().map(|_| 0.0)).collect())
+    }
+}
+
+/// What is known and what has to be found.
+struct Expect {
+    instantaneous: usize,
+    /// The true dimension of the configurations near, by thought.
+    truth: usize,
+    /// What the analysis has to say: the truth, or that it is undecided.
+    decided: bool,
+}
+
+#[track_caller]
+fn check(system: &dyn System, start: DVector<f64>, expect: &Expect) -> FiniteMobility {
+    let at = Configuration { coordinates: start, virtual_joints: DVector::zeros(0) };
+    let found = finite_mobility(system, &at, RANK_THRESHOLD).unwrap();
+    assert_eq!(found.instantaneous.mobility, expect.instantaneous, "{found:#?}");
+    assert_eq!(found.mobility, expect.decided.then_some(expect.truth), "{found:#?}");
+    assert!(found.lower_bound <= expect.truth && expect.truth <= found.upper_bound, "{found:#?}");
+    found
+}
+
+fn polynomials(
+    unknowns: usize,
+    polynomials: &'static [Polynomial],
+    instantaneous: usize,
+    truth: usize,
+    decided: bool,
+) {
+    check(
+        &Polynomials(unknowns, polynomials),
+        DVector::zeros(unknowns),
+        &Expect { instantaneous, truth, decided },
+    );
+}
+
+#[track_caller]
+fn bars(system: &Bars, instantaneous: usize, truth: usize, decided: bool) -> FiniteMobility {
+    check(system, system.start(), &Expect { instantaneous, truth, decided })
+}
+
+/// Four bars, opposite ones of equal length; `angle` of the cranks to the base [rad].
+fn parallelogram(angle: f64) -> Bars {
+    let (sin, cos) = f64::sin_cos(angle);
+    Bars {
+        fixed: vec![[0.0, 0.0], [2.0, 0.0]],
+        free: vec![[cos, sin], [2.0 + cos, sin]],
+        bars: vec![(0, 2), (2, 3), (3, 1)],
+        slots: vec![],
+    }
+}
+
+#[test]
+fn a_parallelogram_moves_in_one_way_at_a_time() {
+    for angle in [0.1, 1.0, 2.0] {
+        let found = bars(&parallelogram(angle), 1, 1, true);
+        assert!(found.second_order.is_none(), "full row rank needs no second order");
+    }
+    // Flat: the parallelogram and the crossed one meet, two ways to go, each of one dimension.
+    bars(&parallelogram(0.0), 2, 1, true);
+}
+
+#[test]
+fn three_parallel_cranks_hold_each_other_up_and_move() {
+    let mut system = parallelogram(1.0);
+    let (sin, cos) = 1.0_f64.sin_cos();
+    // A third crank in the middle, its pin on the coupler by two bars that are one line.
+    system.fixed.push([1.0, 0.5]);
+    system.free.push([1.0 + cos, 0.5 + sin]);
+    system.bars = vec![(0, 3), (3, 4), (4, 1), (3, 5), (4, 5), (2, 5)];
+    let found = bars(&system, 1, 1, true);
+    assert_eq!(found.instantaneous.redundancy, 1);
+}
+
+#[test]
+fn two_bars_in_line_are_shaky() {
+    let mut system = Bars {
+        fixed: vec![[0.0, 0.0], [2.0, 0.0]],
+        free: vec![[1.0, 0.0]],
+        bars: vec![(0, 2), (1, 2)],
+        slots: vec![],
+    };
+    let found = bars(&system, 1, 0, true);
+    assert!(found.second_order.unwrap().definite);
+    // A third bar alike makes nothing new of it.
+    system.fixed.push([3.0, 0.0]);
+    system.bars.push((2, 3));
+    bars(&system, 1, 0, true);
+    // Out of line they are simply stiff.
+    system.free[0] = [1.0, 0.5];
+    bars(&system, 0, 0, true);
+}
+
+#[test]
+fn two_bars_that_fold_together_turn_as_one() {
+    let system = Bars {
+        fixed: vec![[0.0, 0.0], [0.0, 0.0]],
+        free: vec![[0.6, 0.8]],
+        bars: vec![(0, 2), (1, 2)],
+        slots: vec![],
+    };
+    let found = bars(&system, 1, 1, true);
+    assert_eq!(found.instantaneous.redundancy, 1);
+}
+
+#[test]
+fn branches_that_cross_or_touch() {
+    // A plane and a line: xy = xz = 0.
+    polynomials(3, &[&[(1.0, &[1, 1, 0])], &[(1.0, &[1, 0, 1])]], 3, 2, true);
+    // Three lines: xy = yz = zx = 0.
+    let lines: &[Polynomial] =
+        &[&[(1.0, &[1, 1, 0])], &[(1.0, &[0, 1, 1])], &[(1.0, &[1, 0, 1])]];
+    polynomials(3, lines, 3, 1, false);
+    // Two parabolas that touch: z = 0 and z = x² − y⁴.
+    polynomials(
+        3,
+        &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (-1.0, &[2, 0, 0]), (1.0, &[0, 4, 0])]],
+        2,
+        1,
+        true,
+    );
+    // A cusp: z = 0 and z = x² − y³.
+    polynomials(
+        3,
+        &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (-1.0, &[2, 0, 0]), (1.0, &[0, 3, 0])]],
+        2,
+        1,
+        true,
+    );
+    // A line counted twice: x² = 0.
+    polynomials(2, &[&[(1.0, &[2, 0])]], 2, 1, true);
+    // A cone and a point: x² + y² = z², x² + y² + z² = 0.
+    let squares: Polynomial = &[(1.0, &[2, 0, 0]), (1.0, &[0, 2, 0]), (-1.0, &[0, 0, 2])];
+    polynomials(3, &[squares], 3, 2, true);
+    let point: Polynomial = &[(1.0, &[2, 0, 0]), (1.0, &[0, 2, 0]), (1.0, &[0, 0, 2])];
+    polynomials(3, &[point], 3, 0, true);
+}
+
+/// z = 0 and z = xᵖ: first order allows x, order p stops it.
+#[test]
+fn stopped_beyond_the_second_order_is_undecided() {
+    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[3, 0])]], 1, 0, false);
+    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[4, 0])]], 1, 0, false);
+    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[5, 0])]], 1, 0, false);
+    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[6, 0])]], 1, 0, false);
+    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[8, 0])]], 1, 0, false);
+}
+
+/// z = 0 and z = x² + yᵖ: one direction stopped at second order, the other only at order p.
+#[test]
+fn stopped_at_mixed_orders_is_undecided() {
+    polynomials(
+        3,
+        &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (1.0, &[2, 0, 0]), (1.0, &[0, 4, 0])]],
+        2,
+        0,
+        false,
+    );
+}
+
+/// Watt's linkage, its middle pin in the slot that it follows almost: deviation of fifth order.
+#[test]
+fn watts_linkage_in_a_straight_slot_is_undecided() {
+    // Cranks of length 2 and a coupler of length 1 across, its middle pin held by two bars in line.
+    let system = Bars {
+        fixed: vec![[-2.0, 0.5], [2.0, -0.5]],
+        free: vec![[0.0, 0.5], [0.0, -0.5], [0.0, 0.0]],
+        bars: vec![(0, 2), (1, 3), (2, 3), (2, 4), (3, 4)],
+        slots: vec![(4, [0.0, 1.0])],
+    };
+    bars(&system, 2, 0, false);
+}

@@ -1,0 +1,95 @@
+//! Why a figure could not be drawn.
+
+/// Why a figure could not be drawn; panels count from 0, top to bottom.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The figure has no panel.
+    #[error("figure {title:?} has no panel: add at least one")]
+    NoPanel {
+        /// Title of the figure.
+        title: String,
+    },
+    /// No curve of a panel has a point of which both coordinates are finite.
+    #[error("panel {panel}: none of its {curves} curves has a finite point")]
+    NoFinitePoint {
+        /// Index of the panel.
+        panel: usize,
+        /// Number of curves in the panel.
+        curves: usize,
+    },
+    /// The two columns of a curve have different lengths.
+    #[error("panel {panel}, curve {curve:?}: {x} values of x but {y} values of y")]
+    UnequalLengths {
+        /// Index of the panel.
+        panel: usize,
+        /// Name of the curve.
+        curve: String,
+        /// Number of values of x.
+        x: usize,
+        /// Number of values of y.
+        y: usize,
+    },
+    /// A finite value that is not above zero is to be drawn on a logarithmic axis.
+    #[error("panel {panel}, {item}: {value:?} on the logarithmic axis {axis:?} must be above 0")]
+    NotPositive {
+        /// Index of the panel.
+        panel: usize,
+        /// What holds the value, such as `curve "residual", point 3`.
+        item: String,
+        /// Label of the axis.
+        axis: String,
+        /// The value found [of the axis].
+        value: f64,
+    },
+    /// A marker or a label stands at a position that is not finite.
+    #[error("panel {panel}, {item}: position {value:?} on axis {axis:?} is not finite")]
+    NotFinite {
+        /// Index of the panel.
+        panel: usize,
+        /// What holds the value, such as `marker "singular pass"`.
+        item: String,
+        /// Label of the axis.
+        axis: String,
+        /// The value found [of the axis].
+        value: f64,
+    },
+    /// A range is empty, reversed, not finite, or finer than round-off.
+    #[error("panel {panel}, axis {axis:?}: cannot draw the range from {min:?} to {max:?}")]
+    Range {
+        /// Index of the panel.
+        panel: usize,
+        /// Label of the axis.
+        axis: String,
+        /// Lower end [of the axis].
+        min: f64,
+        /// Upper end [of the axis].
+        max: f64,
+    },
+    /// Equal aspect is asked of a panel with a logarithmic axis.
+    #[error("panel {panel}: equal aspect needs two linear axes, but {axis:?} is logarithmic")]
+    EqualAspect {
+        /// Index of the panel.
+        panel: usize,
+        /// Label of the logarithmic axis.
+        axis: String,
+    },
+    /// A width, height or line width is outside what can be drawn.
+    #[error("{what} is {found} px, outside {min} px to {max} px")]
+    Size {
+        /// Which size, such as `width of the figure`.
+        what: &'static str,
+        /// The size found [px].
+        found: f64,
+        /// Least size that can be drawn [px].
+        min: f64,
+        /// Greatest size that can be drawn [px].
+        max: f64,
+    },
+    /// The figure could not be painted as PNG.
+    #[error("the figure could not be painted as PNG: {reason}")]
+    Paint {
+        /// What the painter said.
+        reason: String,
+    },
+}

@@ -1,0 +1,57 @@
+//! Figures of results, for papers: SVG text and PNG bytes from the same description.
+//!
+//! This crate draws and computes nothing: it is given columns of numbers and returns a picture.
+//! It reads no file, asks no font of the system, and gives the same bytes for the same input.
+//!
+//! ```
+//! use jointplay_plot::{Axis, Curve, Figure, Panel, rod_style};
+//!
+//! let pass = vec![0.0, 1.0, 2.0, 3.0];
+//! let length = vec![93.2181, 93.2184, f64::NAN, 93.2192]; // NaN breaks the line
+//! let panel = Panel::new(Axis::linear("pass"), Axis::linear("length (mm)"))
+//!     .with_curve(Curve::new("rod 1", pass, length, rod_style(0)))
+//!     .with_marker(1.5, "singular pass");
+//! let svg = Figure::new("Rod lengths").with_panel(panel).to_svg()?;
+//! assert!(svg.contains(">length (mm)</text>"));
+//! # Ok::<(), jointplay_plot::Error>(())
+//! ```
+//!
+//! | type | role |
+//! | --- | --- |
+//! | [`Figure`] | title and panels, stacked from top to bottom |
+//! | [`Panel`] | two axes and what is drawn between them |
+//! | [`Axis`], [`Scale`] | label with unit, linear or logarithmic, automatic or fixed range |
+//! | [`Curve`], [`Marker`], [`Label`] | a series, a vertical line, a text at a point |
+//! | [`Style`], [`Colour`], [`Dash`], [`Point`] | how a curve looks, in colour and in grey |
+//! | [`rod_style`], [`model_style`] | the fixed looks of rods and of models |
+//! | [`results`] | figures of this project's own studies and comparisons |
+//! | [`Error`] | why a figure could not be drawn |
+
+mod axis;
+mod check;
+mod decimal;
+mod draw;
+mod error;
+mod figure;
+mod label;
+mod layout;
+mod legend;
+mod linear_ticks;
+mod log_ticks;
+mod markers;
+mod panel;
+mod path;
+mod png;
+mod ranges;
+pub mod results;
+mod span;
+mod style;
+mod svg;
+mod text;
+mod ticks;
+
+pub use axis::{Axis, Scale};
+pub use error::Error;
+pub use figure::Figure;
+pub use panel::{Curve, Label, Marker, Panel};
+pub use style::{Colour, Dash, Model, Point, Style, model_style, rod_style};
