@@ -1,2 +1,50 @@
-//! Placeholder.
-fn main() {}
+//! The `jointplay` command: reads flags and files, asks the library, prints.
+//!
+//! | file | role |
+//! | --- | --- |
+//! | `arguments.rs` | flags shared by the commands, and how their values are read |
+//! | `commands/` | one file a command |
+//! | `failure.rs` | what can go wrong, and the exit code |
+//! | `output.rs` | text and JSON to standard output |
+//! | `folder.rs` | result files, written whole or not at all |
+
+mod arguments;
+mod commands;
+mod failure;
+mod folder;
+mod output;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Models, analyses and simulates robots that move only because their joints have play.
+#[derive(Parser)]
+#[command(
+    name = "jointplay",
+    version,
+    max_term_width = 100,
+    subcommand_required = true,
+    arg_required_else_help = true
+)]
+#[command(after_help = "\
+Examples:
+  jointplay simulate                          the paper's studies, as data and figures
+  jointplay forward --q-mm 500,501,502        where the platform is for these rods
+  jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-mm 500
+  jointplay compare                           what the models say of one tilt
+
+Exit codes: 0 done, 1 the answer is no (unreachable, over a limit), 2 bad input or usage.")]
+struct Cli {
+    #[command(subcommand)]
+    command: commands::Command,
+}
+
+fn main() -> ExitCode {
+    let command = Cli::parse().command;
+    let json = command.wants_json();
+    match command.run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(json),
+    }
+}

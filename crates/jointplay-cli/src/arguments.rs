@@ -1,0 +1,269 @@
+//! Flags that several commands share, and how their values are read.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use jointplay::format::units::m_from_mm;
+use jointplay::format::{robot, steps};
+use jointplay::gpr::{AxisHeight, BrokenLimit, Forward, Gpr};
+use jointplay::spatial::Tilt;
+use jointplay::virtualization::{
+    Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
+};
+
+use crate::failure::Failure;
+
+/// Larger robot files are refused unread [bytes].
+const LARGEST_ROBOT_FILE: u64 = 1_000_000;
+
+#[derive(Args)]
+pub(crate) struct RobotArgs {
+    /// Robot file (TOML); without it, the paper's robot
+    #[arg(long, value_name = "FILE")]
+    robot: Option<PathBuf>,
+}
+
+impl RobotArgs {
+    pub(crate) fn load(&self) -> Result<robot::Robot, Failure> {
+        let Some(path) = &self.robot else { return Ok(robot::paper()) };
+        let failed = |source| Failure::Read { path: path.clone(), source };
+        let bytes = std::fs::metadata(path).map_err(failed)?.len();
+        if bytes > LARGEST_ROBOT_FILE {
+            return Err(Failure::TooLarge {
+                path: path.clone(),
+                bytes,
+                allowed: LARGEST_ROBOT_FILE,
+            });
+        }
+        let text = std::fs::read_to_string(path).map_err(failed)?;
+        robot::parse(&text)
+            .map_err(|error| Failure::Robot(error.with_excerpt(&path.display().to_string())))
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum VirtualizationName {
+    /// three radial slides
+    Radial,
+    /// three radial slides and three turns about the platform centre (the paper's V.A)
+    Polar,
+    /// a displacement of each socket in polar coordinates (the paper's V.B)
+    Offset,
+    /// a displacement of each socket in Cartesian coordinates
+    Planar,
+}
+
+impl VirtualizationName {
+    pub(crate) fn model(self) -> &'static dyn Virtualization {
+        match self {
+            Self::Radial => &Radial,
+            Self::Polar => &Polar,
+            Self::Offset => &Offset,
+            Self::Planar => &Planar,
+        }
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum SolverName {
+    /// the paper's iteration: near the least displacement
+    Newton,
+    /// the exact least displacement, by iteration
+    LeastNorm,
+    /// the exact least displacement in closed form; where there is none, least-norm
+    ClosedForm,
+}
+
+impl SolverName {
+    pub(crate) fn solver(self) -> Solver {
+        match self {
+            Self::Newton => Solver::Newton,
+            Self::LeastNorm => Solver::LeastNorm,
+            Self::ClosedForm => Solver::ClosedForm,
+        }
+    }
+}
+
+#[derive(Args)]
+pub(crate) struct MetricArgs {
+    /// How angles weigh against lengths: paper (1 mm), radius (mean socket radius), or a length in mm
+    #[arg(long, value_name = "paper|radius|LENGTH_MM", default_value = "paper", value_parser = metric)]
+    metric: Metric,
+}
+
+impl MetricArgs {
+    pub(crate) fn options(&self, solver: SolverName) -> SolveOptions {
+        SolveOptions { solver: solver.solver(), metric: self.metric, ..SolveOptions::default() }
+    }
+}
+
+/// Virtualization, solver and metric of one pose.
+#[derive(Args)]
+pub(crate) struct ModelArgs {
+    /// Which virtual joints stand for the play
+    #[arg(long, value_enum, default_value = "planar")]
+    virtualization: VirtualizationName,
+    /// How their displacements are found
+    #[arg(long, value_enum, default_value = "closed-form")]
+    solver: SolverName,
+    #[command(flatten)]
+    metric: MetricArgs,
+}
+
+impl ModelArgs {
+    pub(crate) fn model(&self) -> &'static dyn Virtualization {
+        self.virtualization.model()
+    }
+
+    pub(crate) fn options(&self) -> SolveOptions {
+        self.metric.options(self.solver)
+    }
+}
+
+#[derive(Args)]
+pub(crate) struct LimitArgs {
+    /// Compute past the robot's limits, and say so
+    #[arg(long)]
+    ignore_limits: bool,
+}
+
+impl LimitArgs {
+    /// The limits that a pose breaks: an error unless they are to be ignored.
+    pub(crate) fn check(
+        &self,
+        gpr: &Gpr,
+        rods: &[f64; 3],
+        tilt: Tilt,
+    ) -> Result<Vec<BrokenLimit>, Failure> {
+        let broken = gpr.limits().broken(rods, tilt);
+        if broken.is_empty() || self.ignore_limits {
+            Ok(broken)
+        } else {
+            Err(Failure::Limits(broken))
+        }
+    }
+
+    pub(crate) fn check_pose(
+        &self,
+        gpr: &Gpr,
+        pose: &Forward,
+    ) -> Result<Vec<BrokenLimit>, Failure> {
+        self.check(gpr, &pose.rods, pose.tilt())
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum TextFormat {
+    /// for people
+    Text,
+    /// for programs
+    Json,
+}
+
+#[derive(Args)]
+pub(crate) struct FormatArgs {
+    /// How the answer is printed
+    #[arg(long, value_enum, default_value = "text")]
+    format: TextFormat,
+}
+
+impl FormatArgs {
+    pub(crate) fn json(&self) -> bool {
+        self.format == TextFormat::Json
+    }
+}
+
+/// A tilt and an axis height; the height defaults to the robot's working height.
+#[derive(Args)]
+pub(crate) struct TiltArgs {
+    /// Azimuth toward which the platform leans, from x toward y
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    pub(crate) yaw_deg: f64,
+    /// How far it leans
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = pitch, allow_negative_numbers = true)]
+    pub(crate) pitch_deg: f64,
+    /// Height of the platform; without it, the robot's working height
+    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    height_mm: Option<f64>,
+}
+
+impl TiltArgs {
+    pub(crate) fn tilt(&self) -> Tilt {
+        Tilt { yaw: self.yaw_deg.to_radians(), pitch: self.pitch_deg.to_radians() }
+    }
+
+    /// The height asked for [m].
+    pub(crate) fn height(&self, gpr: &Gpr) -> f64 {
+        self.height_mm.map_or(gpr.working_height(), m_from_mm)
+    }
+
+    pub(crate) fn axis_height(&self, gpr: &Gpr) -> AxisHeight {
+        AxisHeight(self.height(gpr))
+    }
+}
+
+/// Three rod lengths; without them, all at the robot's working height.
+#[derive(Args)]
+pub(crate) struct RodArgs {
+    /// Rod lengths; without them, all at the robot's working height
+    #[arg(long, value_name = "Q1,Q2,Q3", value_parser = rods, allow_hyphen_values = true)]
+    pub(crate) q_mm: Option<Rods>,
+}
+
+impl RodArgs {
+    pub(crate) fn rods(&self, gpr: &Gpr) -> [f64; 3] {
+        self.q_mm.as_ref().map_or([gpr.working_height(); 3], |rods| rods.0)
+    }
+}
+
+/// Three rod lengths [m].
+#[derive(Clone)]
+pub(crate) struct Rods(pub(crate) [f64; 3]);
+
+/// Values of a range, in the unit of the flag.
+#[derive(Clone)]
+pub(crate) struct Steps(pub(crate) Vec<f64>);
+
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    let value: f64 = text.trim().parse().map_err(|_| format!("{text:?} is no number"))?;
+    if value.is_finite() { Ok(value) } else { Err(format!("{text} is not a finite number")) }
+}
+
+fn pitch(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    within_right_angle(value).map(|()| value)
+}
+
+fn within_right_angle(pitch: f64) -> Result<(), String> {
+    if pitch.abs() < 90.0 {
+        Ok(())
+    } else {
+        Err(format!("{pitch}° is too steep, the pitch has to lie between -90° and 90°"))
+    }
+}
+
+pub(crate) fn pitches(text: &str) -> Result<Steps, String> {
+    let values = steps::parse(text).map_err(|error| error.to_string())?;
+    values.iter().try_for_each(|&value| within_right_angle(value))?;
+    Ok(Steps(values))
+}
+
+pub(crate) fn rods(text: &str) -> Result<Rods, String> {
+    let values = text.split(',').map(finite).collect::<Result<Vec<f64>, String>>()?;
+    let rods: [f64; 3] = values.try_into().map_err(|values: Vec<f64>| {
+        format!("3 rod lengths are needed, {} are given", values.len())
+    })?;
+    Ok(Rods(rods.map(m_from_mm)))
+}
+
+fn metric(text: &str) -> Result<Metric, String> {
+    match text {
+        "paper" => Ok(Metric::Paper),
+        "radius" => Ok(Metric::PlatformRadius),
+        _ => match finite(text.strip_suffix("mm").unwrap_or(text)) {
+            Ok(length) if length > 0.0 => Ok(Metric::Length(m_from_mm(length))),
+            Ok(length) => Err(format!("a characteristic length of {length} mm is not positive")),
+            Err(_) => Err("it has to be paper, radius, or a length in mm".to_owned()),
+        },
+    }
+}

@@ -1,0 +1,156 @@
+//! `jointplay compare`: all models side by side.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use jointplay::format::report::{self, CompareReport};
+use jointplay::format::units::m_from_mm;
+use jointplay::gpr::AxisHeight;
+use jointplay::plot::results::comparison;
+use jointplay::spatial::Tilt;
+use jointplay::study::{Comparison, compare};
+use jointplay::virtualization::built_in;
+
+use crate::arguments::{
+    FormatArgs, LimitArgs, MetricArgs, RobotArgs, SolverName, Steps, finite, pitches,
+};
+use crate::failure::Failure;
+use crate::output::{self, fixed, limits};
+use crate::{folder, output::text};
+
+/// What every model says of a range of tilts, side by side
+///
+/// The models agree on the plane and the sides, and differ in where the platform sits over them: their centre shifts have opposite signs.
+/// Which one is true is physics, not kinematics: see docs/errata.md.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay compare
+  jointplay compare --pitch-deg 0:2:0.1 --ignore-limits --figure shifts.svg")]
+pub(crate) struct Compare {
+    /// Azimuth of all tilts
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    yaw_deg: f64,
+    /// The tilts
+    #[arg(long, value_name = "FROM:TO:STEP", default_value = "0:1.5:0.25", value_parser = pitches, allow_hyphen_values = true)]
+    pitch_deg: Steps,
+    /// Axis height; without it, the robot's working height
+    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    height_mm: Option<f64>,
+    /// How the virtual displacements are found
+    #[arg(long, value_enum, default_value = "closed-form")]
+    solver: SolverName,
+    #[command(flatten)]
+    metric: MetricArgs,
+    /// Figure to write, .svg or .png; without it, compare.svg if no other file of that name is there
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+    #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// Width of a PNG figure [px].
+const PNG_WIDTH: u32 = 1800;
+/// Where the figure goes if nothing is said.
+const DEFAULT_FIGURE: &str = "compare.svg";
+
+impl Compare {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let gpr = self.robot.load()?.gpr;
+        let height = AxisHeight(self.height_mm.map_or(gpr.working_height(), m_from_mm));
+        let yaw = self.yaw_deg.to_radians();
+        let pitches: Vec<f64> = self.pitch_deg.0.iter().map(|pitch| pitch.to_radians()).collect();
+        let mut broken = Vec::new();
+        // The tilt farthest from level breaks whatever any of them breaks at this azimuth and height.
+        for pitch in [
+            pitches.iter().copied().fold(0.0, f64::min),
+            pitches.iter().copied().fold(0.0, f64::max),
+        ] {
+            let tilt = Tilt { yaw, pitch };
+            for limit in self.limits.check(&gpr, &gpr.inverse(tilt, height)?, tilt)? {
+                if !broken.contains(&limit) {
+                    broken.push(limit);
+                }
+            }
+        }
+        let options = self.metric.options(self.solver);
+        let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
+        let figure = self.draw(&comparison)?;
+        let report = report::compare(&comparison, &broken);
+        if self.format.json() {
+            return output::json(&report);
+        }
+        text(&(table(&report) + &format!("figure: {}\n", figure.display())))
+    }
+
+    fn draw(&self, compared: &Comparison) -> Result<PathBuf, Failure> {
+        let path = match &self.figure {
+            Some(path) => path.clone(),
+            None => {
+                let path = PathBuf::from(DEFAULT_FIGURE);
+                if !replaceable(&path) {
+                    let source = std::io::Error::new(
+                        std::io::ErrorKind::AlreadyExists,
+                        "it is there and not a figure of ours; name another with --figure",
+                    );
+                    return Err(Failure::Write { path, source });
+                }
+                path
+            }
+        };
+        let figure = comparison(compared);
+        let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
+        let bytes = match path.extension().and_then(|end| end.to_str()) {
+            Some("svg") => figure.to_svg().map_err(failed)?.into_bytes(),
+            Some("png") => figure.to_png(PNG_WIDTH).map_err(failed)?,
+            _ => return Err(Failure::FigureKind { path }),
+        };
+        folder::write_file(&path, &bytes)?;
+        Ok(path)
+    }
+}
+
+/// Whether nothing is lost by writing there: no file, or a comparison that we drew.
+fn replaceable(path: &Path) -> bool {
+    match std::fs::read_to_string(path) {
+        Ok(text) => text.starts_with("<svg") && text.contains("What the models say of a tilt"),
+        Err(error) => error.kind() == std::io::ErrorKind::NotFound,
+    }
+}
+
+fn table(report: &CompareReport) -> String {
+    let mut text = String::new();
+    let names: String = report.models.iter().map(|m| format!("{:>20}", m.virtualization)).collect();
+    let _ = writeln!(
+        text,
+        "centre shift x, y (µm), tilts toward yaw {}° at axis height {} mm",
+        report.yaw_deg, report.height_mm
+    );
+    let _ = writeln!(text, "  pitch (deg){names}{:>20}", "approximate");
+    for (i, pitch) in report.pitch_deg.iter().enumerate() {
+        let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
+        for model in &report.models {
+            let (x, y) = (model.center_shift_x_um[i], model.center_shift_y_um[i]);
+            let _ = write!(text, "{:>11}{:>9}", fixed(x, 3), fixed(y, 3));
+        }
+        let _ = writeln!(text, "{:>11}{:>9}", fixed(0.0, 3), fixed(0.0, 3));
+    }
+    let _ = writeln!(
+        text,
+        "farthest that a socket moves in the platform; approximate: is off its ball (µm)"
+    );
+    let _ = writeln!(text, "  pitch (deg){names}{:>20}", "approximate");
+    for (i, pitch) in report.pitch_deg.iter().enumerate() {
+        let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
+        for model in &report.models {
+            let _ = write!(text, "{:>20}", fixed(model.largest_displacement_um[i], 3));
+        }
+        let _ = writeln!(text, "{:>20}", fixed(report.approximate_gap_um[i], 3));
+    }
+    text + &limits(&report.limits_broken)
+}

@@ -1,0 +1,66 @@
+//! `jointplay inverse`: from tilt and height to rods.
+
+use clap::{Args, ValueEnum};
+use jointplay::format::report;
+use jointplay::gpr::{AxisHeight, CenterHeight};
+
+use super::pose_text;
+use crate::arguments::{FormatArgs, LimitArgs, ModelArgs, RobotArgs, TiltArgs};
+use crate::failure::Failure;
+use crate::output;
+
+/// Which rods tilt the platform so, and where it then is
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-mm 500
+  jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-of center --virtualization radial")]
+pub(crate) struct Inverse {
+    #[command(flatten)]
+    tilt: TiltArgs,
+    /// What the height is of
+    #[arg(long, value_enum, default_value = "axis")]
+    height_of: HeightOf,
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum HeightOf {
+    /// where the platform plane crosses the base axis
+    Axis,
+    /// the platform's own centre
+    Center,
+}
+
+impl Inverse {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let gpr = self.robot.load()?.gpr;
+        let (model, options) = (self.model.model(), self.model.options());
+        let (tilt, height) = (self.tilt.tilt(), self.tilt.height(&gpr));
+        let pose = match self.height_of {
+            HeightOf::Axis => {
+                let rods = gpr.inverse(tilt, AxisHeight(height))?;
+                // Limits first: past them the virtual joints may not be found at all.
+                self.limits.check(&gpr, &rods, tilt)?;
+                gpr.forward(rods, model, &options)?
+            }
+            HeightOf::Center => {
+                gpr.inverse_for_center(tilt, CenterHeight(height), model, &options)?
+            }
+        };
+        let broken = self.limits.check_pose(&gpr, &pose)?;
+        let report = report::forward(&pose, model, &broken);
+        if self.format.json() {
+            output::json(&report)
+        } else {
+            output::text(&pose_text::pose(&report, options.solver))
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! One file a command: what its flags are, what it asks the library, how it tells the answer.
+
+mod compare;
+mod completions;
+mod forward;
+mod inverse;
+mod manual;
+mod mobility;
+mod pose_text;
+mod sensitivity;
+mod simulate;
+mod simulate_text;
+
+use clap::Subcommand;
+
+use crate::failure::Failure;
+
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    Simulate(simulate::Simulate),
+    Forward(forward::ForwardCommand),
+    Inverse(inverse::Inverse),
+    Mobility(mobility::Mobility),
+    Sensitivity(sensitivity::SensitivityCommand),
+    Compare(compare::Compare),
+    Completions(completions::Completions),
+    Manual(manual::Manual),
+}
+
+impl Command {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        match self {
+            Self::Simulate(command) => command.run(),
+            Self::Forward(command) => command.run(),
+            Self::Inverse(command) => command.run(),
+            Self::Mobility(command) => command.run(),
+            Self::Sensitivity(command) => command.run(),
+            Self::Compare(command) => command.run(),
+            Self::Completions(command) => command.run(),
+            Self::Manual(command) => command.run(),
+        }
+    }
+
+    /// Whether errors are to be told as JSON too.
+    pub(crate) fn wants_json(&self) -> bool {
+        match self {
+            Self::Forward(command) => command.format.json(),
+            Self::Inverse(command) => command.format.json(),
+            Self::Mobility(command) => command.format.json(),
+            Self::Sensitivity(command) => command.format.json(),
+            Self::Compare(command) => command.format.json(),
+            Self::Simulate(_) | Self::Completions(_) | Self::Manual(_) => false,
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! `jointplay sensitivity`: how much play a tilt takes.
+
+use std::fmt::Write as _;
+
+use clap::Args;
+use jointplay::format::report::{self, SensitivityReport};
+use jointplay::spatial::Tilt;
+
+use crate::arguments::{FormatArgs, LimitArgs, ModelArgs, RobotArgs, Rods, TiltArgs};
+use crate::failure::Failure;
+use crate::output::{self, fixed, limits, three};
+
+/// How far the virtual joints move for a tilt, and what first order says of it
+#[derive(Args)]
+#[command(after_help = "\
+The motion starts level at the same axis height.
+
+Examples:
+  jointplay sensitivity --pitch-deg 1.5
+  jointplay sensitivity --q-mm 500,501,502 --virtualization polar --metric radius")]
+pub(crate) struct SensitivityCommand {
+    /// Rod lengths at the end of the motion, instead of a tilt
+    #[arg(long, value_name = "Q1,Q2,Q3", value_parser = crate::arguments::rods, allow_hyphen_values = true, conflicts_with_all = ["yaw_deg", "pitch_deg", "height_mm"])]
+    q_mm: Option<Rods>,
+    #[command(flatten)]
+    tilt: TiltArgs,
+    #[command(flatten)]
+    model: ModelArgs,
+    #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
+    limits: LimitArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+impl SensitivityCommand {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let gpr = self.robot.load()?.gpr;
+        let (model, options) = (self.model.model(), self.model.options());
+        let rods = match &self.q_mm {
+            Some(rods) => rods.0,
+            None => gpr.inverse(self.tilt.tilt(), self.tilt.axis_height(&gpr))?,
+        };
+        let end = gpr.forward(rods, model, &options)?;
+        let broken = self.limits.check_pose(&gpr, &end)?;
+        let level = gpr.inverse(Tilt::LEVEL, end.axis_height())?;
+        let start = gpr.forward(level, model, &options)?;
+        let play = gpr.play_between(start, end, model)?;
+        let report = report::sensitivity(&play, model, &broken);
+        if self.format.json() { output::json(&report) } else { output::text(&text(&report)) }
+    }
+}
+
+fn text(report: &SensitivityReport) -> String {
+    let mut text = String::new();
+    let um = |mm: f64| fixed(mm * 1e3, 3);
+    let _ = writeln!(
+        text,
+        "tilt {}° toward yaw {}°, {} virtual joints, characteristic length {} mm",
+        fixed(report.pitch_deg, 6),
+        fixed(report.yaw_deg, 6),
+        report.virtualization,
+        report.characteristic_length_mm
+    );
+    let _ = writeln!(text, "  rods q (mm)          {}", three(&report.q_mm, 6));
+    for (name, values) in &report.virtual_joints.0 {
+        let (symbol, unit) = name.rsplit_once('_').unwrap_or((name, ""));
+        let _ = writeln!(text, "  {:<21}{}", format!("{symbol} ({unit})"), three(values, 6));
+    }
+    let _ = writeln!(text, "virtual displacement from level");
+    let _ = writeln!(text, "  true ‖ΔX‖ (µm)       {:>14}", um(report.displacement_mm));
+    let _ =
+        writeln!(text, "  bounds (µm), derivatives at        lower         upper    linear ‖dX‖");
+    for bounds in &report.bounds {
+        let _ = writeln!(
+            text,
+            "    {:<19}{:>14}{:>14}{:>14}   {}",
+            bounds.derivatives_at,
+            um(bounds.lower_mm),
+            um(bounds.upper_mm),
+            um(bounds.linear_mm),
+            if bounds.held { "held" } else { "broken" }
+        );
+    }
+    let values: String = report.singular_values.iter().map(|v| format!(" {v:.6}")).collect();
+    let _ = writeln!(text, "sensitivity ∂X/∂P at the tilt");
+    let _ = writeln!(text, "  singular values     {values}");
+    let _ = writeln!(
+        text,
+        "who brings it about (shares of ΔX)           1             2             3"
+    );
+    for (who, shares) in
+        [("rods 1, 2, 3", &report.rod_shares), ("sides 12, 23, 31", &report.side_shares)]
+    {
+        let shares = match shares {
+            Some(shares) => {
+                shares.iter().map(|s| format!("{:>13}%", fixed(s * 100.0, 2))).collect()
+            }
+            None => "       nothing moves".to_owned(),
+        };
+        let _ = writeln!(text, "  {who:<30}{shares}");
+    }
+    text + &limits(&report.limits_broken)
+}

@@ -1,0 +1,357 @@
+//! `jointplay simulate`: the paper's studies, as data and figures.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use jointplay::format::report::{self, StudyReport};
+use jointplay::format::units::{deg, m_from_mm, mm};
+use jointplay::format::{robot, steps, table};
+use jointplay::gpr::AxisHeight;
+use jointplay::plot::Figure;
+use jointplay::plot::results::{Extent, rods, sides, virtual_joints};
+use jointplay::study::{Order, Raster, Samples, SeriesKind, check_bounds, simulate, summarize};
+use jointplay::virtualization::built_in;
+
+use super::simulate_text;
+use crate::arguments::{
+    MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, pitches,
+};
+use crate::failure::Failure;
+use crate::{folder, output};
+
+/// Run the paper's studies and write data and figures
+///
+/// Runs a raster over yaw and pitch under each virtualization, every pose from the nominal virtual joints.
+/// Without flags these are the paper's studies VI.A (polar) and VI.B (offset), with radial and planar beside them.
+/// The raster goes past the robot's tilt limit on purpose, as the paper does.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay simulate
+  jointplay simulate --yaw-step-deg 1 --virtualization polar,planar --out fine-study
+  jointplay simulate --pitch-deg -1.5:1.5:0.1 --order serpentine --metric radius")]
+pub(crate) struct Simulate {
+    /// Virtualizations, with commas between them
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]
+    virtualization: Vec<VirtualizationChoice>,
+    /// How the virtual displacements are found
+    #[arg(long, value_enum, default_value = "newton")]
+    solver: SolverName,
+    #[command(flatten)]
+    metric: MetricArgs,
+    /// Step of the yaw from 0° to 360°, both ends included
+    #[arg(long, value_name = "DEG", default_value = "10", value_parser = finite, allow_negative_numbers = true)]
+    yaw_step_deg: f64,
+    /// Pitch range of each yaw
+    #[arg(long, value_name = "FROM:TO:STEP", default_value = "-2:2:0.2", value_parser = pitches, allow_hyphen_values = true)]
+    pitch_deg: Steps,
+    /// Axis height; without it, the robot's working height
+    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    height_mm: Option<f64>,
+    /// Order of the samples
+    #[arg(long, value_enum, default_value = "raster")]
+    order: OrderName,
+    /// Format of the samples
+    #[arg(long, value_enum, default_value = "csv")]
+    format: TableFormat,
+    /// Folder for the results
+    #[arg(long, value_name = "FOLDER", default_value = "paper-study")]
+    out: PathBuf,
+    /// Write into a folder that holds other files
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    robot: RobotArgs,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum VirtualizationChoice {
+    /// all four
+    All,
+    /// three radial slides
+    Radial,
+    /// the paper's V.A
+    Polar,
+    /// the paper's V.B
+    Offset,
+    /// displacements in Cartesian coordinates
+    Planar,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum OrderName {
+    /// every yaw from the first pitch to the last, as in the paper
+    Raster,
+    /// every other yaw backwards, continuous in time
+    Serpentine,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum TableFormat {
+    /// text, for spreadsheets
+    Csv,
+    /// binary columns, for data frames
+    Parquet,
+}
+
+/// Width of the figures' PNG [px]: 180 mm at 250 dots an inch.
+const PNG_WIDTH: u32 = 1800;
+
+/// One virtualization's study.
+struct Study {
+    samples: Samples,
+    report: StudyReport,
+    time_per_pose: Duration,
+}
+
+impl Simulate {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        #[cfg(not(feature = "parquet"))]
+        if self.format == TableFormat::Parquet {
+            return Err(Failure::NoParquet);
+        }
+        let robot = self.robot.load()?;
+        let raster = self.raster(&robot)?;
+        let own = own_files();
+        let foreign = folder::foreign(&self.out, &own)?;
+        if !foreign.is_empty() && !self.force {
+            return Err(Failure::Foreign {
+                folder: self.out.clone(),
+                command: "simulate",
+                names: foreign,
+            });
+        }
+        let names = self.virtualizations();
+        let mut progress = Progress::new(raster.len() * names.len() * 2);
+        let studies = names
+            .iter()
+            .map(|&name| self.study(&robot, &raster, name, &mut progress))
+            .collect::<Result<Vec<Study>, Failure>>()?;
+        progress.stage("drawing figures");
+        let mut files = Vec::new();
+        for study in &studies {
+            files.push(self.table(&study.samples)?);
+        }
+        let figures: Vec<(String, Figure)> = figures(&studies);
+        for (name, figure) in &figures {
+            let failed = |source| Failure::Figure { figure: name.clone(), source };
+            files.push((format!("{name}.svg"), figure.to_svg().map_err(failed)?.into_bytes()));
+            files.push((format!("{name}.png"), figure.to_png(PNG_WIDTH).map_err(failed)?));
+        }
+        files.push((
+            "summary.json".to_owned(),
+            self.summary(&robot, &raster, &studies).into_bytes(),
+        ));
+        folder::write(&self.out, &files)?;
+        folder::remove_stale(&self.out, &own, &files)?;
+        progress.finish();
+        let reports: Vec<(&StudyReport, Duration)> =
+            studies.iter().map(|study| (&study.report, study.time_per_pose)).collect();
+        let heading = format!(
+            "{}: {} poses, yaw 0° to 360° by {}°, pitch {}° to {}°, axis height {} mm",
+            robot.name,
+            raster.len(),
+            self.yaw_step_deg,
+            self.pitch_deg.0.first().copied().unwrap_or_default(),
+            self.pitch_deg.0.last().copied().unwrap_or_default(),
+            mm(raster.height.0),
+        );
+        let mut text = simulate_text::table(&heading, &reports);
+        text.push_str(&format!("{} files written into {}\n", files.len(), self.out.display()));
+        output::text(&text)
+    }
+
+    fn raster(&self, robot: &robot::Robot) -> Result<Raster, Failure> {
+        let step = self.yaw_step_deg;
+        let yaws =
+            steps::spread(0.0, 360.0, step).map_err(|source| Failure::YawStep { step, source })?;
+        Ok(Raster {
+            yaws: yaws.into_iter().map(f64::to_radians).collect(),
+            pitches: self.pitch_deg.0.iter().map(|pitch| pitch.to_radians()).collect(),
+            height: AxisHeight(self.height_mm.map_or(robot.gpr.working_height(), m_from_mm)),
+            order: match self.order {
+                OrderName::Raster => Order::Raster,
+                OrderName::Serpentine => Order::Serpentine,
+            },
+        })
+    }
+
+    /// The virtualizations asked for, each once, in their usual order.
+    fn virtualizations(&self) -> Vec<VirtualizationName> {
+        use VirtualizationChoice as Choice;
+        let all = [
+            (Choice::Radial, VirtualizationName::Radial),
+            (Choice::Polar, VirtualizationName::Polar),
+            (Choice::Offset, VirtualizationName::Offset),
+            (Choice::Planar, VirtualizationName::Planar),
+        ];
+        let chosen = |choice| {
+            self.virtualization.contains(&Choice::All) || self.virtualization.contains(&choice)
+        };
+        all.into_iter().filter(|&(choice, _)| chosen(choice)).map(|(_, name)| name).collect()
+    }
+
+    fn study(
+        &self,
+        robot: &robot::Robot,
+        raster: &Raster,
+        name: VirtualizationName,
+        progress: &mut Progress,
+    ) -> Result<Study, Failure> {
+        let (gpr, model) = (&robot.gpr, name.model());
+        let options = self.metric.options(self.solver);
+        progress.stage(model.name());
+        let start = Instant::now();
+        let samples = simulate(gpr, raster, model, &options, &mut |done| progress.at(done))?;
+        let time = start.elapsed();
+        progress.part_done(raster.len());
+        let bounds = check_bounds(gpr, raster, model, &options, &mut |done| progress.at(done))?;
+        progress.part_done(raster.len());
+        let report = report::study(gpr, &samples, &summarize(gpr, &samples), &bounds);
+        let count = u32::try_from(samples.len()).unwrap_or(u32::MAX);
+        Ok(Study { samples, report, time_per_pose: time / count })
+    }
+
+    fn table(&self, samples: &Samples) -> Result<(String, Vec<u8>), Failure> {
+        let columns = table::columns(samples);
+        let stem = format!("samples-{}", samples.virtualization);
+        match self.format {
+            TableFormat::Csv => Ok((format!("{stem}.csv"), table::csv(&columns).into_bytes())),
+            #[cfg(feature = "parquet")]
+            TableFormat::Parquet => {
+                let bytes =
+                    table::parquet(&columns).map_err(|e| Failure::Parquet(e.to_string()))?;
+                Ok((format!("{stem}.parquet"), bytes))
+            }
+            #[cfg(not(feature = "parquet"))]
+            TableFormat::Parquet => Err(Failure::NoParquet),
+        }
+    }
+
+    fn summary(&self, robot: &robot::Robot, raster: &Raster, studies: &[Study]) -> String {
+        let pitches = &self.pitch_deg.0;
+        let times: serde_json::Map<String, serde_json::Value> = studies
+            .iter()
+            .map(|study| {
+                let nanoseconds = study.time_per_pose.as_secs_f64() * 1e9;
+                (study.report.virtualization.clone(), nanoseconds.into())
+            })
+            .collect();
+        let document = serde_json::json!({
+            "robot": robot.name,
+            "poses": raster.len(),
+            "yaw_step_deg": self.yaw_step_deg,
+            "pitch_deg": { "from": pitches.first(), "to": pitches.last(), "values": pitches.len() },
+            "axis_height_mm": mm(raster.height.0),
+            "order": match raster.order { Order::Raster => "raster", Order::Serpentine => "serpentine" },
+            "beyond_limits_on_purpose": deg(robot.gpr.limits().tilt_max)
+                < pitches.iter().fold(0.0, |most: f64, pitch| most.max(pitch.abs())),
+            "studies": studies.iter().map(|study| &study.report).collect::<Vec<_>>(),
+            "time_per_pose_ns": times,
+        });
+        output::to_json(&document) + "\n"
+    }
+}
+
+/// The figures of all studies: Figs. 5 to 11 by the paper's numbers, the other virtualizations by name.
+fn figures(studies: &[Study]) -> Vec<(String, Figure)> {
+    let mut figures = Vec::new();
+    for (extent, suffix) in [(Extent::Full, ""), (Extent::NearPass, "-zoom")] {
+        if let Some(study) = studies.first() {
+            figures.push((format!("fig05-rods{suffix}"), rods(&study.samples, extent)));
+        }
+        for Study { samples, .. } in studies {
+            for (kind, part) in [(SeriesKind::Linear, "linear"), (SeriesKind::Angular, "angular")] {
+                let stem = figure_stem(&samples.virtualization, part);
+                let figure = virtual_joints(samples, extent, kind);
+                figures.extend(figure.map(|figure| (format!("{stem}{suffix}"), figure)));
+            }
+            let stem = figure_stem(&samples.virtualization, "sides");
+            figures.push((format!("{stem}{suffix}"), sides(samples, extent)));
+        }
+    }
+    figures
+}
+
+/// Name of a figure: with the paper's number where the paper has it.
+fn figure_stem(virtualization: &str, part: &str) -> String {
+    let number = match (virtualization, part) {
+        ("polar", "linear") => "fig06-",
+        ("polar", "angular") => "fig07-",
+        ("polar", "sides") => "fig08-",
+        ("offset", "linear") => "fig09-",
+        ("offset", "angular") => "fig10-",
+        ("offset", "sides") => "fig11-",
+        _ => "",
+    };
+    format!("{number}{virtualization}-{part}")
+}
+
+/// Every name that any run of this command may write.
+fn own_files() -> BTreeSet<String> {
+    let mut names = BTreeSet::from(["summary.json".to_owned()]);
+    let mut stems = vec!["fig05-rods".to_owned()];
+    for virtualization in built_in() {
+        let name = virtualization.name();
+        names.extend(["csv", "parquet"].map(|end| format!("samples-{name}.{end}")));
+        stems.extend(["linear", "angular", "sides"].map(|part| figure_stem(name, part)));
+    }
+    for stem in stems {
+        for suffix in ["", "-zoom"] {
+            names.extend(["svg", "png"].map(|end| format!("{stem}{suffix}.{end}")));
+        }
+    }
+    names
+}
+
+/// A bar on standard error, for people only, and only when the work takes more than a second.
+struct Progress {
+    start: Instant,
+    total: u64,
+    done: u64,
+    stage: String,
+    bar: Option<ProgressBar>,
+}
+
+impl Progress {
+    fn new(total: usize) -> Self {
+        Self {
+            start: Instant::now(),
+            total: total as u64,
+            done: 0,
+            stage: String::new(),
+            bar: None,
+        }
+    }
+
+    fn stage(&mut self, name: &str) {
+        name.clone_into(&mut self.stage);
+        self.at(0);
+    }
+
+    fn part_done(&mut self, count: usize) {
+        self.done += count as u64;
+        self.at(0);
+    }
+
+    fn at(&mut self, within_part: usize) {
+        if self.bar.is_none() && self.start.elapsed() > Duration::from_secs(1) {
+            let style = ProgressStyle::with_template("{msg:>16} {wide_bar} {percent}%  {eta} left")
+                .expect("the template is well-formed");
+            self.bar = Some(ProgressBar::new(self.total).with_style(style));
+        }
+        if let Some(bar) = &self.bar {
+            bar.set_message(self.stage.clone());
+            bar.set_position(self.done + within_part as u64);
+        }
+    }
+
+    fn finish(&mut self) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! A study in a short table, one column a virtualization.
+
+use std::fmt::Write as _;
+use std::time::Duration;
+
+use jointplay::format::report::StudyReport;
+
+use crate::output::fixed;
+
+type Row<'a> = (&'a str, &'a dyn Fn(&StudyReport) -> String);
+
+/// The table, under a heading.
+pub(super) fn table(heading: &str, studies: &[(&StudyReport, Duration)]) -> String {
+    let rows: &[Row<'_>] = &[
+        ("solver", &|s| s.solver.clone()),
+        ("iterations, most", &|s| s.most_iterations.to_string()),
+        ("side residual, largest (mm)", &|s| format!("{:.1e}", s.largest_residual_mm)),
+        ("linear X at singular passes", &|s| at_passes(s, "_mm")),
+        ("linear X, least (mm)", &|s| least(s, "_mm", 6)),
+        ("linear X, greatest (mm)", &|s| greatest(s, "_mm", 6)),
+        ("angular X at singular passes", &|s| at_passes(s, "_deg")),
+        ("angular X, least (deg)", &|s| least(s, "_deg", 6)),
+        ("angular X, greatest (deg)", &|s| greatest(s, "_deg", 6)),
+        ("centre shift, largest (µm)", &|s| fixed(s.largest_center_shift_um, 3)),
+        ("twist, largest (deg)", &|s| format!("{:.1e}", s.largest_twist_deg)),
+        ("bounds held, chord", &|s| format!("{}/{}", s.bounds.held_at_midpoint, s.bounds.poses)),
+        ("bounds held, at the tilt", &|s| format!("{}/{}", s.bounds.held_at_end, s.bounds.poses)),
+    ];
+    let mut text = format!("{heading}\n");
+    let mut line = |name: &str, cells: &mut dyn Iterator<Item = String>| {
+        let cells: String = cells.map(|cell| format!("{cell:>16}")).collect();
+        let _ = writeln!(text, "  {name:<30}{cells}");
+    };
+    line("", &mut studies.iter().map(|(study, _)| study.virtualization.clone()));
+    for (name, cell) in rows {
+        line(name, &mut studies.iter().map(|(study, _)| cell(study)));
+    }
+    line("time per pose (ns)", &mut studies.iter().map(|(_, time)| time.as_nanos().to_string()));
+    if let Some((study, _)) = studies.first() {
+        if let Some(sides) = study.series.iter().find(|series| series.name == "L12_mm") {
+            let passes = sides.at_singular_passes;
+            let at =
+                passes.map_or("none".to_owned(), |[value, _]| format!("{} mm", fixed(value, 6)));
+            let _ =
+                writeln!(text, "  {} singular passes, side L12 there: {at}", study.singular_passes);
+        }
+        if study.samples_beyond_limits > 0 {
+            let _ = writeln!(
+                text,
+                "  {} poses are beyond the robot's limits (tilt ±{}°): on purpose, as in the paper",
+                study.samples_beyond_limits, study.tilt_limit_deg
+            );
+        }
+    }
+    text
+}
+
+/// Values of the virtual joints of one unit at the singular passes, if all are the same.
+fn at_passes(study: &StudyReport, unit: &str) -> String {
+    let values: Vec<f64> = virtual_joints(study, unit)
+        .filter_map(|series| series.at_singular_passes)
+        .flatten()
+        .collect();
+    match values.split_first() {
+        None => "-".to_owned(),
+        Some((first, rest)) if rest.iter().all(|value| value == first) => format!("{first}"),
+        Some(_) => "differ".to_owned(),
+    }
+}
+
+fn least(study: &StudyReport, unit: &str, decimals: usize) -> String {
+    let least = virtual_joints(study, unit).map(|series| series.min).min_by(f64::total_cmp);
+    least.map_or("-".to_owned(), |value| fixed(value, decimals))
+}
+
+fn greatest(study: &StudyReport, unit: &str, decimals: usize) -> String {
+    let greatest = virtual_joints(study, unit).map(|series| series.max).max_by(f64::total_cmp);
+    greatest.map_or("-".to_owned(), |value| fixed(value, decimals))
+}
+
+/// Series of the virtual joints: all but rods and sides.
+fn virtual_joints<'a>(
+    study: &'a StudyReport,
+    unit: &'a str,
+) -> impl Iterator<Item = &'a jointplay::format::report::SeriesReport> {
+    let rod_or_side = |name: &str| name.starts_with('q') || name.starts_with('L');
+    study
+        .series
+        .iter()
+        .filter(move |series| series.name.ends_with(unit) && !rod_or_side(&series.name))
+}

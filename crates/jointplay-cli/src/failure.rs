@@ -1,0 +1,122 @@
+//! What can go wrong, how it is told, and the exit code.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anstyle::{AnsiColor, Style};
+use jointplay::format::explain::{explain, explain_limit};
+use jointplay::format::report;
+use jointplay::gpr::BrokenLimit;
+use jointplay::{plot, study};
+
+/// Why a command did not do what was asked.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    #[error("the pose is beyond the robot's limits:\n{}\n--ignore-limits computes past them", list(.0))]
+    Limits(Vec<BrokenLimit>),
+    #[error("{}", explain(.0))]
+    Core(#[from] jointplay::Error),
+    #[error("{}", explain_study(.0))]
+    Study(#[from] study::Error),
+    #[error("{0}")]
+    Robot(String),
+    #[error("--yaw-step-deg {step}: {source}")]
+    YawStep { step: f64, source: jointplay::format::steps::Error },
+    #[error("cannot read {}: {source}", path.display())]
+    Read { path: PathBuf, source: io::Error },
+    #[error("{} is {bytes} bytes long, robot files of at most {allowed} are read", path.display())]
+    TooLarge { path: PathBuf, bytes: u64, allowed: u64 },
+    #[error("cannot write {}: {source}", path.display())]
+    Write { path: PathBuf, source: io::Error },
+    #[error(
+        "{} holds files that are not from `jointplay {command}`: {}; choose another --out, or say --force to write beside them",
+        folder.display(), names.join(", ")
+    )]
+    Foreign { folder: PathBuf, command: &'static str, names: Vec<String> },
+    #[error("{} ends neither in .svg nor in .png", path.display())]
+    FigureKind { path: PathBuf },
+    #[cfg(not(feature = "parquet"))]
+    #[error(
+        "this jointplay was built without Parquet: build with --features parquet, or use --format csv"
+    )]
+    NoParquet,
+    #[cfg(feature = "parquet")]
+    #[error("the Parquet writer says: {0}")]
+    Parquet(String),
+    #[error("cannot draw {figure}: {source}")]
+    Figure { figure: String, source: plot::Error },
+    #[error("cannot print: {0}")]
+    Print(#[from] io::Error),
+}
+
+fn list(broken: &[BrokenLimit]) -> String {
+    broken.iter().map(|limit| format!("  {}", explain_limit(limit))).collect::<Vec<_>>().join("\n")
+}
+
+fn explain_study(error: &study::Error) -> String {
+    match error {
+        study::Error::Pose { sample, yaw, pitch, source } => format!(
+            "sample {sample} (yaw {:.6}°, pitch {:.6}°): {}",
+            yaw.to_degrees(),
+            pitch.to_degrees(),
+            explain(source)
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// The answer is no.
+const NO: u8 = 1;
+/// The question is wrong.
+const BAD_INPUT: u8 = 2;
+
+impl Failure {
+    fn exit_code(&self) -> u8 {
+        let core = |error: &jointplay::Error| match error {
+            jointplay::Error::NotConverged(_) | jointplay::Error::TurnedOver { .. } => NO,
+            _ => BAD_INPUT,
+        };
+        match self {
+            Self::Limits(_) => NO,
+            Self::Core(error) => core(error),
+            Self::Study(study::Error::Pose { source, .. }) => core(source),
+            _ => BAD_INPUT,
+        }
+    }
+
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Limits(_) => "limits",
+            _ if self.exit_code() == NO => "unsolved",
+            Self::Write { .. } | Self::Print(_) => "output",
+            _ => "input",
+        }
+    }
+
+    /// Tells what went wrong on standard error, as text or as JSON.
+    pub(crate) fn report(&self, json: bool) -> ExitCode {
+        if let Self::Print(error) = self
+            && error.kind() == io::ErrorKind::BrokenPipe
+        {
+            // Whoever reads has seen enough.
+            return ExitCode::SUCCESS;
+        }
+        let mut stderr = anstream::stderr();
+        let limits =
+            if let Self::Limits(broken) = self { report::limits(broken) } else { Vec::new() };
+        let written = if json {
+            let kind = self.kind();
+            let message = self.to_string();
+            let error =
+                serde_json::json!({ "kind": kind, "message": message, "limits_broken": limits });
+            writeln!(stderr, "{}", serde_json::json!({ "error": error }))
+        } else {
+            let red = Style::new().bold().fg_color(Some(AnsiColor::Red.into()));
+            writeln!(stderr, "{red}error:{red:#} {self}")
+        };
+        // Where standard error is gone too, the exit code still says it.
+        drop(written);
+        ExitCode::from(self.exit_code())
+    }
+}

@@ -1,0 +1,96 @@
+//! Result files, written whole or not at all.
+
+use std::collections::BTreeSet;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::failure::Failure;
+
+/// Files on their way are named so; one that is found was left by a run that was killed.
+const PARTIAL: &str = ".jointplay-partial-";
+
+/// Writes files into a folder, made if missing: each appears whole, under its name, or not at all.
+pub(crate) fn write(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    // All contents first: a full disk is found out before anything is replaced.
+    let mut ready = Vec::with_capacity(files.len());
+    for (name, bytes) in files {
+        ready.push((folder.join(name), partial(folder, bytes)?));
+    }
+    for (path, file) in ready {
+        persist(file, &path)?;
+    }
+    Ok(())
+}
+
+/// Writes one file; it replaces one of the same name.
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    persist(partial(folder, bytes)?, path)
+}
+
+fn partial(folder: &Path, bytes: &[u8]) -> Result<NamedTempFile, Failure> {
+    let mut file =
+        tempfile::Builder::new().prefix(PARTIAL).tempfile_in(folder).map_err(failed(folder))?;
+    file.write_all(bytes).map_err(failed(folder))?;
+    Ok(file)
+}
+
+fn persist(file: NamedTempFile, path: &Path) -> Result<(), Failure> {
+    // Made private by default; results are as readable as any file of the user's.
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        let readable = std::fs::Permissions::from_mode(0o644);
+        file.as_file().set_permissions(readable).map_err(failed(path))?;
+    }
+    file.persist(path).map_err(|error| failed(path)(error.error))?;
+    Ok(())
+}
+
+/// Names in a folder that are neither in `own` nor left by a killed run; none if there is no folder.
+pub(crate) fn foreign(folder: &Path, own: &BTreeSet<String>) -> Result<Vec<String>, Failure> {
+    Ok(names(folder)?
+        .into_iter()
+        .filter(|name| !own.contains(name) && !name.starts_with(PARTIAL))
+        .collect())
+}
+
+/// Removes files of ours that this run did not write again, and what a killed run left.
+pub(crate) fn remove_stale(
+    folder: &Path,
+    own: &BTreeSet<String>,
+    written: &[(String, Vec<u8>)],
+) -> Result<(), Failure> {
+    for name in names(folder)? {
+        let ours = own.contains(&name) || name.starts_with(PARTIAL);
+        if ours && !written.iter().any(|(kept, _)| *kept == name) {
+            let path = folder.join(name);
+            std::fs::remove_file(&path).map_err(failed(&path))?;
+        }
+    }
+    Ok(())
+}
+
+fn names(folder: &Path) -> Result<Vec<String>, Failure> {
+    let entries = match std::fs::read_dir(folder) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries.map_err(failed(folder))?,
+    };
+    let mut names = Vec::new();
+    for entry in entries {
+        names.push(entry.map_err(failed(folder))?.file_name().to_string_lossy().into_owned());
+    }
+    names.sort();
+    Ok(names)
+}
+
+fn failed(path: &Path) -> impl FnOnce(std::io::Error) -> Failure + use<> {
+    let path: PathBuf = path.to_owned();
+    move |source| Failure::Write { path, source }
+}

@@ -1,0 +1,68 @@
+//! Text and JSON to standard output, and how numbers look there.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+use jointplay::format::report::LimitReport;
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+/// Prints text; a heading is a line that starts without a space.
+pub(crate) fn text(text: &str) -> Result<(), Failure> {
+    let bold = anstyle::Style::new().bold();
+    let mut shown = String::with_capacity(text.len());
+    for line in text.lines() {
+        let heading = !line.is_empty() && !line.starts_with(' ');
+        let written = if heading {
+            writeln!(shown, "{bold}{line}{bold:#}")
+        } else {
+            writeln!(shown, "{line}")
+        };
+        written.expect("writing into memory does not fail");
+    }
+    let mut stdout = anstream::stdout().lock();
+    stdout.write_all(shown.as_bytes())?;
+    Ok(stdout.flush()?)
+}
+
+/// Prints a document as JSON.
+pub(crate) fn json(document: &impl Serialize) -> Result<(), Failure> {
+    raw(&format!("{}\n", to_json(document)))
+}
+
+/// A document as JSON text.
+pub(crate) fn to_json(document: &impl Serialize) -> String {
+    serde_json::to_string_pretty(document).expect("our documents have string keys only")
+}
+
+/// Prints text as it is.
+pub(crate) fn raw(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes())?;
+    Ok(stdout.flush()?)
+}
+
+/// Lines that say which limits were passed, if any were.
+pub(crate) fn limits(broken: &[LimitReport]) -> String {
+    let mut text = String::new();
+    if !broken.is_empty() {
+        text.push_str("beyond the robot's limits, which were ignored\n");
+        for limit in broken {
+            let _ = writeln!(text, "  {}", limit.message);
+        }
+    }
+    text
+}
+
+/// Three numbers in columns.
+pub(crate) fn three(values: &[f64], decimals: usize) -> String {
+    values.iter().map(|&value| format!("{:>14}", fixed(value, decimals))).collect()
+}
+
+/// A number with fixed decimals, and no minus before a zero.
+pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    let text = format!("{value:.decimals$}");
+    let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
+    if zero { text.replace('-', "") } else { text }
+}
