@@ -1,0 +1,101 @@
+//! What first order sees: singular values near level, and bounds beside the truth.
+
+use jointplay::Error;
+use jointplay::gpr::{Bounded, Gpr};
+use jointplay::mobility::{RANK_THRESHOLD, instantaneous_mobility};
+use jointplay::plot::{Axis, Colour, Curve, Dash, Figure, Panel, Point, Style};
+use jointplay::virtualization::{Metric, Planar, Radial, Solver};
+use jointplay_validation::cases::{HEIGHT, options, tilt};
+
+use crate::{by_decades, evenly};
+
+/// The smallest singular values of the scaled ∂Φ/∂P against a difference between the rods.
+pub(crate) fn singular_values() -> Result<Figure, Error> {
+    let gpr = Gpr::paper();
+    let system = gpr.system(&Planar);
+    let differences = by_decades(1e-15, 1e-2, 131);
+    let in_mm: Vec<f64> = differences.iter().map(|difference| difference * 1e3).collect();
+    let mut values = [Vec::new(), Vec::new(), Vec::new()];
+    let mut threshold = Vec::new();
+    for difference in &differences {
+        let rods = [0.5, 0.5 + difference, 0.5 - difference];
+        let pose = gpr.forward(rods, &Planar, &options(Solver::ClosedForm, Metric::Paper))?;
+        let found = instantaneous_mobility(&system, &system.configuration(&pose), RANK_THRESHOLD)?;
+        for (k, column) in values.iter_mut().enumerate() {
+            // A value that is zero to the last bit has no place on a logarithmic axis.
+            let value = found.singular_values[9 + k];
+            column.push(if value < 1e-18 { f64::NAN } else { value });
+        }
+        threshold.push(found.threshold);
+    }
+    let [tenth, eleventh, twelfth] = values;
+    let panel = Panel::new(
+        Axis::log10("difference between the rods, q₂ − q₁ = q₁ − q₃ (mm)"),
+        Axis::log10("singular value").with_range(1e-18, 10.0),
+    )
+    .with_curve(Curve::new("tenth", in_mm.clone(), tenth, Style::line(Colour::BLUE, Dash::Solid)))
+    .with_curve(Curve::new(
+        "eleventh",
+        in_mm.clone(),
+        eleventh,
+        Style::line(Colour::VERMILLION, Dash::Dashed),
+    ))
+    .with_curve(Curve::new(
+        "twelfth: round-off",
+        in_mm.clone(),
+        twelfth,
+        Style::points(Colour::GREEN, Point::Circle),
+    ))
+    .with_curve(Curve::new(
+        "threshold",
+        in_mm,
+        threshold,
+        Style::line(Colour::GREY, Dash::LongDash),
+    ))
+    .with_height(260.0);
+    Ok(Figure::new("Smallest singular values of the scaled ∂Φ/∂P near level").with_panel(panel))
+}
+
+/// ‖ΔX‖ of the radial model beside its bounds, for derivatives at three places.
+pub(crate) fn bounds() -> Result<Figure, Error> {
+    let gpr = Gpr::paper();
+    let pitches = evenly(0.0, 2.0, 41);
+    let options = options(Solver::Newton, Metric::Paper);
+    let plays = pitches
+        .iter()
+        .map(|pitch| gpr.tilt_play(tilt(15.0, *pitch), HEIGHT, &Radial, &options))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut panel =
+        Panel::new(Axis::linear("tilt toward a yaw of 15° (°)"), Axis::linear("‖ΔX‖ (µm)"))
+            .with_height(280.0)
+            .with_curve(Curve::new(
+                "true ‖ΔX‖",
+                pitches.clone(),
+                plays.iter().map(|play| play.displacement * 1e6).collect(),
+                Style::line(Colour::BLACK, Dash::Solid).with_width(2.4),
+            ));
+    let places: [(&str, Vec<&Bounded>, Colour); 3] = [
+        ("start", plays.iter().map(|play| &play.at_start).collect(), Colour::GREY),
+        ("half way", plays.iter().map(|play| &play.at_midpoint).collect(), Colour::BLUE),
+        ("end", plays.iter().map(|play| &play.at_end).collect(), Colour::VERMILLION),
+    ];
+    for (place, bounded, colour) in places {
+        let lower = bounded.iter().map(|b| b.bounds.lower * 1e6).collect();
+        let upper = bounded.iter().map(|b| b.bounds.upper * 1e6).collect();
+        panel = panel
+            .with_curve(Curve::new(
+                format!("lower, {place}"),
+                pitches.clone(),
+                lower,
+                Style::line(colour, Dash::Dotted),
+            ))
+            .with_curve(Curve::new(
+                format!("upper, {place}"),
+                pitches.clone(),
+                upper,
+                Style::line(colour, Dash::Dashed),
+            ));
+    }
+    Ok(Figure::new("Radial play beside the bounds (5), derivatives at three places")
+        .with_panel(panel))
+}
