@@ -40,7 +40,7 @@ pub struct Svd {
 /// O(m n²) a sweep, about 35 µs for 12×12.
 ///
 /// # Source
-/// [GolubVanLoan], section 8.6.3
+/// [GolubVanLoan], section 8.6
 pub fn svd(a: &DMatrix<f64>) -> Result<Svd, Error> {
     let (m, n) = a.shape();
     if let Some(&value) = a.iter().find(|value| !value.is_finite()) {
