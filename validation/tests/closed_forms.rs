@@ -85,6 +85,19 @@ fn polar_is_near_the_circumcentre_or_the_centroid() {
 }
 
 #[test]
+fn polar_shift_for_every_characteristic_length() {
+    // (R/2)(1/cos α − 1)(R² − ρ²)/(R² + ρ²) toward −2γ, within the plane; the next term is smaller by the squared tilt.
+    let angle = 2.0_f64.to_radians();
+    let half = 0.5 * RADIUS * (1.0 / angle.cos() - 1.0);
+    for exponent in -6..=6 {
+        let rho = RADIUS * 10f64.powf(0.5 * f64::from(exponent));
+        let share = (RADIUS * RADIUS - rho * rho) / (RADIUS * RADIUS + rho * rho);
+        let found = pose(&Polar, Solver::Newton, Metric::Length(rho), 0.0, 2.0);
+        near(found.center_shift().x / angle.cos(), half * share, 2.0 * angle * angle * half);
+    }
+}
+
+#[test]
 fn fermat_point_and_circumcentre_lie_on_opposite_sides_of_the_centroid() {
     for pitch in PITCHES_DEG {
         for yaw in yaws_deg() {
@@ -167,7 +180,13 @@ fn elastic_rods_hold_the_platform_near_the_planar_model() {
         let fit = weighted_fit(sockets, &corners, &tilt(yaw, 2.0).normal());
         let rest = equilibrium(sockets, &corners);
         let planar = origin(&Planar, Solver::ClosedForm, yaw, 2.0);
-        farthest = farthest.max((rest.origin - planar).xy().norm());
+        let off = (rest.origin - planar).xy();
+        farthest = farthest.max(off.norm());
+        // (3/2)(R²/H) tan α (1/cos α − 1) toward the lean, to leading order in R α / H, 0.7 %.
+        let angle = 2.0_f64.to_radians();
+        let length = 1.5 * RADIUS * RADIUS / HEIGHT.0 * angle.tan() * (1.0 / angle.cos() - 1.0);
+        let (sin, cos) = yaw.to_radians().sin_cos();
+        assert!((off - Vector2::new(cos, sin) * length).norm() < 0.02 * length);
         // Bending within the plane or sideways: the difference is of the squared tilt.
         assert!((fit.origin - rest.origin).xy().norm() < 1e-3 * UM);
         near(fit.twist, rest.twist, 1e-8);
