@@ -352,8 +352,12 @@ mod tests {
                     let a = random.with_values(m, n, &values);
                     let found = check(&a, count);
                     // A second witness, at half the digits: eigenvalues of AᵀA.
-                    let mut squares: Vec<f64> =
-                        (a.transpose() * &a).symmetric_eigen().eigenvalues.iter().copied().collect();
+                    let mut squares: Vec<f64> = (a.transpose() * &a)
+                        .symmetric_eigen()
+                        .eigenvalues
+                        .iter()
+                        .copied()
+                        .collect();
                     squares.sort_by(|a, b| b.total_cmp(a));
                     for (k, expected) in values.iter().enumerate() {
                         assert!((found.singular_values[k] - expected).abs() < ROUND_OFF);
@@ -400,7 +404,12 @@ mod tests {
             let found = svd(&uneven).unwrap();
             let unit = &found.u.transpose() * &found.u - DMatrix::identity(18, 18);
             assert!(unit.amax() < ROUND_OFF);
-            let sigma = DMatrix::from_fn(18, 12, |i, j| if i == j { found.singular_values[i] } else { 0.0 });
+            let sigma =
+                DMatrix::from_fn(
+                    18,
+                    12,
+                    |i, j| if i == j { found.singular_values[i] } else { 0.0 },
+                );
             let back = &found.u * sigma * found.v.transpose();
             assert!((back - &uneven).amax() < ROUND_OFF * uneven.amax());
         }
@@ -413,7 +422,9 @@ mod tests {
             // The least bits of a subnormal number are few: the rank is that of what is left of the matrix.
             let found = svd(&(random.matrix(12, 18) * scale)).unwrap();
             assert!(found.largest() > scale && found.largest() < 100.0 * scale);
-            assert!((found.v.transpose() * &found.v - DMatrix::identity(18, 18)).amax() < ROUND_OFF);
+            assert!(
+                (found.v.transpose() * &found.v - DMatrix::identity(18, 18)).amax() < ROUND_OFF
+            );
         }
         let least = f64::from_bits(1);
         assert_eq!(svd(&DMatrix::from_element(1, 1, least)).unwrap().largest(), least);
@@ -477,7 +488,8 @@ mod tests {
                     (0..count).map(|_| 10_f64.powf(3.0 * random.next())).collect();
                 let b = Vector3::from_fn(|_, _| random.next());
                 // In y = x/√C the weighted norm is the plain one.
-                let scaled = DMatrix::from_fn(3, count, |i, m| columns[m][i] * compliance[m].sqrt());
+                let scaled =
+                    DMatrix::from_fn(3, count, |i, m| columns[m][i] * compliance[m].sqrt());
                 let decomposition = svd(&scaled).unwrap();
                 let condition = decomposition.largest() / decomposition.singular_values[2];
                 if condition > 1e3 {
@@ -535,7 +547,8 @@ mod tests {
             0.0, 0.0, 1.0, 0.0, -2.0, 2.0, 0.0, 2.0, 2.0, -1.0, 1.0, 1.0,
         ];
         // The squares are the roots of λ² − t λ + d, t and d being trace and determinant of (LᵀL)(RRᵀ).
-        let (l, r) = (DMatrix::from_column_slice(12, 2, &left), DMatrix::from_column_slice(2, 18, &right));
+        let (l, r) =
+            (DMatrix::from_column_slice(12, 2, &left), DMatrix::from_column_slice(2, 18, &right));
         let product = (l.transpose() * &l) * (&r * r.transpose());
         let (half, determinant): (f64, f64) = (0.5 * product.trace(), product.determinant());
         let root = (half * half - determinant).sqrt();

@@ -5,12 +5,12 @@ use jointplay_core::mobility::{FiniteMobility, RANK_THRESHOLD, finite_mobility};
 use nalgebra::{DMatrix, DVector};
 
 /// A polynomial: terms of a factor and an exponent for each unknown.
-type Polynomial = &'static [(f64, &'static [i32])];
+type Polynomial<'a> = &'a [(f64, &'a [i32])];
 
 /// Polynomials that have to vanish, with the origin as configuration.
-struct Polynomials(usize, &'static [Polynomial]);
+struct Polynomials<'a>(usize, &'a [Polynomial<'a>]);
 
-impl Polynomials {
+impl Polynomials<'_> {
     /// Sum over the terms of the derivative with respect to the unknowns in `by`.
     fn derivative(polynomial: Polynomial, x: &DVector<f64>, by: &[usize]) -> f64 {
         let value = |&(factor, exponents): &(f64, &[i32])| {
@@ -29,7 +29,7 @@ impl Polynomials {
     }
 }
 
-impl System for Polynomials {
+impl System for Polynomials<'_> {
     fn constraint_dimensions(&self) -> Vec<Dimension> {
         vec![Dimension::Angle; self.1.len()]
     }
@@ -116,8 +116,7 @@ impl System for Bars {
         DVector::from_vec(bars.chain(slots).collect())
     }
     fn constraint_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
-        let mut jacobian =
-            DMatrix::zeros(self.bars.len() + self.slots.len(), 2 * self.free.len());
+        let mut jacobian = DMatrix::zeros(self.bars.len() + self.slots.len(), 2 * self.free.len());
         let fixed = self.fixed.len();
         for (row, &(i, j)) in self.bars.iter().enumerate() {
             let (a, b) = (self.pin(&at.coordinates, i), self.pin(&at.coordinates, j));
@@ -172,9 +171,10 @@ fn check(system: &dyn System, start: DVector<f64>, expect: &Expect) -> FiniteMob
     found
 }
 
+#[track_caller]
 fn polynomials(
     unknowns: usize,
-    polynomials: &'static [Polynomial],
+    polynomials: &[Polynomial],
     instantaneous: usize,
     truth: usize,
     decided: bool,
@@ -216,7 +216,7 @@ fn a_parallelogram_moves_in_one_way_at_a_time() {
 fn three_parallel_cranks_hold_each_other_up_and_move() {
     let mut system = parallelogram(1.0);
     let (sin, cos) = 1.0_f64.sin_cos();
-    // A third crank in the middle, its pin on the coupler by two bars that are one line.
+    // A third crank to a pin that two bars fix to the coupler.
     system.fixed.push([1.0, 0.5]);
     system.free.push([1.0 + cos, 0.5 + sin]);
     system.bars = vec![(0, 3), (3, 4), (4, 1), (3, 5), (4, 5), (2, 5)];
@@ -236,7 +236,7 @@ fn two_bars_in_line_are_shaky() {
     assert!(found.second_order.unwrap().definite);
     // A third bar alike makes nothing new of it.
     system.fixed.push([3.0, 0.0]);
-    system.bars.push((2, 3));
+    system.bars = vec![(0, 3), (1, 3), (2, 3)];
     bars(&system, 1, 0, true);
     // Out of line they are simply stiff.
     system.free[0] = [1.0, 0.5];
@@ -260,8 +260,7 @@ fn branches_that_cross_or_touch() {
     // A plane and a line: xy = xz = 0.
     polynomials(3, &[&[(1.0, &[1, 1, 0])], &[(1.0, &[1, 0, 1])]], 3, 2, true);
     // Three lines: xy = yz = zx = 0.
-    let lines: &[Polynomial] =
-        &[&[(1.0, &[1, 1, 0])], &[(1.0, &[0, 1, 1])], &[(1.0, &[1, 0, 1])]];
+    let lines: &[Polynomial] = &[&[(1.0, &[1, 1, 0])], &[(1.0, &[0, 1, 1])], &[(1.0, &[1, 0, 1])]];
     polynomials(3, lines, 3, 1, false);
     // Two parabolas that touch: z = 0 and z = x² − y⁴.
     polynomials(
@@ -288,37 +287,33 @@ fn branches_that_cross_or_touch() {
     polynomials(3, &[point], 3, 0, true);
 }
 
-/// z = 0 and z = xᵖ: first order allows x, order p stops it.
+/// z = 0 and z = xᵖ: first order allows x, order p stops it; y is free, or stopped at second order.
 #[test]
 fn stopped_beyond_the_second_order_is_undecided() {
-    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[3, 0])]], 1, 0, false);
-    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[4, 0])]], 1, 0, false);
-    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[5, 0])]], 1, 0, false);
-    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[6, 0])]], 1, 0, false);
-    polynomials(2, &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[8, 0])]], 1, 0, false);
-}
-
-/// z = 0 and z = x² + yᵖ: one direction stopped at second order, the other only at order p.
-#[test]
-fn stopped_at_mixed_orders_is_undecided() {
-    polynomials(
-        3,
-        &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (1.0, &[2, 0, 0]), (1.0, &[0, 4, 0])]],
-        2,
-        0,
-        false,
-    );
+    for p in 3..=10 {
+        let stopped: &[Polynomial] = &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[p, 0])]];
+        polynomials(2, stopped, 1, 0, false);
+        let beside_a_free_one: &[Polynomial] =
+            &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (-1.0, &[p, 0, 0])]];
+        polynomials(3, beside_a_free_one, 2, 1, false);
+        let at_mixed_orders: &[Polynomial] =
+            &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (1.0, &[p, 0, 0]), (1.0, &[0, 2, 0])]];
+        // Of odd order it is a cusp, or two branches that touch, and moves.
+        let (truth, decided) = if p % 2 == 0 { (0, false) } else { (1, true) };
+        polynomials(3, at_mixed_orders, 2, truth, decided);
+    }
 }
 
 /// Watt's linkage, its middle pin in the slot that it follows almost: deviation of fifth order.
 #[test]
 fn watts_linkage_in_a_straight_slot_is_undecided() {
     // Cranks of length 2 and a coupler of length 1 across, its middle pin held by two bars in line.
+    // A search that stops where all constraints are kept to 10⁻¹⁴ takes this for a motion.
     let system = Bars {
         fixed: vec![[-2.0, 0.5], [2.0, -0.5]],
         free: vec![[0.0, 0.5], [0.0, -0.5], [0.0, 0.0]],
         bars: vec![(0, 2), (1, 3), (2, 3), (2, 4), (3, 4)],
         slots: vec![(4, [0.0, 1.0])],
     };
-    bars(&system, 2, 0, false);
+    bars(&system, 1, 0, false);
 }

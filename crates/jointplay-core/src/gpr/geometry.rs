@@ -162,7 +162,9 @@ mod tests {
             change(&mut changed);
             changed
         };
-        let bad = |change: &dyn Fn(&mut [Limb; 3]), message: &str| check(with(change), limits, 0.5, message);
+        let bad = |change: &dyn Fn(&mut [Limb; 3]), message: &str| {
+            check(with(change), limits, 0.5, message)
+        };
         bad(
             &|limbs| limbs[1].base_point.x = f64::NAN,
             "a base point is NaN, but has to be a finite number",
@@ -196,7 +198,8 @@ mod tests {
             limbs.iter_mut().for_each(|limb| limb.base_point.y = 0.1);
         };
         bad(base_points, &on_one_line("base points"));
-        let sockets = &|limbs: &mut [Limb; 3]| limbs.iter_mut().for_each(|limb| limb.socket_angle = 1.0);
+        let sockets =
+            &|limbs: &mut [Limb; 3]| limbs.iter_mut().for_each(|limb| limb.socket_angle = 1.0);
         bad(sockets, &on_one_line("sockets"));
         bad(
             &|limbs| limbs.iter_mut().for_each(|limb| limb.socket_angle *= -1.0),

@@ -76,7 +76,12 @@ mod tests {
         check(0.1, f64::INFINITY, 0.5, "the pitch is inf, but has to be a finite number");
         check(0.1, 0.1, f64::NAN, "the axis height is NaN, but has to be a finite number");
         for pitch in [FRAC_PI_2, -2.0] {
-            check(0.1, pitch, 0.5, &format!("the pitch is {pitch} rad, but has to stay within ±π/2"));
+            check(
+                0.1,
+                pitch,
+                0.5,
+                &format!("the pitch is {pitch} rad, but has to stay within ±π/2"),
+            );
         }
     }
 }

@@ -182,7 +182,9 @@ impl<V: Virtualization + ?Sized> GprSystem<'_, V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility};
+    use crate::mobility::{
+        RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
+    };
     use crate::sensitivity::sensitivity;
     use crate::virtualization::{Polar, SolveOptions};
 
@@ -236,7 +238,8 @@ mod tests {
         let pose = gpr.forward([0.5; 3], &Polar, &SolveOptions::default()).unwrap();
         let mut at = system.configuration(&pose);
         at.coordinates[0] += 1e-6 * system.characteristic_length();
-        let Err(Error::NotClosed { residual, allowed }) = finite_mobility(&system, &at, RANK_THRESHOLD)
+        let Err(Error::NotClosed { residual, allowed }) =
+            finite_mobility(&system, &at, RANK_THRESHOLD)
         else {
             panic!("an open loop was taken as closed");
         };

@@ -44,7 +44,8 @@ pub struct FiniteMobility {
 ///
 /// # Numerics
 /// Second order is not always enough: a motion stopped only at third order stays undecided, with both bounds reported.
-/// The search sees a branch only where it ends on it, so that a lower bound can be too small, never by round-off too large.
+/// The search sees a branch only where it ends on it and can follow it for a tenth of the characteristic length, so that a lower bound can be too small.
+/// It would be too large only for a motion that breaks no constraint before the eleventh order.
 /// Deterministic: the directions are the same at every call.
 ///
 /// # Source

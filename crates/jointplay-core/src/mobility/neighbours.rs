@@ -27,6 +27,12 @@ const MAX_CORRECTIONS: usize = 40;
 const CORRECTION_THRESHOLD: f64 = 1e-12;
 /// Neighbours whose own neighbours are looked for.
 const BRANCHES: usize = 3;
+/// How often a neighbour of a neighbour is followed on, each time [`STRIDE`] times as far, up to 0.1: a constraint broken by the fifth power of a motion, as by a linkage that draws an almost straight line, is broken by 10⁻²⁰ at [`INNER_RADIUS`], but by 10⁻⁵ there.
+const STRIDES: i32 = 3;
+/// Lengthening at each stride.
+const STRIDE: f64 = 10.0;
+/// Directions that lead on to less than this share of the way asked for are no motion: one stopped at order p leads to 10^(−14/p), half the way only from order 11 on.
+const LED_ON: f64 = 0.5;
 
 /// Configurations found near a given one, and what they span.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,15 +41,16 @@ pub struct Neighbours {
     pub tried: usize,
     /// How many of them ended on another configuration nearby.
     pub found: usize,
-    /// Dimension of the largest branch found: what the neighbours of one neighbour span.
+    /// Dimension of the largest branch found: in how many directions one neighbour leads on.
     pub dimension: usize,
-    /// Singular values of those neighbours' displacements, in units of the search radius, largest first.
+    /// How far it leads on in each direction in which it has neighbours, as a share of the way asked for, largest first.
     pub spans: Vec<f64>,
 }
 
 /// Looks for neighbours, then for the neighbours of a few of them.
 ///
 /// The second look is what counts: where branches cross, as they may at the given point, the neighbours of the crossing span more than any branch has.
+/// What it finds is followed a good way on, since near enough every constraint seems to be kept by a motion that breaks it only at high order.
 pub(super) fn neighbours<S: System + ?Sized>(
     system: &S,
     at: &Configuration,
@@ -56,7 +63,11 @@ pub(super) fn neighbours<S: System + ?Sized>(
     found.retain(|displacement| displacement.norm() > SAME_POINT * RADIUS);
     let mut best = Neighbours { tried, found: found.len(), dimension: 0, spans: Vec::new() };
     for displacement in found.iter().take(BRANCHES) {
-        let neighbour = search.moved(at, displacement);
+        // Out to where the given point, which may be singular, is as far away as what is looked for.
+        let Some(outward) = search.corrected(at, displacement * STRIDE, RADIUS * STRIDE)? else {
+            continue;
+        };
+        let neighbour = search.moved(at, &outward);
         let there = instantaneous_mobility(system, &neighbour, NEIGHBOUR_RANK_THRESHOLD)?;
         let close: Vec<DVector<f64>> = search
             .around(&neighbour, &there.null_space, INNER_RADIUS)?
@@ -66,10 +77,16 @@ pub(super) fn neighbours<S: System + ?Sized>(
         if close.is_empty() {
             continue;
         }
-        let spans = svd(&(DMatrix::from_columns(&close) / INNER_RADIUS))?.singular_values;
-        let dimension = spans.iter().filter(|&&span| span > SPAN_THRESHOLD).count();
+        let near = svd(&(DMatrix::from_columns(&close) / INNER_RADIUS))?;
+        let directions = near.singular_values.iter().filter(|&&span| span > SPAN_THRESHOLD).count();
+        let mut directions = near.u.columns(0, directions).into_owned();
+        for mut direction in directions.column_iter_mut() {
+            direction *= 1.0_f64.copysign(direction.dot(&outward));
+        }
+        let spans = search.led_on(&neighbour, &directions)?;
+        let dimension = spans.iter().filter(|&&span| span > LED_ON).count();
         if dimension > best.dimension || best.spans.is_empty() {
-            best = Neighbours { dimension, spans: spans.iter().copied().collect(), ..best };
+            best = Neighbours { dimension, spans, ..best };
         }
     }
     Ok(best)
@@ -113,6 +130,28 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
                 self.corrected(from, null_space * direction * radius, radius)
             })
             .collect()
+    }
+
+    /// How far some orthonormal directions lead on, as shares of the way asked for: singular values, so that a combination of directions counts once.
+    fn led_on(&self, from: &Configuration, directions: &DMatrix<f64>) -> Result<Vec<f64>, Error> {
+        let count = directions.ncols();
+        let mut ways = DMatrix::zeros(count, count);
+        for (j, direction) in directions.column_iter().enumerate() {
+            let mut radius = INNER_RADIUS;
+            let mut displacement = Some(direction * radius);
+            for _ in 0..STRIDES {
+                let Some(before) = displacement else { break };
+                radius *= STRIDE;
+                // What turns back has come to the end of its way.
+                displacement = self
+                    .corrected(from, before * STRIDE, radius)?
+                    .filter(|displacement| displacement.dot(&direction) > 0.0);
+            }
+            if let Some(displacement) = displacement {
+                ways.set_column(j, &(directions.transpose() * displacement / radius));
+            }
+        }
+        Ok(svd(&ways)?.singular_values.iter().copied().collect())
     }
 
     /// Brings a displacement onto the constraints by Gauss–Newton steps of least norm.

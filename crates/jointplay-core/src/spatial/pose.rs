@@ -115,9 +115,8 @@ mod tests {
                 let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 7.0 * yaw + 2.0);
                 let placed =
                     Pose::from_parts(Translation3::new(4.0, -5.0, 6.0), leaning(&normal) * turn);
-                let targets = points.map(|point| {
-                    placed.rotation * point.push(0.0) + placed.translation.vector
-                });
+                let targets = points
+                    .map(|point| placed.rotation * point.push(0.0) + placed.translation.vector);
                 let found = fit_in_plane(&points, &targets, &normal);
                 let off = found.to_homogeneous() - placed.to_homogeneous();
                 assert!(off.amax() < 1e-13, "{yaw} {pitch} {off}");
@@ -128,20 +127,29 @@ mod tests {
     #[test]
     fn unequal_triangles_are_fitted_by_least_squares() {
         let points = [Vector2::new(1.0, 0.0), Vector2::new(-0.5, 0.9), Vector2::new(-0.4, -0.8)];
-        let targets =
-            [Vector3::new(0.1, 1.2, 2.0), Vector3::new(-0.9, -0.5, 2.0), Vector3::new(0.8, -0.3, 2.0)];
+        let targets = [
+            Vector3::new(0.1, 1.2, 2.0),
+            Vector3::new(-0.9, -0.5, 2.0),
+            Vector3::new(0.8, -0.3, 2.0),
+        ];
         let found = fit_in_plane(&points, &targets, &Vector3::z());
         let error = |turn: f64, x: f64, y: f64| -> f64 {
             let moved = Pose::from_parts(
                 Translation3::new(x, y, 0.0) * found.translation,
                 Rotation3::from_axis_angle(&Vector3::z_axis(), turn) * found.rotation,
             );
-            points.iter().zip(&targets).map(|(p, t)| {
-                (moved.rotation * p.push(0.0) + moved.translation.vector - t).norm_squared()
-            }).sum()
+            points
+                .iter()
+                .zip(&targets)
+                .map(|(p, t)| {
+                    (moved.rotation * p.push(0.0) + moved.translation.vector - t).norm_squared()
+                })
+                .sum()
         };
         let least = error(0.0, 0.0, 0.0);
-        for (turn, x, y) in [(1e-4, 0.0, 0.0), (0.0, 1e-4, 0.0), (0.0, 0.0, 1e-4), (1e-4, 2e-4, -1e-4)] {
+        for (turn, x, y) in
+            [(1e-4, 0.0, 0.0), (0.0, 1e-4, 0.0), (0.0, 0.0, 1e-4), (1e-4, 2e-4, -1e-4)]
+        {
             assert!(error(turn, x, y) > least && error(-turn, -x, -y) > least);
         }
         assert_eq!(found.translation.z, 2.0);

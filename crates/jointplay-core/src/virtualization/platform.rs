@@ -77,7 +77,9 @@ impl Platform {
     /// Mean of the socket radii, the platform's own measure of length [m].
     #[must_use]
     pub fn mean_radius(&self) -> f64 {
-        (self.radii[0] + self.radii[1] + self.radii[2]) / 3.0
+        // Differences to the first, so that the mean of equal radii is that radius to the bit.
+        let [first, second, third] = self.radii;
+        first + ((second - first) + (third - first)) / 3.0
     }
 
     /// Whether the sockets are 120° apart, to round-off.
@@ -177,7 +179,8 @@ mod tests {
         assert!(platform.equally_spaced() && signed_area(platform.sockets()) > 0.0);
         for turn in [0.1, 1.0, 3.0, -2.0] {
             for sense in [1.0, -1.0] {
-                let turned = Platform::new(RADII, ANGLES.map(|angle| sense * angle + turn)).unwrap();
+                let turned =
+                    Platform::new(RADII, ANGLES.map(|angle| sense * angle + turn)).unwrap();
                 assert!(turned.equally_spaced(), "{turn}");
                 assert_eq!(signed_area(turned.sockets()) > 0.0, sense > 0.0);
             }

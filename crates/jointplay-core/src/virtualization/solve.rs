@@ -327,7 +327,9 @@ mod tests {
             SolveOptions { solver: Solver::Newton, max_iterations: 1, ..SolveOptions::default() };
         let found = check(&Polar, sides_at(0.1), &options);
         let message = Error::from(Box::new(found)).to_string();
-        assert!(message.starts_with("the newton iteration did not converge in 1 steps: the sides are "));
+        assert!(
+            message.starts_with("the newton iteration did not converge in 1 steps: the sides are ")
+        );
     }
 
     #[test]
@@ -354,7 +356,10 @@ mod tests {
 
     #[test]
     fn names_of_solvers() {
-        assert_eq!(SOLVERS.map(|solver| solver.to_string()), ["newton", "least-norm", "closed-form"]);
+        assert_eq!(
+            SOLVERS.map(|solver| solver.to_string()),
+            ["newton", "least-norm", "closed-form"]
+        );
         assert_eq!(format!("[{:>8}]", Solver::Newton), "[  newton]");
     }
 
