@@ -171,6 +171,20 @@ fn magnitude_of_rods_and_radial_slides() {
 }
 
 #[test]
+fn approximate_gaps_are_the_stretch() {
+    for pitch in PITCHES_DEG {
+        let stretch = 1.0 / tilt(0.0, pitch).pitch.cos() - 1.0;
+        let mut widest = 0.0_f64;
+        for yaw in yaws_deg() {
+            let found = Gpr::paper().approximate(tilt(yaw, pitch), HEIGHT).expect("a pose");
+            widest = found.gaps.iter().map(Vector3::norm).fold(widest, f64::max);
+        }
+        near(widest, RADIUS * stretch, 1e-15);
+    }
+    near(RADIUS * (1.0 / 2.0_f64.to_radians().cos() - 1.0), 56.8 * UM, 0.05 * UM);
+}
+
+#[test]
 fn elastic_rods_hold_the_platform_near_the_planar_model() {
     let gpr = Gpr::paper();
     let sockets = gpr.platform().sockets();

@@ -24,7 +24,7 @@ fn near(what: &str, found: f64, expected: f64, tolerance: f64, row: &Row) {
 }
 
 fn tilt(row: &Row) -> Tilt {
-    let angle = |column| row.number(column).unwrap().to_radians();
+    let angle = |column| row.number(column).expect("an angle in every row").to_radians();
     Tilt { yaw: angle("yaw_deg"), pitch: angle("pitch_deg") }
 }
 

@@ -159,6 +159,28 @@ fn bounds_4_and_5_agree_and_hold_for_the_chord() {
     }
 }
 
+#[test]
+fn bounds_at_the_end_are_twice_those_of_the_chord_and_zero_at_the_start() {
+    let gpr = Gpr::paper();
+    for model in MODELS {
+        let options = options(Solver::Newton, Metric::Paper);
+        let play = gpr.tilt_play(tilt(15.0, 2.0), HEIGHT, model, &options).unwrap();
+        // Zero but for the round-off of a step of 5 mm.
+        assert!(play.at_start.bounds.upper < 1e-15, "{:e}", play.at_start.bounds.upper);
+        // The singular values change along the way by a share of the squared tilt.
+        for (end, chord) in [
+            (play.at_end.bounds.lower, play.at_midpoint.bounds.lower),
+            (play.at_end.bounds.upper, play.at_midpoint.bounds.upper),
+        ] {
+            near(end / chord, 2.0, 0.01);
+        }
+        if model.name() == "radial" {
+            // The chord is exact but for what Newton leaves of the sides.
+            near(play.at_midpoint.bounds.linear, play.displacement, 1e-14);
+        }
+    }
+}
+
 // IV.B: the iteration.
 
 #[test]

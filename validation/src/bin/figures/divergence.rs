@@ -7,7 +7,7 @@ use jointplay_validation::printed::{ByL, Step, ThirdColumn, iterate};
 
 const STEPS: usize = 10;
 /// Residuals below this one are round-off [m].
-const ROUND_OFF: f64 = 1e-17;
+const ROUND_OFF: f64 = 1e-16;
 
 /// Residual and distance from the right answer, step by step.
 pub(crate) fn figure() -> Figure {

@@ -3,35 +3,35 @@
 use jointplay::Error;
 use jointplay::gpr::{Bounded, Gpr};
 use jointplay::mobility::{RANK_THRESHOLD, instantaneous_mobility};
-use jointplay::plot::{Axis, Colour, Curve, Dash, Figure, Panel, Point, Style};
+use jointplay::plot::{Axis, Colour, Curve, Dash, Figure, Panel, Style};
 use jointplay::virtualization::{Metric, Planar, Radial, Solver};
 use jointplay_validation::cases::{HEIGHT, options, tilt};
 
 use crate::{by_decades, evenly};
 
-/// The smallest singular values of the scaled ∂Φ/∂P against a difference between the rods.
+/// The two vanishing singular values of the scaled ∂Φ/∂P against a difference between the rods.
+///
+/// The twelfth is round-off, and so no two builds need agree on it: left out.
 pub(crate) fn singular_values() -> Result<Figure, Error> {
     let gpr = Gpr::paper();
     let system = gpr.system(&Planar);
     let differences = by_decades(1e-15, 1e-2, 131);
     let in_mm: Vec<f64> = differences.iter().map(|difference| difference * 1e3).collect();
-    let mut values = [Vec::new(), Vec::new(), Vec::new()];
+    let mut values = [Vec::new(), Vec::new()];
     let mut threshold = Vec::new();
     for difference in &differences {
         let rods = [0.5, 0.5 + difference, 0.5 - difference];
         let pose = gpr.forward(rods, &Planar, &options(Solver::ClosedForm, Metric::Paper))?;
         let found = instantaneous_mobility(&system, &system.configuration(&pose), RANK_THRESHOLD)?;
         for (k, column) in values.iter_mut().enumerate() {
-            // A value that is zero to the last bit has no place on a logarithmic axis.
-            let value = found.singular_values[9 + k];
-            column.push(if value < 1e-18 { f64::NAN } else { value });
+            column.push(found.singular_values[9 + k]);
         }
         threshold.push(found.threshold);
     }
-    let [tenth, eleventh, twelfth] = values;
+    let [tenth, eleventh] = values;
     let panel = Panel::new(
         Axis::log10("difference between the rods, q₂ − q₁ = q₁ − q₃ (mm)"),
-        Axis::log10("singular value").with_range(1e-18, 10.0),
+        Axis::log10("singular value").with_range(1e-15, 1.0),
     )
     .with_curve(Curve::new("tenth", in_mm.clone(), tenth, Style::line(Colour::BLUE, Dash::Solid)))
     .with_curve(Curve::new(
@@ -39,12 +39,6 @@ pub(crate) fn singular_values() -> Result<Figure, Error> {
         in_mm.clone(),
         eleventh,
         Style::line(Colour::VERMILLION, Dash::Dashed),
-    ))
-    .with_curve(Curve::new(
-        "twelfth: round-off",
-        in_mm.clone(),
-        twelfth,
-        Style::points(Colour::GREEN, Point::Circle),
     ))
     .with_curve(Curve::new(
         "threshold",
