@@ -87,7 +87,7 @@ impl SolverName {
 #[derive(Args)]
 pub(crate) struct MetricArgs {
     /// How angles weigh against lengths: paper (1 mm), radius (mean socket radius), or a length in mm
-    #[arg(long, value_name = "paper|radius|LENGTH_MM", default_value = "paper", value_parser = metric)]
+    #[arg(long, value_name = "paper|radius|LENGTH_MM", default_value = "paper", value_parser = metric, allow_hyphen_values = true)]
     metric: Metric,
 }
 
@@ -178,18 +178,23 @@ impl FormatArgs {
 pub(crate) struct TiltArgs {
     /// Azimuth toward which the platform leans, from x toward y
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
-    pub(crate) yaw_deg: f64,
+    yaw_deg: f64,
     /// How far it leans
-    #[arg(long, value_name = "DEG", default_value = "0", value_parser = pitch, allow_negative_numbers = true)]
-    pub(crate) pitch_deg: f64,
+    #[arg(long, value_name = "DEG", value_parser = pitch, allow_negative_numbers = true)]
+    pitch_deg: Option<f64>,
     /// Height of the platform; without it, the robot's working height
     #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
     height_mm: Option<f64>,
 }
 
 impl TiltArgs {
-    pub(crate) fn tilt(&self) -> Tilt {
-        Tilt { yaw: self.yaw_deg.to_radians(), pitch: self.pitch_deg.to_radians() }
+    /// The tilt asked for.
+    ///
+    /// # Arguments
+    /// * `default_pitch` – where no pitch is given [rad]
+    pub(crate) fn tilt(&self, default_pitch: f64) -> Tilt {
+        let pitch = self.pitch_deg.map_or(default_pitch, f64::to_radians);
+        Tilt { yaw: self.yaw_deg.to_radians(), pitch }
     }
 
     /// The height asked for [m].

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
-use jointplay::format::report::LimitReport;
+use jointplay::format::report::{LimitReport, VirtualJointGroups};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -65,4 +65,18 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
     if zero { text.replace('-', "") } else { text }
+}
+
+/// A singular value, nine characters wide: fixed where that shows it, else with an exponent.
+pub(crate) fn magnitude(value: f64) -> String {
+    if value == 0.0 || value >= 1e-3 { format!("{value:>9.6}") } else { format!("{value:>9.2e}") }
+}
+
+/// What angles are weighed by, where there are any.
+pub(crate) fn characteristic_length(joints: &VirtualJointGroups, length_mm: f64) -> String {
+    if joints.0.iter().any(|(name, _)| name.ends_with("_deg")) {
+        format!(", characteristic length {length_mm} mm")
+    } else {
+        String::new()
+    }
 }

@@ -10,6 +10,8 @@ use crate::failure::Failure;
 use crate::output;
 
 /// Which rods tilt the platform so, and where it then is
+///
+/// Without a tilt: level.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -43,7 +45,7 @@ impl Inverse {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let gpr = self.robot.load()?.gpr;
         let (model, options) = (self.model.model(), self.model.options());
-        let (tilt, height) = (self.tilt.tilt(), self.tilt.height(&gpr));
+        let (tilt, height) = (self.tilt.tilt(0.0), self.tilt.height(&gpr));
         let pose = match self.height_of {
             HeightOf::Axis => {
                 let rods = gpr.inverse(tilt, AxisHeight(height))?;

@@ -9,7 +9,7 @@ use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{FormatArgs, LimitArgs, RobotArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
-use crate::output::{self, limits, three};
+use crate::output::{self, limits, magnitude, three};
 
 /// What the constraints let move: counted, to first order, and for real
 #[derive(Args)]
@@ -93,7 +93,9 @@ fn text(report: &MobilityReport) -> String {
 
 /// Values that count, then a bar, then those that do not.
 fn singular_values(text: &mut String, values: &[f64], rank: usize) {
-    let list = |values: &[f64]| values.iter().map(|v| format!(" {v:.3e}")).collect::<String>();
+    let list = |values: &[f64]| {
+        values.iter().map(|&value| format!(" {}", magnitude(value))).collect::<String>()
+    };
     for (row, chunk) in values[..rank].chunks(6).enumerate() {
         let label = if row == 0 { "counted" } else { "" };
         let _ = writeln!(text, "  {label:<20}{}", list(chunk));

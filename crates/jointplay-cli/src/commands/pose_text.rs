@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use jointplay::format::report::ForwardReport;
 use jointplay::virtualization::Solver;
 
-use crate::output::{fixed, limits, three};
+use crate::output::{characteristic_length, fixed, limits, three};
 
 /// A pose in words.
 ///
@@ -48,8 +48,10 @@ pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
     };
     let _ = writeln!(
         text,
-        "  solved by            {}{asked_for}, {} iterations, characteristic length {} mm",
-        report.solver, report.iterations, report.characteristic_length_mm
+        "  solved by            {}{asked_for}, {} iterations{}",
+        report.solver,
+        report.iterations,
+        characteristic_length(&report.virtual_joints, report.characteristic_length_mm)
     );
     let _ = writeln!(text, "  sides met to         {:.1e} mm", report.residual_mm);
     text + &limits(&report.limits_broken)

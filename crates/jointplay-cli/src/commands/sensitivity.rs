@@ -8,13 +8,13 @@ use jointplay::spatial::Tilt;
 
 use crate::arguments::{FormatArgs, LimitArgs, ModelArgs, RobotArgs, Rods, TiltArgs};
 use crate::failure::Failure;
-use crate::output::{self, fixed, limits, three};
+use crate::output::{self, characteristic_length, fixed, limits, magnitude, three};
 
 /// How far the virtual joints move for a tilt, and what first order says of it
+///
+/// The motion starts level at the same axis height; without a tilt, it goes to the robot's tilt limit.
 #[derive(Args)]
 #[command(after_help = "\
-The motion starts level at the same axis height.
-
 Examples:
   jointplay sensitivity --pitch-deg 1.5
   jointplay sensitivity --q-mm 500,501,502 --virtualization polar --metric radius")]
@@ -40,7 +40,10 @@ impl SensitivityCommand {
         let (model, options) = (self.model.model(), self.model.options());
         let rods = match &self.q_mm {
             Some(rods) => rods.0,
-            None => gpr.inverse(self.tilt.tilt(), self.tilt.axis_height(&gpr))?,
+            None => {
+                let tilt = self.tilt.tilt(gpr.limits().tilt_max);
+                gpr.inverse(tilt, self.tilt.axis_height(&gpr))?
+            }
         };
         let end = gpr.forward(rods, model, &options)?;
         let broken = self.limits.check_pose(&gpr, &end)?;
@@ -57,11 +60,11 @@ fn text(report: &SensitivityReport) -> String {
     let um = |mm: f64| fixed(mm * 1e3, 3);
     let _ = writeln!(
         text,
-        "tilt {}° toward yaw {}°, {} virtual joints, characteristic length {} mm",
+        "tilt {}° toward yaw {}°, {} virtual joints{}",
         fixed(report.pitch_deg, 6),
         fixed(report.yaw_deg, 6),
         report.virtualization,
-        report.characteristic_length_mm
+        characteristic_length(&report.virtual_joints, report.characteristic_length_mm)
     );
     let _ = writeln!(text, "  rods q (mm)          {}", three(&report.q_mm, 6));
     for (name, values) in &report.virtual_joints.0 {
@@ -83,7 +86,8 @@ fn text(report: &SensitivityReport) -> String {
             if bounds.held { "held" } else { "broken" }
         );
     }
-    let values: String = report.singular_values.iter().map(|v| format!(" {v:.6}")).collect();
+    let values: String =
+        report.singular_values.iter().map(|&value| format!(" {}", magnitude(value))).collect();
     let _ = writeln!(text, "sensitivity ∂X/∂P at the tilt");
     let _ = writeln!(text, "  singular values     {values}");
     let _ = writeln!(

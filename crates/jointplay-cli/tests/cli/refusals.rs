@@ -1,0 +1,130 @@
+//! Bad input and broken limits: the exit code, the message, and nothing left behind.
+
+use crate::desk::Desk;
+
+#[track_caller]
+fn refuse(line: &str, code: i32, message: &str) {
+    let desk = Desk::new();
+    let run = desk.run(line);
+    assert_eq!(run.code, code, "{line}: {}{}", run.stdout, run.stderr);
+    assert!(run.stderr.contains(message), "{line}: {}", run.stderr);
+    assert_eq!(run.stdout, "", "{line}");
+    assert_eq!(desk.names(""), [""; 0], "{line} left files behind");
+}
+
+#[test]
+fn flags_that_make_no_sense() {
+    refuse("forward --q-mm 500,501", 2, "3 rod lengths are needed, 2 are given");
+    refuse("forward --q-mm 500,501,502,503", 2, "4 are given");
+    refuse("forward --q-mm 500,nan,502", 2, "nan is not a finite number");
+    refuse("forward --q-mm 500,inf,502", 2, "inf is not a finite number");
+    refuse("forward --q-mm 500,,502", 2, "is no number");
+    refuse("forward --metric 0", 2, "not positive");
+    refuse("forward --metric -3", 2, "not positive");
+    refuse("forward --metric nan", 2, "paper, radius, or a length in mm");
+    refuse("forward --virtualization cubic", 2, "possible values: radial, polar, offset, planar");
+    refuse("inverse --pitch-deg 90", 2, "has to lie between -90° and 90°");
+    refuse("inverse --pitch-deg -95", 2, "--pitch-deg");
+    refuse("inverse --yaw-deg NaN", 2, "--yaw-deg");
+    refuse("inverse --height-mm inf", 2, "--height-mm");
+    refuse("sensitivity --q-mm 1,2,3 --pitch-deg 1", 2, "cannot be used with");
+    refuse("simulate --pitch-deg 2:-2:0.2", 2, "does not lead from 2 to -2");
+    refuse("simulate --pitch-deg -2:2:0", 2, "a step of 0");
+    refuse("simulate --pitch-deg -2:2:0.3", 2, "fits");
+    refuse("simulate --pitch-deg -2:2", 2, "write FROM:TO:STEP");
+    refuse("simulate --pitch-deg 0:100:10", 2, "90° is too steep");
+    refuse("simulate --yaw-step-deg 0", 2, "--yaw-step-deg 0");
+    refuse("simulate --yaw-step-deg 7", 2, "miss 360");
+    refuse("simulate --yaw-step-deg -10", 2, "does not lead");
+    refuse("simulate --yaw-step-deg 1e-9", 2, "at most 1000000");
+    refuse("simulate --out /dev/null/study", 2, "cannot write /dev/null/study");
+    refuse("compare --figure shift.pdf", 2, "ends neither in .svg nor in .png");
+    refuse("compare --figure nowhere/shift.svg", 2, "cannot write");
+    refuse("completions tcl", 2, "possible values: bash");
+    refuse("forward --robot missing.toml", 2, "cannot read missing.toml");
+    refuse("forward --robot .", 2, "cannot read .");
+    refuse("frobnicate", 2, "unrecognized subcommand");
+}
+
+#[test]
+fn poses_beyond_the_limits() {
+    let rod = "rod 3 is 800.000000 mm long, allowed are 246 to 754 mm";
+    refuse("forward --q-mm 500,501,800", 1, rod);
+    refuse("forward --q-mm 500,501,800", 1, "the tilt is");
+    refuse("forward --q-mm -500,501,502", 1, "rod 1 is -500");
+    refuse("mobility --q-mm 500,501,800", 1, rod);
+    refuse("sensitivity --q-mm 500,501,800", 1, rod);
+    refuse("inverse --height-mm 800", 1, "--ignore-limits computes past them");
+    refuse("inverse --pitch-deg 1.6", 1, "the tilt is 1.600000°, allowed is up to 1.5°");
+    refuse("inverse --pitch-deg -1.6 --height-of center", 1, "the tilt is 1.600000°");
+    refuse("sensitivity --pitch-deg 1.6", 1, "the tilt");
+    refuse("compare --pitch-deg -2:0:1", 1, "the tilt is 2.000000°");
+}
+
+#[test]
+fn limits_can_be_ignored_aloud() {
+    let desk = Desk::new();
+    for line in
+        ["inverse --pitch-deg 1.6", "forward --q-mm 500,501,520", "mobility --q-mm 800,800,800"]
+    {
+        let text = desk.done(&format!("{line} --ignore-limits"));
+        assert!(text.contains("beyond the robot's limits, which were ignored"), "{text}");
+    }
+    assert_eq!(desk.run("inverse --pitch-deg 1.5").code, 0, "a pose on its limit is allowed");
+}
+
+#[test]
+fn programs_get_errors_as_json() {
+    let run = Desk::new().run("forward --q-mm 500,501,800 --format json");
+    assert_eq!((run.code, run.stdout.as_str()), (1, ""));
+    let error: serde_json::Value = serde_json::from_str(&run.stderr).unwrap();
+    assert_eq!(error["error"]["kind"], "limits");
+    assert_eq!(error["error"]["limits_broken"][0]["limit"], "rod 3");
+    assert_eq!(error["error"]["limits_broken"][0]["found"], 800.0);
+}
+
+#[test]
+fn robot_files_are_read_strictly() {
+    let desk = Desk::new();
+    let paper = include_str!("../../../../robots/gpr.toml");
+    desk.write("same.toml", paper);
+    assert_eq!(desk.done("forward --robot same.toml"), desk.done("forward"));
+
+    desk.write("typo.toml", &paper.replacen("socket_radius_mm", "socket_radious_mm", 1));
+    let run = desk.run("mobility --robot typo.toml");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains(
+        "typo.toml:13:1: unknown key `socket_radious_mm` (did you mean `socket_radius_mm`?)"
+    ));
+    assert!(
+        run.stderr.contains("13 | socket_radious_mm = 93.218\n   | ^^^^^^^^^^^^^^^^^"),
+        "{}",
+        run.stderr
+    );
+
+    std::fs::write(desk.file("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
+    let run = desk.run("forward --robot binary.toml");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("cannot read binary.toml"), "{}", run.stderr);
+
+    desk.write("long.toml", &"#".repeat(2_000_000));
+    let run = desk.run("forward --robot long.toml");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("at most 1000000"), "{}", run.stderr);
+}
+
+#[test]
+fn a_pose_that_cannot_be_solved_is_no_answer() {
+    let run = Desk::new()
+        .run("forward --q-mm 0,400,50000 --ignore-limits --virtualization radial --solver newton");
+    if run.code == 0 {
+        // Solved after all: then the sides have to be met.
+        assert!(run.stdout.contains("sides met to"));
+    } else {
+        assert_eq!(run.code, 1, "{}", run.stderr);
+        assert!(
+            run.stderr.contains("best virtual joints")
+                || run.stderr.contains("turn the platform over")
+        );
+    }
+}

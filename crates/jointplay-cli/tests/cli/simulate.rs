@@ -1,0 +1,228 @@
+//! The paper's studies as files: whole, the same every time, and never over somebody else's.
+
+use std::collections::BTreeMap;
+use std::process::Stdio;
+
+use crate::desk::Desk;
+use serde_json::Value;
+
+/// Rows of a table by their tilt, without the sample number.
+fn rows(csv: &str) -> BTreeMap<(String, String), String> {
+    csv.lines()
+        .skip(1)
+        .map(|line| {
+            let (_, rest) = line.split_once(',').unwrap();
+            let mut cells = rest.splitn(3, ',');
+            let mut next = || cells.next().unwrap().to_owned();
+            ((next(), next()), next())
+        })
+        .collect()
+}
+
+#[test]
+fn the_first_try_writes_everything() {
+    let desk = Desk::new();
+    let text = desk.done("simulate");
+    let names = desk.names("paper-study");
+    for model in ["radial", "polar", "offset", "planar"] {
+        assert!(names.contains(&format!("samples-{model}.csv")), "{names:?}");
+        assert!(text.contains(model));
+    }
+    let figures = [
+        "fig05-rods",
+        "fig06-polar-linear",
+        "fig07-polar-angular",
+        "fig08-polar-sides",
+        "fig09-offset-linear",
+        "fig10-offset-angular",
+        "fig11-offset-sides",
+    ];
+    for figure in figures.iter().flat_map(|figure| [(*figure).to_owned(), format!("{figure}-zoom")])
+    {
+        let svg = desk.read(&format!("paper-study/{figure}.svg"));
+        assert!(svg.contains("<text") && svg.contains(">sample</text>"), "{figure}");
+        assert!(!svg.contains("NaN"), "{figure}");
+        let png = std::fs::read(desk.file(&format!("paper-study/{figure}.png"))).unwrap();
+        assert!(png.starts_with(b"\x89PNG"), "{figure}");
+    }
+    let csv = desk.read("paper-study/samples-polar.csv");
+    assert_eq!(csv.lines().count(), 778);
+    assert_eq!(
+        csv.lines().next().unwrap(),
+        "sample,yaw_deg,pitch_deg,q1_mm,q2_mm,q3_mm,L12_mm,L23_mm,L31_mm,\
+         l1_mm,l2_mm,l3_mm,phi1_deg,phi2_deg,phi3_deg,x_mm,y_mm,z_mm,twist_deg,iterations,residual_mm"
+    );
+    assert!(csv.lines().nth(1).unwrap().starts_with("0,0.0,-2.0,503.25"));
+    assert!(names.contains(&"summary.json".to_owned()));
+}
+
+#[test]
+fn the_summary_confirms_the_paper() {
+    let desk = Desk::new();
+    desk.done("simulate");
+    let summary: Value = serde_json::from_str(&desk.read("paper-study/summary.json")).unwrap();
+    assert_eq!(summary["poses"], 777);
+    assert_eq!(summary["beyond_limits_on_purpose"], true);
+    let side = 93.218 * 3_f64.sqrt();
+    for study in summary["studies"].as_array().unwrap() {
+        let name = study["virtualization"].as_str().unwrap();
+        assert_eq!(study["singular_passes"], 37);
+        assert!(study["most_iterations"].as_u64().unwrap() <= 3, "{name}");
+        assert!(study["largest_residual_mm"].as_f64().unwrap() < 1e-9, "{name}");
+        assert_eq!(study["samples_beyond_limits"], 37 * 6);
+        let bounds = &study["bounds"];
+        assert_eq!(
+            (&bounds["poses"], &bounds["held_at_start"]),
+            (&740.into(), &0.into()),
+            "{name}"
+        );
+        assert_eq!(bounds["held_at_midpoint"], 740, "{name}");
+        assert!(summary["time_per_pose_ns"][name].as_f64().unwrap() > 0.0);
+        for series in study["series"].as_array().unwrap() {
+            let what = series["name"].as_str().unwrap();
+            let pass = series["at_singular_passes"].as_array().unwrap();
+            let (least, most) = (pass[0].as_f64().unwrap(), pass[1].as_f64().unwrap());
+            let expected = match what.chars().next().unwrap() {
+                'q' => 500.0,
+                'L' => side,
+                'l' => 93.218,
+                _ => 0.0,
+            };
+            let tolerance = if what.starts_with('L') { 1e-12 } else { 0.0 };
+            assert!(
+                (least - expected).abs() <= tolerance && (most - expected).abs() <= tolerance,
+                "{name} {what}"
+            );
+            // At a pass every side has its extremum of the row; a rod runs through.
+            let extrema = ["minimum_at_passes", "maximum_at_passes", "constant_at_passes"]
+                .map(|key| series[key].as_u64().unwrap());
+            match what.chars().next().unwrap() {
+                'q' => assert_eq!(extrema[..2], [0, 0], "{name} {what}"),
+                'L' => assert_eq!(extrema.iter().sum::<u64>(), 37, "{name} {what} {extrema:?}"),
+                _ => {}
+            }
+        }
+    }
+}
+
+#[test]
+fn same_flags_same_bytes() {
+    let (first, second) = (Desk::new(), Desk::new());
+    first.done("simulate --yaw-step-deg 30");
+    second.done("simulate --yaw-step-deg 30");
+    second.done("simulate --yaw-step-deg 30");
+    assert_eq!(first.names("paper-study"), second.names("paper-study"));
+    for name in first.names("paper-study").iter().filter(|name| *name != "summary.json") {
+        let read = |desk: &Desk| std::fs::read(desk.file(&format!("paper-study/{name}"))).unwrap();
+        assert!(read(&first) == read(&second), "{name} differs from run to run");
+    }
+}
+
+#[test]
+fn the_order_of_the_samples_changes_no_sample() {
+    let desk = Desk::new();
+    desk.done("simulate --yaw-step-deg 30 --out a");
+    desk.done("simulate --yaw-step-deg 30 --out b --order serpentine");
+    for model in ["radial", "polar", "offset", "planar"] {
+        let (a, b) = (
+            desk.read(&format!("a/samples-{model}.csv")),
+            desk.read(&format!("b/samples-{model}.csv")),
+        );
+        assert_ne!(a, b);
+        assert_eq!(rows(&a), rows(&b), "{model}");
+    }
+}
+
+#[test]
+fn a_second_run_replaces_its_own_files_only() {
+    let desk = Desk::new();
+    let fast = "simulate --yaw-step-deg 180 --pitch-deg -1:1:1";
+    desk.done(fast);
+    let all = desk.names("paper-study").len();
+    desk.write("paper-study/.jointplay-partial-killed", "half");
+    desk.done(&format!("{fast} --virtualization radial"));
+    let names = desk.names("paper-study");
+    assert!(names.len() < all && !names.contains(&"samples-polar.csv".to_owned()), "{names:?}");
+    assert!(!names.iter().any(|name| name.starts_with('.')), "{names:?}");
+
+    desk.write("paper-study/notes.txt", "mine");
+    desk.write("paper-study/samples-mine.csv", "mine");
+    let before = desk.read("paper-study/samples-radial.csv");
+    let refused = desk.run("simulate --yaw-step-deg 90");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("notes.txt, samples-mine.csv"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
+    assert_eq!(desk.read("paper-study/samples-radial.csv"), before);
+
+    desk.done("simulate --yaw-step-deg 90 --force");
+    assert_eq!(desk.read("paper-study/notes.txt"), "mine");
+    assert_eq!(desk.read("paper-study/samples-mine.csv"), "mine");
+    assert_ne!(desk.read("paper-study/samples-radial.csv"), before);
+}
+
+#[test]
+fn a_table_as_short_as_one_pose() {
+    let desk = Desk::new();
+    desk.done("simulate --yaw-step-deg 360 --pitch-deg 1 --out one");
+    assert_eq!(desk.read("one/samples-planar.csv").lines().count(), 3);
+}
+
+#[test]
+fn the_table_reads_well() {
+    let desk = Desk::new();
+    let mut settings = insta::Settings::clone_current();
+    settings.add_filter(r"\d\.\d+e-\d+", "[small]");
+    settings.add_filter(r"(time per pose \(ns\)) .*", "$1 [measured]");
+    settings.add_filter(r" +(\[small\])", " $1");
+    settings.bind(|| insta::assert_snapshot!("simulate", desk.done("simulate")));
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let desk = Desk::new();
+    for line in
+        ["--help", "mobility", "completions bash", "simulate --yaw-step-deg 180 --pitch-deg 1"]
+    {
+        let mut child =
+            desk.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(!stderr.contains("panicked"), "{line}: {stderr}");
+        assert_eq!(output.status.code(), Some(0), "{line}: {stderr}");
+    }
+}
+
+#[test]
+fn completions_and_manual() {
+    let desk = Desk::new();
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        assert!(desk.done(&format!("completions {shell}")).contains("simulate"), "{shell}");
+    }
+    assert!(desk.done("manual").starts_with(".ie"));
+    desk.done("manual --out man");
+    let pages = desk.names("man");
+    assert!(
+        pages.contains(&"jointplay.1".to_owned())
+            && pages.contains(&"jointplay-simulate.1".to_owned())
+    );
+    assert!(desk.read("man/jointplay-simulate.1").contains("yaw"));
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn parquet_instead_of_csv() {
+    let desk = Desk::new();
+    desk.done("simulate --yaw-step-deg 90 --format parquet");
+    let bytes = std::fs::read(desk.file("paper-study/samples-polar.parquet")).unwrap();
+    assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
+    assert!(!desk.names("paper-study").iter().any(|name| name.ends_with(".csv")));
+}
+
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn a_build_without_parquet_says_so() {
+    let run = Desk::new().run("simulate --format parquet");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("--features parquet"), "{}", run.stderr);
+}
