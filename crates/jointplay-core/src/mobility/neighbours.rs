@@ -56,7 +56,7 @@ pub(super) fn neighbours<S: System + ?Sized>(
     at: &Configuration,
     first: &InstantaneousMobility,
 ) -> Result<Neighbours, Error> {
-    let search = Search::new(system, first.characteristic_length);
+    let search = Search::new(system, at, first.characteristic_length);
     let displacements = search.around(at, &first.null_space, RADIUS)?;
     let tried = displacements.len();
     let mut found: Vec<DVector<f64>> = displacements.into_iter().flatten().collect();
@@ -97,15 +97,16 @@ struct Search<'a, S: ?Sized> {
     system: &'a S,
     rows: DVector<f64>,
     columns: DVector<f64>,
+    /// Residual of the given configuration, which counts as closed; what is redundant in it could not be corrected away.
+    closed: DVector<f64>,
 }
 
 impl<'a, S: System + ?Sized> Search<'a, S> {
-    fn new(system: &'a S, characteristic_length: f64) -> Self {
-        Self {
-            system,
-            rows: units(&system.constraint_dimensions(), characteristic_length),
-            columns: units(&system.coordinate_dimensions(), characteristic_length),
-        }
+    fn new(system: &'a S, at: &Configuration, characteristic_length: f64) -> Self {
+        let rows = units(&system.constraint_dimensions(), characteristic_length);
+        let columns = units(&system.coordinate_dimensions(), characteristic_length);
+        let closed = scaled_residual(&system.residual(at), &rows);
+        Self { system, rows, columns, closed }
     }
 
     fn moved(&self, from: &Configuration, displacement: &DVector<f64>) -> Configuration {
@@ -163,7 +164,7 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
     ) -> Result<Option<DVector<f64>>, Error> {
         for _ in 0..MAX_CORRECTIONS {
             let at = self.moved(from, &displacement);
-            let residual = scaled_residual(&self.system.residual(&at), &self.rows);
+            let residual = scaled_residual(&self.system.residual(&at), &self.rows) - &self.closed;
             // The share of the largest coordinate by which rounding it moves a constraint.
             let round_off = f64::EPSILON * at.coordinates.component_div(&self.columns).amax();
             if residual.amax() <= FOUND.max(round_off) {

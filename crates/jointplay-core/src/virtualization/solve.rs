@@ -142,6 +142,8 @@ fn iterate<V: Virtualization + ?Sized>(
     let mut columns = [Vector3::zeros(); MAX_VIRTUAL_JOINTS];
     let (mut best, mut least) = (x, f64::INFINITY);
     let mut settled = solver == Solver::Newton;
+    let mut pull = if solver == Solver::Newton { 0.0 } else { 1.0 };
+    let (mut last_step, mut last_squared) = (step, 0.0);
     for iteration in 0..=options.max_iterations {
         let sockets = virtualization.sockets(platform, &x);
         let lengths = sides_of(&sockets);
@@ -164,24 +166,29 @@ fn iterate<V: Virtualization + ?Sized>(
                 [0, 1, 2].map(|k| edges[k].dot(&(velocity[(k + 1) % 3] - velocity[k]))),
             );
         }
+        // Whatever `pull` is, the step meets the sides to first order; it goes that share of the way to the least displacement that does.
         let mut target = Vector3::from([0, 1, 2].map(|k| gaps[k] * (sides[k] + lengths[k])));
-        if solver == Solver::LeastNorm {
+        if pull > 0.0 {
             for ((column, now), start) in columns.iter().zip(x.iter()).zip(nominal.iter()) {
-                target += column * (now - start);
+                target += column * (pull * (now - start));
             }
         }
         if !least_norm_of_three(&columns[..count], &compliance[..count], &target, &mut step) {
             break;
         }
-        let start = if solver == Solver::Newton { &x } else { &nominal };
-        let mut change = 0.0_f64;
-        let mut next = x;
-        for (m, value) in next.iter_mut().enumerate() {
-            *value = start[m] + step[m];
-            change = change.max((*value - x[m]).abs() / compliance[m].sqrt());
+        let (mut along, mut squared) = (0.0, 0.0);
+        for (m, change) in step.iter_mut().enumerate() {
+            *change -= pull * (x[m] - nominal[m]);
+            along += *change * last_step[m] / compliance[m];
+            squared += *change * *change / compliance[m];
+            x[m] += *change;
         }
-        x = next;
-        settled = solver == Solver::Newton || change <= threshold;
+        // A step back over most of the last one: the full way overshoots.
+        if along < -0.5 * last_squared {
+            pull *= 0.5;
+        }
+        settled = solver == Solver::Newton || squared <= threshold * threshold;
+        (last_step, last_squared) = (step, squared);
     }
     Err(Box::new(Unconverged {
         solver,
