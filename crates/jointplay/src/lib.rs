@@ -11,6 +11,10 @@
 //! | [`mod@format`] | robot files in, JSON and tables out |
 //! | [`plot`] | figures as SVG and PNG |
 
+#[doc = include_str!("../../../README.md")]
+#[cfg(doctest)]
+struct ReadmeCompiles;
+
 pub use jointplay_core::{
     Error, Unconverged, constraint, gpr, linalg, mobility, sensitivity, spatial, virtualization,
 };

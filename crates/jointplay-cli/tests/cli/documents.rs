@@ -1,0 +1,54 @@
+//! The documents keep their word: every command that they show runs.
+
+use crate::desk::Desk;
+
+/// Commands of a document: fenced lines and code spans that start with the program's name, without comments.
+fn commands(text: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for (i, part) in text.split("```").enumerate() {
+        let pieces: Vec<&str> = if i % 2 == 1 {
+            part.lines().collect()
+        } else {
+            part.split('`').skip(1).step_by(2).collect()
+        };
+        found.extend(pieces.into_iter().filter_map(|piece| piece.strip_prefix("jointplay ")));
+    }
+    let bare = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
+    // Words in capitals stand for something else, and completions are for some shell.
+    let whole = |line: &String| {
+        line != "completions"
+            && !line.split(' ').any(|word| word.chars().all(|c| c.is_ascii_uppercase()))
+    };
+    found.into_iter().map(bare).filter(whole).collect()
+}
+
+#[test]
+fn every_command_that_a_document_shows_runs() {
+    let documents =
+        [include_str!("../../../../README.md"), include_str!("../../../../docs/paper-to-code.md")];
+    let mut all: Vec<String> = documents.into_iter().flat_map(commands).collect();
+    all.sort();
+    all.dedup();
+    assert!(all.len() >= 10, "{all:?}");
+    let desk = Desk::new();
+    for line in all {
+        let run = desk.run(&line);
+        assert_eq!(run.code, 0, "{line}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn every_example_in_a_help_text_runs() {
+    let desk = Desk::new();
+    for command in ["", "simulate", "forward", "inverse", "mobility", "sensitivity", "compare"] {
+        let help = desk.done(&format!("{command} --help"));
+        let (_, examples) = help.split_once("Examples:").expect("every command has examples");
+        for line in examples.lines().map(str::trim) {
+            let Some(line) = line.strip_prefix("jointplay ") else { continue };
+            // What stands behind two spaces explains the line.
+            let line = line.split("  ").next().unwrap();
+            let run = desk.run(line);
+            assert_eq!(run.code, 0, "{line}: {}", run.stderr);
+        }
+    }
+}
