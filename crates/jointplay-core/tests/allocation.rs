@@ -1,0 +1,63 @@
+//! The kernels that run once for each pose do not allocate.
+#![expect(unsafe_code, reason = "counting allocations takes a global allocator, whose trait is unsafe")]
+
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+use jointplay_core::gpr::{AxisHeight, CenterHeight, Gpr};
+use jointplay_core::spatial::Tilt;
+use jointplay_core::virtualization::{SolveOptions, Solver, built_in};
+
+/// The system's allocator, counting the calls of each thread.
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is handed on to the system's allocator; counting in a constant-initialised cell allocates nothing.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.with(|count| count.set(count.get() + 1));
+        // SAFETY: the caller keeps the contract of `alloc`.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the pointer came from `alloc` above, that is from the system's allocator.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+fn allocations(kernel: impl FnOnce()) -> u64 {
+    let before = ALLOCATIONS.with(Cell::get);
+    kernel();
+    ALLOCATIONS.with(Cell::get) - before
+}
+
+#[test]
+fn kernels_do_not_allocate() {
+    assert_eq!(allocations(|| drop(std::hint::black_box(Box::new(1)))), 1, "allocations are counted");
+    let gpr = Gpr::paper();
+    let tilt = Tilt { yaw: 0.4, pitch: 0.03 };
+    let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
+    let inverse = allocations(|| {
+        gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
+    });
+    assert_eq!(inverse, 0);
+    for model in built_in() {
+        for solver in [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm] {
+            let options = SolveOptions { solver, ..SolveOptions::default() };
+            let forward = allocations(|| {
+                gpr.forward(rods, model, &options).unwrap();
+            });
+            let center = allocations(|| {
+                gpr.inverse_for_center(tilt, CenterHeight(0.5), model, &options).unwrap();
+            });
+            assert_eq!((forward, center), (0, 0), "{} {solver}", model.name());
+        }
+    }
+}
