@@ -133,7 +133,8 @@ impl Sensitivity {
             Some(last) => (values[0], values[last]),
             None => (0.0, 0.0),
         };
-        let eigen = (self.matrix.transpose() * &self.matrix).symmetric_eigen();
+        // The other product has the same eigenvalues, but for zeros, and is the smaller one.
+        let eigen = (&self.matrix * self.matrix.transpose()).symmetric_eigen();
         let mut eigenvalues: Vec<f64> = eigen.eigenvalues.iter().map(|d| d.max(0.0)).collect();
         eigenvalues.sort_by(|a, b| b.total_cmp(a));
         let root = |index: Option<usize>| index.map_or(0.0, |k| eigenvalues[k].sqrt());

@@ -48,7 +48,9 @@ pub fn compare(
     if pitches.is_empty() {
         return Err(Error::Empty { yaws: 1, pitches: 0 });
     }
-    let failed = |sample: usize| move |source| Error::pose(sample, Tilt { yaw, pitch: pitches[sample] }, source);
+    let failed = |sample: usize| {
+        move |source| Error::pose(sample, Tilt { yaw, pitch: pitches[sample] }, source)
+    };
     let mut models = Vec::with_capacity(virtualizations.len());
     for virtualization in virtualizations {
         let mut curve = ModelCurve {
@@ -73,7 +75,8 @@ pub fn compare(
         .iter()
         .enumerate()
         .map(|(sample, &pitch)| {
-            let approximate = gpr.approximate(Tilt { yaw, pitch }, height).map_err(failed(sample))?;
+            let approximate =
+                gpr.approximate(Tilt { yaw, pitch }, height).map_err(failed(sample))?;
             Ok(approximate.gaps.iter().map(|gap| gap.norm()).fold(0.0, f64::max))
         })
         .collect::<Result<_, Error>>()?;

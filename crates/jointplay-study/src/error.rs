@@ -7,7 +7,9 @@ use jointplay_core::spatial::Tilt;
 #[non_exhaustive]
 pub enum Error {
     /// A study without poses.
-    #[error("the study has no poses: yaw has {yaws} values and pitch {pitches}, each needs at least one")]
+    #[error(
+        "the study has no poses: yaw has {yaws} values and pitch {pitches}, each needs at least one"
+    )]
     Empty {
         /// Number of yaw values.
         yaws: usize,

@@ -161,7 +161,9 @@ pub fn simulate<V: Virtualization + ?Sized>(
             samples.sides[k].push(pose.sides[k]);
             samples.origin[k].push(pose.base_from_platform.translation.vector[k]);
         }
-        for (column, &x) in samples.virtual_joints.iter_mut().zip(pose.solution.virtual_joints.iter()) {
+        for (column, &x) in
+            samples.virtual_joints.iter_mut().zip(pose.solution.virtual_joints.iter())
+        {
             column.push(x);
         }
         samples.twist_about_normal.push(pose.twist_about_normal());

@@ -54,7 +54,9 @@ pub fn summarize(gpr: &Gpr, samples: &Samples) -> Summary {
     let series = samples
         .series()
         .into_iter()
-        .map(|series| summarize_series(series.name, series.values, &passes, samples.samples_per_row))
+        .map(|series| {
+            summarize_series(series.name, series.values, &passes, samples.samples_per_row)
+        })
         .collect();
     let mut iterations = vec![0; samples.iterations.iter().max().map_or(0, |most| most + 1)];
     for &count in &samples.iterations {
@@ -80,7 +82,12 @@ pub fn summarize(gpr: &Gpr, samples: &Samples) -> Summary {
     }
 }
 
-fn summarize_series(name: String, values: &[f64], passes: &[usize], per_row: usize) -> SeriesSummary {
+fn summarize_series(
+    name: String,
+    values: &[f64],
+    passes: &[usize],
+    per_row: usize,
+) -> SeriesSummary {
     let (min, max) = extrema(values);
     let mut summary = SeriesSummary {
         name,
@@ -110,7 +117,9 @@ fn summarize_series(name: String, values: &[f64], passes: &[usize], per_row: usi
 }
 
 fn extrema(values: &[f64]) -> (f64, f64) {
-    values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), &v| (min.min(v), max.max(v)))
+    values
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), &v| (min.min(v), max.max(v)))
 }
 
 fn largest(values: impl Iterator<Item = f64>) -> f64 {

@@ -1,0 +1,148 @@
+//! Studies as a caller sees them: order, errors, sums, comparisons.
+
+use jointplay_core::gpr::{AxisHeight, Gpr};
+use jointplay_core::spatial::Tilt;
+use jointplay_core::virtualization::{Planar, Polar, SolveOptions, Solver, built_in};
+use jointplay_study::{
+    Error, Order, Raster, Samples, SeriesKind, check_bounds, compare, simulate, summarize,
+};
+
+fn newton() -> SolveOptions {
+    SolveOptions { solver: Solver::Newton, ..SolveOptions::default() }
+}
+
+fn run(raster: &Raster) -> Samples {
+    simulate(&Gpr::paper(), raster, &Polar, &newton(), &mut |_| ()).unwrap()
+}
+
+/// A raster of these angles in degrees.
+fn raster(yaws: &[f64], pitches: &[f64]) -> Raster {
+    let radians = |degrees: &[f64]| degrees.iter().map(|angle| angle.to_radians()).collect();
+    Raster { yaws: radians(yaws), pitches: radians(pitches), ..Raster::paper() }
+}
+
+#[test]
+fn the_paper_s_raster_runs_through_level_in_each_row() {
+    let raster = Raster::paper();
+    let tilts: Vec<Tilt> = raster.tilts().collect();
+    assert_eq!((raster.len(), tilts.len()), (777, 777));
+    assert_eq!(tilts[0], Tilt { yaw: 0.0, pitch: (-2_f64).to_radians() });
+    assert_eq!(tilts[20], Tilt { yaw: 0.0, pitch: 2_f64.to_radians() });
+    assert_eq!(tilts[776], Tilt { yaw: 360_f64.to_radians(), pitch: 2_f64.to_radians() });
+    let passes: Vec<usize> = run(&raster).singular_passes().collect();
+    assert_eq!(passes, (0..37).map(|row| 21 * row + 10).collect::<Vec<usize>>());
+}
+
+#[test]
+fn a_serpentine_is_the_raster_with_every_other_row_reversed() {
+    let raster = Raster::paper();
+    let (there, back) = (run(&raster), run(&Raster { order: Order::Serpentine, ..raster.clone() }));
+    for i in 0..there.len() {
+        let (row, column) = (i / 21, i % 21);
+        let j = 21 * row + if row % 2 == 1 { 20 - column } else { column };
+        assert_eq!((there.yaw[i], there.pitch[i]), (back.yaw[j], back.pitch[j]));
+        for (a, b) in there.series().iter().zip(back.series()) {
+            assert_eq!(a.values[i].to_bits(), b.values[j].to_bits(), "{}", a.name);
+        }
+    }
+    // Continuous in time: neighbours differ in yaw or in pitch, by one step.
+    for i in 1..back.len() {
+        let (yaw, pitch) = (back.yaw[i] - back.yaw[i - 1], back.pitch[i] - back.pitch[i - 1]);
+        assert!((yaw == 0.0) != (pitch == 0.0) && pitch.abs() < 0.21_f64.to_radians());
+    }
+}
+
+#[test]
+fn a_study_without_poses_is_refused() {
+    let error = |raster: &Raster| {
+        simulate(&Gpr::paper(), raster, &Polar, &newton(), &mut |_| ()).unwrap_err()
+    };
+    assert_eq!(error(&raster(&[], &[1.0])), Error::Empty { yaws: 0, pitches: 1 });
+    assert!(error(&raster(&[0.0], &[])).to_string().contains("yaw has 1 values and pitch 0"));
+    let options = newton();
+    let none = compare(&Gpr::paper(), &built_in(), 0.0, &[], AxisHeight(0.5), &options);
+    assert_eq!(none.unwrap_err(), Error::Empty { yaws: 1, pitches: 0 });
+}
+
+#[test]
+fn the_first_pose_that_fails_is_named() {
+    let steep = raster(&[0.0, 20.0], &[1.0, 95.0]);
+    let error = simulate(&Gpr::paper(), &steep, &Polar, &newton(), &mut |_| ()).unwrap_err();
+    let Error::Pose { sample, pitch, ref source, .. } = error else { panic!("{error}") };
+    assert_eq!((sample, pitch), (1, 95_f64.to_radians()));
+    assert_eq!(**source, jointplay_core::Error::PitchTooLarge { pitch });
+    assert!(error.to_string().starts_with("sample 1 (yaw 0°, pitch 95°): the pitch is"), "{error}");
+
+    let impatient = SolveOptions { max_iterations: 1, ..newton() };
+    let error =
+        simulate(&Gpr::paper(), &Raster::paper(), &Polar, &impatient, &mut |_| ()).unwrap_err();
+    assert!(error.to_string().contains("did not converge"), "{error}");
+    let check = check_bounds(&Gpr::paper(), &Raster::paper(), &Polar, &impatient, &mut |_| ());
+    assert!(matches!(check, Err(Error::Pose { .. })));
+}
+
+#[test]
+fn progress_runs_up_to_the_number_of_samples() {
+    let mut seen = Vec::new();
+    simulate(&Gpr::paper(), &Raster::paper(), &Planar, &newton(), &mut |done| seen.push(done))
+        .unwrap();
+    assert!(seen.is_sorted() && seen.len() > 2, "{seen:?}");
+    assert_eq!(seen.last(), Some(&777));
+}
+
+#[test]
+fn a_summary_adds_up() {
+    let (gpr, raster) = (Gpr::paper(), raster(&[0.0, 40.0], &[-2.0, -1.0, 0.0, 1.0, 2.0]));
+    let samples = run(&raster);
+    let summary = summarize(&gpr, &samples);
+    assert_eq!((summary.samples, summary.singular_passes, summary.beyond_limits), (10, 2, 4));
+    assert_eq!(summary.iterations.iter().sum::<usize>(), 10);
+    assert_eq!(summary.iterations[0], 2, "level takes no step");
+    let names: Vec<&str> = summary.series.iter().map(|series| series.name.as_str()).collect();
+    let expected =
+        ["q1", "q2", "q3", "L12", "L23", "L31", "l1", "l2", "l3", "phi1", "phi2", "phi3"];
+    assert_eq!(names, expected);
+    for (summed, series) in summary.series.iter().zip(samples.series()) {
+        assert!(series.values.iter().all(|&v| (summed.min..=summed.max).contains(&v)));
+        assert!(series.values.contains(&summed.min) && series.values.contains(&summed.max));
+        assert_eq!(series.values[2], summed.pass_min.unwrap());
+        let extrema = summed.minimum_at + summed.maximum_at + summed.constant_at;
+        let at_passes = if series.kind == SeriesKind::Rod { 0 } else { 2 };
+        assert_eq!(extrema, at_passes, "{}", summed.name);
+    }
+    // Without a sample at level there is no pass to speak of.
+    let tilted = summarize(&gpr, &run(&Raster { pitches: vec![0.01, 0.02], ..raster }));
+    assert_eq!((tilted.singular_passes, tilted.series[0].pass_min), (0, None));
+}
+
+#[test]
+fn bounds_hold_along_the_chord_only() {
+    let gpr = Gpr::paper();
+    for virtualization in built_in() {
+        let raster = raster(&[0.0, 25.0], &[-2.0, 0.0, 1.0]);
+        let check = check_bounds(&gpr, &raster, virtualization, &newton(), &mut |_| ()).unwrap();
+        assert_eq!((check.poses, check.held_at_start, check.held_at_midpoint), (4, 0, 4));
+    }
+}
+
+#[test]
+fn a_comparison_is_its_poses() {
+    let (gpr, options, yaw) = (Gpr::paper(), newton(), 0.3);
+    let pitches = [0.0, 0.01, 0.02];
+    let found = compare(&gpr, &built_in(), yaw, &pitches, AxisHeight(0.5), &options).unwrap();
+    assert_eq!(found.models.len(), 4);
+    for (curve, virtualization) in found.models.iter().zip(built_in()) {
+        assert_eq!(curve.name, virtualization.name());
+        for (i, &pitch) in pitches.iter().enumerate() {
+            let rods = gpr.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
+            let pose = gpr.forward(rods, virtualization, &options).unwrap();
+            assert_eq!(curve.center_shift[i], pose.center_shift());
+        }
+        assert_eq!(curve.largest_displacement[0], 0.0);
+        assert!(curve.largest_displacement.is_sorted());
+    }
+    // What the approximate model calls a gap, the planar model calls a displacement.
+    for (gap, moved) in found.approximate_gap.iter().zip(&found.models[3].largest_displacement) {
+        assert!((gap - moved).abs() < 1e-15);
+    }
+}
