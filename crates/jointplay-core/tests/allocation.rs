@@ -1,5 +1,8 @@
 //! The kernels that run once for each pose do not allocate.
-#![expect(unsafe_code, reason = "counting allocations takes a global allocator, whose trait is unsafe")]
+#![expect(
+    unsafe_code,
+    reason = "counting allocations takes a global allocator, whose trait is unsafe"
+)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -40,7 +43,11 @@ fn allocations(kernel: impl FnOnce()) -> u64 {
 
 #[test]
 fn kernels_do_not_allocate() {
-    assert_eq!(allocations(|| drop(std::hint::black_box(Box::new(1)))), 1, "allocations are counted");
+    assert_eq!(
+        allocations(|| drop(std::hint::black_box(Box::new(1)))),
+        1,
+        "allocations are counted"
+    );
     let gpr = Gpr::paper();
     let tilt = Tilt { yaw: 0.4, pitch: 0.03 };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();

@@ -1,4 +1,5 @@
 //! Finite mobility of systems small enough to know the answer by thought.
+#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::constraint::{Configuration, Dimension, System};
 use jointplay_core::mobility::{FiniteMobility, RANK_THRESHOLD, finite_mobility};

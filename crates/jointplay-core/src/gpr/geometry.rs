@@ -123,7 +123,8 @@ impl Gpr {
     #[must_use]
     #[inline]
     pub fn ball_centers(&self, rods: &[f64; 3]) -> [Vector3<f64>; 3] {
-        [0, 1, 2].map(|k| self.base_points[k].push(rods[k]))
+        let [b_1, b_2, b_3] = &self.base_points;
+        [b_1.push(rods[0]), b_2.push(rods[1]), b_3.push(rods[2])]
     }
 
     /// Freedoms by the Kutzbach count: five links, three prismatic and three spherical joints give 0.
@@ -137,7 +138,8 @@ impl Gpr {
 #[must_use]
 #[inline]
 pub fn ball_sides(ball_centers: &[Vector3<f64>; 3]) -> Sides {
-    [0, 1, 2].map(|k| (ball_centers[(k + 1) % 3] - ball_centers[k]).norm())
+    let [p_1, p_2, p_3] = ball_centers;
+    [(p_2 - p_1).norm(), (p_3 - p_2).norm(), (p_1 - p_3).norm()]
 }
 
 #[cfg(test)]

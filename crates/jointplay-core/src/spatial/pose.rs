@@ -19,7 +19,7 @@ pub type Pose = IsometryMatrix3<f64>;
 /// # Numerics
 /// Algebraic: no angle is formed, exact to round-off for every tilt below π.
 #[must_use]
-#[inline]
+#[inline(always)]
 pub fn leaning(normal: &Vector3<f64>) -> Rotation3<f64> {
     let (x, y, z) = (normal.x, normal.y, normal.z);
     let k = 1.0 / (1.0 + z);
@@ -53,7 +53,8 @@ pub fn leaning(normal: &Vector3<f64>) -> Rotation3<f64> {
 /// # Source
 /// [Umeyama], eq. (40), in two dimensions.
 #[must_use]
-#[inline]
+// Always, like `leaning`: a quarter of the time of a closed-form pose.
+#[inline(always)]
 pub fn fit_in_plane(
     points_in_platform: &[Vector2<f64>; 3],
     targets_in_base: &[Vector3<f64>; 3],

@@ -34,7 +34,12 @@ impl Virtualization for Planar {
 
     #[inline]
     fn sockets(&self, platform: &Platform, x: &[f64]) -> Sockets {
-        [0, 1, 2].map(|k| platform.sockets()[k] + Vector2::new(x[k], x[3 + k]))
+        let [p_1, p_2, p_3] = platform.sockets();
+        [
+            p_1 + Vector2::new(x[0], x[3]),
+            p_2 + Vector2::new(x[1], x[4]),
+            p_3 + Vector2::new(x[2], x[5]),
+        ]
     }
 
     #[inline]

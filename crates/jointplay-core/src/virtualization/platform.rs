@@ -99,7 +99,8 @@ pub(crate) fn unit(angle: f64) -> Vector2<f64> {
 /// The sides between three points of a plane.
 #[inline]
 pub(crate) fn sides_of(points: &Sockets) -> Sides {
-    [0, 1, 2].map(|k| (points[(k + 1) % 3] - points[k]).norm())
+    let [p_1, p_2, p_3] = points;
+    [(p_2 - p_1).norm(), (p_3 - p_2).norm(), (p_1 - p_3).norm()]
 }
 
 /// Twice the area of a triangle, positive where it runs round counter-clockwise [m²].

@@ -31,7 +31,8 @@ impl Virtualization for Radial {
 
     #[inline]
     fn sockets(&self, platform: &Platform, x: &[f64]) -> Sockets {
-        [0, 1, 2].map(|k| platform.directions()[k] * x[k])
+        let [u_1, u_2, u_3] = platform.directions();
+        [u_1 * x[0], u_2 * x[1], u_3 * x[2]]
     }
 
     #[inline]

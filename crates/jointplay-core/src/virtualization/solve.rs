@@ -91,10 +91,12 @@ pub struct Solution {
 ///
 /// # Numerics
 /// Does not allocate. Newton ends where the sides agree, least norm where also the step is at the threshold.
+/// Least norm goes only a share of the way to the least displacement, halved each time that a step turns back on the last one: the full way overshoots where angles cost little and displacements are large.
 ///
 /// # Source
 /// newton: [Virtualization], eq. (6)–(8); least norm: Gauss–Newton on the displacement, own derivation, `docs/theory.md`
-#[inline]
+// Always: left to itself the compiler copies the solution from call to call, which takes as long as finding it.
+#[inline(always)]
 pub fn solve<V: Virtualization + ?Sized>(
     virtualization: &V,
     platform: &Platform,
@@ -200,7 +202,7 @@ fn iterate<V: Virtualization + ?Sized>(
     .into())
 }
 
-#[inline]
+#[inline(always)]
 fn accept(
     virtual_joints: VirtualJoints,
     solver: Solver,
@@ -230,7 +232,7 @@ fn largest(gaps: &Vector3<f64>) -> f64 {
 
 #[inline]
 fn side_gaps(wanted: &Sides, found: &Sides) -> Vector3<f64> {
-    Vector3::from([0, 1, 2].map(|k| wanted[k] - found[k]))
+    Vector3::from(*wanted) - Vector3::from(*found)
 }
 
 #[cfg(test)]
