@@ -225,6 +225,16 @@ fn three_parallel_cranks_hold_each_other_up_and_move() {
     assert_eq!(found.instantaneous.redundancy, 1);
 }
 
+/// A redundant constraint that is open by less than counts cannot be closed by moving; the motion is there all the same.
+#[test]
+fn loops_closed_only_nearly_move_all_the_same() {
+    // x = 0 and x = open, y is free.
+    for open in [1e-15, 1e-13, 1e-11] {
+        let twice: &[Polynomial] = &[&[(1.0, &[1, 0])], &[(1.0, &[1, 0]), (-open, &[0, 0])]];
+        polynomials(2, twice, 1, 1, true);
+    }
+}
+
 #[test]
 fn two_bars_in_line_are_shaky() {
     let mut system = Bars {
