@@ -11,7 +11,10 @@ use jointplay::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
 
+use serde::Serialize;
+
 use crate::failure::Failure;
+use crate::output;
 
 /// Larger robot files are refused unread [bytes].
 const LARGEST_ROBOT_FILE: u64 = 1_000_000;
@@ -160,16 +163,34 @@ pub(crate) enum TextFormat {
     Json,
 }
 
+/// What every command has that answers a question about one robot.
 #[derive(Args)]
-pub(crate) struct FormatArgs {
+pub(crate) struct AnswerArgs {
+    #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
     /// How the answer is printed
     #[arg(long, value_enum, default_value = "text")]
     format: TextFormat,
 }
 
-impl FormatArgs {
+impl AnswerArgs {
+    pub(crate) fn load(&self) -> Result<Gpr, Failure> {
+        Ok(self.robot.load()?.gpr)
+    }
+
     pub(crate) fn json(&self) -> bool {
         self.format == TextFormat::Json
+    }
+
+    /// Prints a report as asked: as JSON, or in the words of `text`.
+    pub(crate) fn print<R: Serialize>(
+        &self,
+        report: &R,
+        text: impl FnOnce(&R) -> String,
+    ) -> Result<(), Failure> {
+        if self.json() { output::json(report) } else { output::text(&text(report)) }
     }
 }
 

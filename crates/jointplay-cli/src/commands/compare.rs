@@ -12,12 +12,10 @@ use jointplay::spatial::Tilt;
 use jointplay::study::{Comparison, compare};
 use jointplay::virtualization::built_in;
 
-use crate::arguments::{
-    FormatArgs, LimitArgs, MetricArgs, RobotArgs, SolverName, Steps, finite, pitches,
-};
+use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, pitches};
 use crate::failure::Failure;
-use crate::output::{self, fixed, limits};
-use crate::{folder, output::text};
+use crate::folder;
+use crate::output::{fixed, limits};
 
 /// What every model says of a range of tilts, side by side
 ///
@@ -47,11 +45,7 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
     #[command(flatten)]
-    robot: RobotArgs,
-    #[command(flatten)]
-    limits: LimitArgs,
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
+    pub(crate) answer: AnswerArgs,
 }
 
 /// Width of a PNG figure [px].
@@ -61,7 +55,7 @@ const DEFAULT_FIGURE: &str = "compare.svg";
 
 impl Compare {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let gpr = self.robot.load()?.gpr;
+        let gpr = self.answer.load()?;
         let height = AxisHeight(self.height_mm.map_or(gpr.working_height(), m_from_mm));
         let yaw = self.yaw_deg.to_radians();
         let pitches: Vec<f64> = self.pitch_deg.0.iter().map(|pitch| pitch.to_radians()).collect();
@@ -72,7 +66,7 @@ impl Compare {
             pitches.iter().copied().fold(0.0, f64::max),
         ] {
             let tilt = Tilt { yaw, pitch };
-            for limit in self.limits.check(&gpr, &gpr.inverse(tilt, height)?, tilt)? {
+            for limit in self.answer.limits.check(&gpr, &gpr.inverse(tilt, height)?, tilt)? {
                 if !broken.contains(&limit) {
                     broken.push(limit);
                 }
@@ -82,10 +76,8 @@ impl Compare {
         let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
         let figure = self.draw(&comparison)?;
         let report = report::compare(&comparison, &broken);
-        if self.format.json() {
-            return output::json(&report);
-        }
-        text(&(table(&report) + &format!("figure: {}\n", figure.display())))
+        self.answer
+            .print(&report, |report| table(report) + &format!("figure: {}\n", figure.display()))
     }
 
     fn draw(&self, compared: &Comparison) -> Result<PathBuf, Failure> {

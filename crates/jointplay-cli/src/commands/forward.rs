@@ -4,9 +4,8 @@ use clap::Args;
 use jointplay::format::report;
 
 use super::pose_text;
-use crate::arguments::{FormatArgs, LimitArgs, ModelArgs, RobotArgs, RodArgs};
+use crate::arguments::{AnswerArgs, ModelArgs, RodArgs};
 use crate::failure::Failure;
-use crate::output;
 
 /// Where the platform is for given rods
 #[derive(Args)]
@@ -20,24 +19,16 @@ pub(crate) struct ForwardCommand {
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
-    robot: RobotArgs,
-    #[command(flatten)]
-    limits: LimitArgs,
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
+    pub(crate) answer: AnswerArgs,
 }
 
 impl ForwardCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let gpr = self.robot.load()?.gpr;
+        let gpr = self.answer.load()?;
         let model = self.model.model();
         let pose = gpr.forward(self.rods.rods(&gpr), model, &self.model.options())?;
-        let broken = self.limits.check_pose(&gpr, &pose)?;
+        let broken = self.answer.limits.check_pose(&gpr, &pose)?;
         let report = report::forward(&pose, model, &broken);
-        if self.format.json() {
-            output::json(&report)
-        } else {
-            output::text(&pose_text::pose(&report, self.model.options().solver))
-        }
+        self.answer.print(&report, |report| pose_text::pose(report, self.model.options().solver))
     }
 }

@@ -5,9 +5,8 @@ use jointplay::format::report;
 use jointplay::gpr::{AxisHeight, CenterHeight};
 
 use super::pose_text;
-use crate::arguments::{FormatArgs, LimitArgs, ModelArgs, RobotArgs, TiltArgs};
+use crate::arguments::{AnswerArgs, ModelArgs, TiltArgs};
 use crate::failure::Failure;
-use crate::output;
 
 /// Which rods tilt the platform so, and where it then is
 ///
@@ -26,11 +25,7 @@ pub(crate) struct Inverse {
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
-    robot: RobotArgs,
-    #[command(flatten)]
-    limits: LimitArgs,
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
+    pub(crate) answer: AnswerArgs,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -43,26 +38,22 @@ enum HeightOf {
 
 impl Inverse {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let gpr = self.robot.load()?.gpr;
+        let gpr = self.answer.load()?;
         let (model, options) = (self.model.model(), self.model.options());
         let (tilt, height) = (self.tilt.tilt(0.0), self.tilt.height(&gpr));
         let pose = match self.height_of {
             HeightOf::Axis => {
                 let rods = gpr.inverse(tilt, AxisHeight(height))?;
                 // Limits first: past them the virtual joints may not be found at all.
-                self.limits.check(&gpr, &rods, tilt)?;
+                self.answer.limits.check(&gpr, &rods, tilt)?;
                 gpr.forward(rods, model, &options)?
             }
             HeightOf::Center => {
                 gpr.inverse_for_center(tilt, CenterHeight(height), model, &options)?
             }
         };
-        let broken = self.limits.check_pose(&gpr, &pose)?;
+        let broken = self.answer.limits.check_pose(&gpr, &pose)?;
         let report = report::forward(&pose, model, &broken);
-        if self.format.json() {
-            output::json(&report)
-        } else {
-            output::text(&pose_text::pose(&report, options.solver))
-        }
+        self.answer.print(&report, |report| pose_text::pose(report, options.solver))
     }
 }

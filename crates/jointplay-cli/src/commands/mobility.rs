@@ -7,9 +7,9 @@ use jointplay::format::report::{self, MobilityReport};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::virtualization::{Planar, SolveOptions};
 
-use crate::arguments::{FormatArgs, LimitArgs, RobotArgs, RodArgs, VirtualizationName};
+use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
-use crate::output::{self, limits, magnitude, three};
+use crate::output::{limits, magnitude, three};
 
 /// What the constraints let move: counted, to first order, and for real
 #[derive(Args)]
@@ -25,20 +25,16 @@ pub(crate) struct Mobility {
     #[arg(long, value_enum)]
     virtualization: Option<VirtualizationName>,
     #[command(flatten)]
-    robot: RobotArgs,
-    #[command(flatten)]
-    limits: LimitArgs,
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
+    pub(crate) answer: AnswerArgs,
 }
 
 impl Mobility {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let gpr = self.robot.load()?.gpr;
+        let gpr = self.answer.load()?;
         // The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
         let options = SolveOptions::default();
         let pose = gpr.forward(self.rods.rods(&gpr), &Planar, &options)?;
-        let broken = self.limits.check_pose(&gpr, &pose)?;
+        let broken = self.answer.limits.check_pose(&gpr, &pose)?;
         let rigid = gpr.system(&Planar);
         let finite = finite_mobility(&rigid, &rigid.configuration(&pose), RANK_THRESHOLD)?;
         let augmented = match self.virtualization {
@@ -52,7 +48,7 @@ impl Mobility {
         };
         let augmented = augmented.as_ref().map(|(name, found)| (*name, found));
         let report = report::mobility(&pose, gpr.kutzbach_mobility(), &finite, augmented, &broken);
-        if self.format.json() { output::json(&report) } else { output::text(&text(&report)) }
+        self.answer.print(&report, text)
     }
 }
 

@@ -44,11 +44,11 @@ impl Command {
     /// Whether errors are to be told as JSON too.
     pub(crate) fn wants_json(&self) -> bool {
         match self {
-            Self::Forward(command) => command.format.json(),
-            Self::Inverse(command) => command.format.json(),
-            Self::Mobility(command) => command.format.json(),
-            Self::Sensitivity(command) => command.format.json(),
-            Self::Compare(command) => command.format.json(),
+            Self::Forward(command) => command.answer.json(),
+            Self::Inverse(command) => command.answer.json(),
+            Self::Mobility(command) => command.answer.json(),
+            Self::Sensitivity(command) => command.answer.json(),
+            Self::Compare(command) => command.answer.json(),
             Self::Simulate(_) | Self::Completions(_) | Self::Manual(_) => false,
         }
     }

@@ -6,9 +6,9 @@ use clap::Args;
 use jointplay::format::report::{self, SensitivityReport};
 use jointplay::spatial::Tilt;
 
-use crate::arguments::{FormatArgs, LimitArgs, ModelArgs, RobotArgs, Rods, TiltArgs};
+use crate::arguments::{AnswerArgs, ModelArgs, Rods, TiltArgs};
 use crate::failure::Failure;
-use crate::output::{self, characteristic_length, fixed, limits, magnitude, three};
+use crate::output::{characteristic_length, fixed, limits, magnitude, three};
 
 /// How far the virtual joints move for a tilt, and what first order says of it
 ///
@@ -27,16 +27,12 @@ pub(crate) struct SensitivityCommand {
     #[command(flatten)]
     model: ModelArgs,
     #[command(flatten)]
-    robot: RobotArgs,
-    #[command(flatten)]
-    limits: LimitArgs,
-    #[command(flatten)]
-    pub(crate) format: FormatArgs,
+    pub(crate) answer: AnswerArgs,
 }
 
 impl SensitivityCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let gpr = self.robot.load()?.gpr;
+        let gpr = self.answer.load()?;
         let (model, options) = (self.model.model(), self.model.options());
         let rods = match &self.q_mm {
             Some(rods) => rods.0,
@@ -46,12 +42,12 @@ impl SensitivityCommand {
             }
         };
         let end = gpr.forward(rods, model, &options)?;
-        let broken = self.limits.check_pose(&gpr, &end)?;
+        let broken = self.answer.limits.check_pose(&gpr, &end)?;
         let level = gpr.inverse(Tilt::LEVEL, end.axis_height())?;
         let start = gpr.forward(level, model, &options)?;
         let play = gpr.play_between(start, end, model)?;
         let report = report::sensitivity(&play, model, &broken);
-        if self.format.json() { output::json(&report) } else { output::text(&text(&report)) }
+        self.answer.print(&report, text)
     }
 }
 

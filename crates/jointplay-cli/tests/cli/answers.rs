@@ -45,7 +45,7 @@ fn each_virtualization_names_its_joints() {
     };
     assert_eq!(joints("radial"), "l_mm");
     assert_eq!(joints("polar"), "l_mm phi_deg");
-    assert_eq!(joints("offset"), "dphi_deg dr_mm");
+    assert_eq!(joints("offset"), "dr_mm dphi_deg");
     assert_eq!(joints("planar"), "u_mm v_mm");
 }
 
