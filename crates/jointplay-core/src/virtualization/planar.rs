@@ -54,30 +54,26 @@ impl Virtualization for Planar {
     /// Lays out the triangle of the sides and fits it onto the nominal sockets: a centroid and one turn.
     #[inline]
     fn closed_form(&self, platform: &Platform, sides: &Sides, x: &mut [f64]) -> bool {
+        const THIRD: f64 = 1.0 / 3.0;
         let nominal = platform.sockets();
         let [l_12, l_23, l_31] = *sides;
+        // The first corner at the origin, the second along x; the third on the side on which the sockets run round.
         let along = 0.5 * (l_12 + (l_31 - l_23) * (l_31 + l_23) / l_12);
         let across = ((l_31 - along) * (l_31 + along)).max(0.0).sqrt();
-        let sense = super::signed_area(nominal).signum();
-        let triangle =
-            [Vector2::zeros(), Vector2::new(l_12, 0.0), Vector2::new(along, sense * across)];
-        let triangle_center = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
-        let nominal_center = (nominal[0] + nominal[1] + nominal[2]) / 3.0;
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for k in 0..3 {
-            let from = triangle[k] - triangle_center;
-            let onto = nominal[k] - nominal_center;
-            cosine += from.dot(&onto);
-            sine += from.perp(&onto);
-        }
+        let up = across.copysign(super::signed_area(nominal));
+        let triangle_center = Vector2::new((l_12 + along) * THIRD, up * THIRD);
+        let nominal_center = (nominal[0] + nominal[1] + nominal[2]) * THIRD;
+        // Sums over the corners of triangle · socket and triangle × socket, sockets from their centroid; the first corner adds nothing.
+        let (second, third) = (nominal[1] - nominal_center, nominal[2] - nominal_center);
+        let cosine = l_12 * second.x + along * third.x + up * third.y;
+        let sine = l_12 * second.y + along * third.y - up * third.x;
         let scale = 1.0 / (cosine * cosine + sine * sine).sqrt();
         let (c, s) = (cosine * scale, sine * scale);
+        let corners = [Vector2::zeros(), Vector2::new(l_12, 0.0), Vector2::new(along, up)];
         for k in 0..3 {
-            let from = triangle[k] - triangle_center;
-            let placed =
-                nominal_center + Vector2::new(c * from.x - s * from.y, s * from.x + c * from.y);
-            x[k] = placed.x - nominal[k].x;
-            x[3 + k] = placed.y - nominal[k].y;
+            let from = corners[k] - triangle_center;
+            x[k] = nominal_center.x + (c * from.x - s * from.y) - nominal[k].x;
+            x[3 + k] = nominal_center.y + (s * from.x + c * from.y) - nominal[k].y;
         }
         true
     }
