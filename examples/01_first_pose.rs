@@ -2,6 +2,8 @@
 //!
 //! Prints the rods, the pose and the play that the tilt takes; the pitch comes out as it went in.
 
+#![expect(clippy::print_stdout, reason = "an example prints")]
+
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions};

@@ -2,6 +2,8 @@
 //!
 //! Prints counted, instantaneous, finite and augmented mobility: 0, 3, 1, 6 when level and 0, 1, 1, 6 when tilted.
 
+#![expect(clippy::print_stdout, reason = "an example prints")]
+
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::spatial::Tilt;

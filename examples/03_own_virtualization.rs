@@ -3,6 +3,8 @@
 //! One trait, five short functions; kinematics, mobility and sensitivity come with it.
 //! Prints how the centre shift of one tilt turns with the slant, from the radial model's value at 0°.
 
+#![expect(clippy::print_stdout, reason = "an example prints")]
+
 use std::f64::consts::FRAC_PI_3;
 
 use jointplay::gpr::{AxisHeight, Gpr};

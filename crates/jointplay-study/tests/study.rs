@@ -12,7 +12,8 @@ fn newton() -> SolveOptions {
 }
 
 fn run(raster: &Raster) -> Samples {
-    simulate(&Gpr::paper(), raster, &Polar, &newton(), &mut |_| ()).unwrap()
+    simulate(&Gpr::paper(), raster, &Polar, &newton(), &mut |_| ())
+        .expect("poses that can be reached")
 }
 
 /// A raster of these angles in degrees.
