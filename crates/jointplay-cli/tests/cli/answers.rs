@@ -149,7 +149,8 @@ fn sensitivity_sets_bounds_beside_the_truth() {
     assert_eq!(bounds.iter().map(|b| b.0).collect::<Vec<_>>(), ["start", "midpoint", "end"]);
     assert_eq!(bounds.iter().map(|b| b.3).collect::<Vec<_>>(), [false, true, false]);
     near(bounds[0].2, 0.0, 1e-12);
-    assert!(bounds[1].1 <= truth && truth <= bounds[1].2 * 1.001);
+    // The planar chord is exact and its singular values are nearly one: the bounds enclose the truth tightly, but for round-off.
+    assert!(bounds[1].1 <= truth * (1.0 + 1e-9) && truth <= bounds[1].2 * (1.0 + 1e-3));
     near(bounds[2].1 / truth, 2.0, 1e-3);
     let shares = |key: &str| three(&found[key]).iter().sum::<f64>();
     near(shares("rod_shares"), 1.0, 1e-12);
