@@ -1,17 +1,18 @@
 //! The documentation without broken links, brackets that are no links passed over.
 //!
 //! House style ends the first line on a number with its unit in brackets, and cites sources the same way.
-//! rustdoc takes both for links: its warning about broken links is sifted here, all its other warnings are errors.
+//! rustdoc takes both for links: its warnings are sifted here, and all but those fail.
 
 use crate::tidy::sources;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Flags of the sifted run: everything denied, broken links only told.
-pub(super) const FLAGS: &str = "-D warnings -W rustdoc::broken_intra_doc_links";
+/// Flags of the sifted run: broken links are told. Denied outright, the first would end the run before it could be sifted.
+pub(super) const FLAGS: &str = "-W rustdoc::broken_intra_doc_links";
 
 /// Units that stand in brackets.
-const UNITS: &[&str] = &["m", "mm", "µm", "m²", "rad", "deg", "N", "Nm", "kg", "s", "m/s", "rad/s"];
+const UNITS: &[&str] =
+    &["m", "mm", "µm", "m²", "rad", "deg", "N", "Nm", "kg", "s", "m/s", "rad/s", "px"];
 
 /// Runs cargo doc and repeats what it says, save warnings about units and sources; true if nothing is left.
 pub(super) fn run(mut cargo: Command, root: &Path) -> bool {
@@ -25,28 +26,26 @@ pub(super) fn run(mut cargo: Command, root: &Path) -> bool {
     let references = std::fs::read_to_string(root.join("REFERENCES.md")).unwrap_or_default();
     let keys: Vec<&str> =
         sources::definitions(&references).into_iter().map(|(_, key)| key).collect();
-    let (kept, broken) = sift(&String::from_utf8_lossy(&output.stderr), &keys);
+    let (kept, warnings) = sift(&String::from_utf8_lossy(&output.stderr), &keys);
     eprint!("{kept}");
-    output.status.success() && broken == 0
+    output.status.success() && warnings == 0
 }
 
-/// The messages without those about units and sources, and how many broken links are left.
+/// The messages without those about units and sources, and how many warnings are left.
 fn sift(text: &str, keys: &[&str]) -> (String, usize) {
     let mut kept = String::new();
-    let mut broken = 0;
+    let mut warnings = 0;
     for message in messages(text) {
-        match target(&message) {
-            Some(target) if UNITS.contains(&target) || keys.contains(&target) => {}
-            Some(_) => {
-                broken += 1;
-                kept.push_str(&message);
-            }
-            // Cargo's count of warnings would count those passed over as well.
-            None if message.starts_with("warning: `") => {}
-            None => kept.push_str(&message),
+        let passed_over = target(&message)
+            .is_some_and(|target| UNITS.contains(&target) || keys.contains(&target));
+        // Cargo's count of warnings would count those passed over as well.
+        if passed_over || message.starts_with("warning: `") {
+            continue;
         }
+        warnings += usize::from(message.starts_with("warning"));
+        kept.push_str(&message);
     }
-    (kept, broken)
+    (kept, warnings)
 }
 
 /// What a broken link points to, if the message is about one.
@@ -82,13 +81,15 @@ mod tests {
     fn units_and_sources_are_passed_over() {
         let text =
             format!("{UNIT}{SOURCE}warning: `a` (lib doc) generated 2 warnings\n    Finished\n");
-        let (kept, broken) = sift(&text, &["GolubVanLoan"]);
-        assert_eq!((kept.contains("unresolved"), broken), (false, 0));
+        let (kept, warnings) = sift(&text, &["GolubVanLoan"]);
+        assert_eq!((kept.contains("unresolved"), warnings), (false, 0));
     }
 
     #[test]
-    fn broken_links_are_not() {
-        let (kept, broken) = sift(&format!("{UNIT}{SOURCE}{BROKEN}"), &["GolubVanLoan"]);
-        assert_eq!((kept.as_str(), broken), (BROKEN, 1));
+    fn broken_links_and_other_warnings_are_not() {
+        let (kept, warnings) = sift(&format!("{UNIT}{SOURCE}{BROKEN}"), &["GolubVanLoan"]);
+        assert_eq!((kept.as_str(), warnings), (BROKEN, 1));
+        let other = "warning: this URL is not a hyperlink\n --> a.rs:1:2\n\n";
+        assert_eq!(sift(&format!("{UNIT}{other}"), &[]), (other.to_owned(), 1));
     }
 }
