@@ -8,6 +8,7 @@ use anstyle::{AnsiColor, Style};
 use jointplay::format::explain::{explain, explain_limit};
 use jointplay::format::report;
 use jointplay::gpr::BrokenLimit;
+use jointplay::virtualization::Solver;
 use jointplay::{plot, study};
 
 /// Why a command did not do what was asked.
@@ -15,7 +16,7 @@ use jointplay::{plot, study};
 pub(crate) enum Failure {
     #[error("the pose is beyond the robot's limits:\n{}\n--ignore-limits computes past them", list(.0))]
     Limits(Vec<BrokenLimit>),
-    #[error("{}", explain(.0))]
+    #[error("{}", explain_core(.0))]
     Core(#[from] jointplay::Error),
     #[error("{}", explain_study(.0))]
     Study(#[from] study::Error),
@@ -54,13 +55,27 @@ fn list(broken: &[BrokenLimit]) -> String {
     broken.iter().map(|limit| format!("  {}", explain_limit(limit))).collect::<Vec<_>>().join("\n")
 }
 
+/// What went wrong, and which flag may help.
+fn explain_core(error: &jointplay::Error) -> String {
+    let hint = match error {
+        jointplay::Error::NotConverged(best) if best.solver == Solver::LeastNorm => {
+            "\n  a pose nearer to level may do, or --solver newton, --metric radius, --virtualization planar"
+        }
+        jointplay::Error::NotConverged(_) | jointplay::Error::TurnedOver { .. } => {
+            "\n  a pose nearer to level may do, or --solver closed-form, --virtualization planar"
+        }
+        _ => "",
+    };
+    explain(error) + hint
+}
+
 fn explain_study(error: &study::Error) -> String {
     match error {
         study::Error::Pose { sample, yaw, pitch, source } => format!(
             "sample {sample} (yaw {:.6}°, pitch {:.6}°): {}",
             yaw.to_degrees(),
             pitch.to_degrees(),
-            explain(source)
+            explain_core(source)
         ),
         other => other.to_string(),
     }

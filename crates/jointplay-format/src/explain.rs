@@ -35,7 +35,7 @@ pub fn explain(error: &Error) -> String {
             format!("the pitch is {}°, but has to lie between -90° and 90°", deg(*pitch))
         }
         Error::NotConverged(unconverged) => format!(
-            "the {} iteration for the virtual joints did not converge in {} steps: at best the sides are {:.3e} mm off, {:.3e} mm is asked for\n  best virtual joints (m, rad): {:?}\n  the pose may be too far from the nominal one; try --solver closed-form or --virtualization planar",
+            "the {} iteration for the virtual joints did not converge in {} steps: at best the sides are {:.3e} mm off, {:.3e} mm is asked for\n  best virtual joints (m, rad): {:?}",
             unconverged.solver,
             unconverged.iterations,
             mm(unconverged.residual),

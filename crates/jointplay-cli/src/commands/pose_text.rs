@@ -44,7 +44,7 @@ pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
     let asked_for = if asked.to_string() == report.solver {
         String::new()
     } else {
-        format!(" ({asked} does not exist for these joints and this geometry)")
+        format!(" (there is no {asked} for these joints with this geometry)")
     };
     let _ = writeln!(
         text,

@@ -74,7 +74,7 @@ fn a_closed_form_that_does_not_exist_says_what_was_used() {
     let desk = Desk::new();
     assert_eq!(desk.json("forward --virtualization radial")["solver"], "closed-form");
     assert_eq!(desk.json("forward --virtualization polar")["solver"], "least-norm");
-    assert!(desk.done("forward --virtualization polar").contains("closed-form does not exist"));
+    assert!(desk.done("forward --virtualization polar").contains("there is no closed-form"));
 }
 
 #[test]
