@@ -204,7 +204,7 @@ pub(crate) struct TiltArgs {
     #[arg(long, value_name = "DEG", value_parser = pitch, allow_negative_numbers = true)]
     pitch_deg: Option<f64>,
     /// Height of the platform; without it, the robot's working height
-    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = length, allow_negative_numbers = true)]
     height_mm: Option<f64>,
 }
 
@@ -255,6 +255,19 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     if value.is_finite() { Ok(value) } else { Err(format!("{text} is not a finite number")) }
 }
 
+/// The longest length that a flag may name [mm]: a kilometre, far from where squares overflow.
+const LONGEST_MM: f64 = 1e6;
+
+/// A length that a robot could have [mm].
+pub(crate) fn length(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if value.abs() <= LONGEST_MM {
+        Ok(value)
+    } else {
+        Err(format!("{value:e} mm is too long, lengths have to lie within ±{LONGEST_MM:e} mm"))
+    }
+}
+
 fn pitch(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
     within_right_angle(value).map(|()| value)
@@ -275,7 +288,7 @@ pub(crate) fn pitches(text: &str) -> Result<Steps, String> {
 }
 
 pub(crate) fn rods(text: &str) -> Result<Rods, String> {
-    let values = text.split(',').map(finite).collect::<Result<Vec<f64>, String>>()?;
+    let values = text.split(',').map(length).collect::<Result<Vec<f64>, String>>()?;
     let rods: [f64; 3] = values.try_into().map_err(|values: Vec<f64>| {
         format!("3 rod lengths are needed, {} are given", values.len())
     })?;

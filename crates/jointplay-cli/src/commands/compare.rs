@@ -12,7 +12,7 @@ use jointplay::spatial::Tilt;
 use jointplay::study::{Comparison, compare};
 use jointplay::virtualization::built_in;
 
-use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, pitches};
+use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches};
 use crate::failure::Failure;
 use crate::folder;
 use crate::output::{fixed, limits};
@@ -34,7 +34,7 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "FROM:TO:STEP", default_value = "0:1.5:0.25", value_parser = pitches, allow_hyphen_values = true)]
     pitch_deg: Steps,
     /// Axis height; without it, the robot's working height
-    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = length, allow_negative_numbers = true)]
     height_mm: Option<f64>,
     /// How the virtual displacements are found
     #[arg(long, value_enum, default_value = "closed-form")]

@@ -17,7 +17,7 @@ use jointplay::virtualization::built_in;
 
 use super::simulate_text;
 use crate::arguments::{
-    MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, pitches,
+    MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, length, pitches,
 };
 use crate::failure::Failure;
 use crate::{folder, output};
@@ -49,7 +49,7 @@ pub(crate) struct Simulate {
     #[arg(long, value_name = "FROM:TO:STEP", default_value = "-2:2:0.2", value_parser = pitches, allow_hyphen_values = true)]
     pitch_deg: Steps,
     /// Axis height; without it, the robot's working height
-    #[arg(long, value_name = "MM", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = length, allow_negative_numbers = true)]
     height_mm: Option<f64>,
     /// Order of the samples
     #[arg(long, value_enum, default_value = "raster")]

@@ -19,6 +19,9 @@ fn flags_that_make_no_sense() {
     refuse("forward --q-mm 500,nan,502", 2, "nan is not a finite number");
     refuse("forward --q-mm 500,inf,502", 2, "inf is not a finite number");
     refuse("forward --q-mm 500,,502", 2, "is no number");
+    refuse("forward --q-mm 1e300,1,1", 2, "1e300 mm is too long");
+    refuse("inverse --height-mm 1e9", 2, "within ±1e6 mm");
+    refuse("simulate --height-mm -1e9", 2, "too long");
     refuse("forward --metric 0", 2, "not positive");
     refuse("forward --metric -3", 2, "not positive");
     refuse("forward --metric nan", 2, "paper, radius, or a length in mm");
