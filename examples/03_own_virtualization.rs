@@ -9,11 +9,11 @@ use std::f64::consts::FRAC_PI_3;
 
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility};
+use jointplay::nalgebra::{Rotation2, Vector2};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{
     Motion, Platform, Sockets, SolveOptions, VirtualJoint, Virtualization,
 };
-use nalgebra::{Rotation2, Vector2};
 
 /// Socket k slides by s_k in the direction β_k + slant.
 struct Slanted {

@@ -1,11 +1,12 @@
 //! Flags that several commands share, and how their values are read.
 
+use std::io::Read as _;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use jointplay::format::units::m_from_mm;
 use jointplay::format::{robot, steps};
-use jointplay::gpr::{AxisHeight, BrokenLimit, Forward, Gpr};
+use jointplay::gpr::{AxisHeight, BrokenLimit, Gpr};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
@@ -30,15 +31,14 @@ impl RobotArgs {
     pub(crate) fn load(&self) -> Result<robot::Robot, Failure> {
         let Some(path) = &self.robot else { return Ok(robot::paper()) };
         let failed = |source| Failure::Read { path: path.clone(), source };
-        let bytes = std::fs::metadata(path).map_err(failed)?.len();
-        if bytes > LARGEST_ROBOT_FILE {
-            return Err(Failure::TooLarge {
-                path: path.clone(),
-                bytes,
-                allowed: LARGEST_ROBOT_FILE,
-            });
+        let mut text = String::new();
+        // Counted while reading: pipes and devices do not tell their length.
+        let file = std::fs::File::open(path).map_err(failed)?;
+        let read = file.take(LARGEST_ROBOT_FILE + 1).read_to_string(&mut text);
+        if text.len() as u64 > LARGEST_ROBOT_FILE {
+            return Err(Failure::TooLarge { path: path.clone(), allowed: LARGEST_ROBOT_FILE });
         }
-        let text = std::fs::read_to_string(path).map_err(failed)?;
+        read.map_err(failed)?;
         robot::parse(&text)
             .map_err(|error| Failure::Robot(error.with_excerpt(&path.display().to_string())))
     }
@@ -146,12 +146,13 @@ impl LimitArgs {
         }
     }
 
-    pub(crate) fn check_pose(
+    /// The limits that rods break, the plane through their balls included; needs no virtual joint.
+    pub(crate) fn check_rods(
         &self,
         gpr: &Gpr,
-        pose: &Forward,
+        rods: &[f64; 3],
     ) -> Result<Vec<BrokenLimit>, Failure> {
-        self.check(gpr, &pose.rods, pose.tilt())
+        self.check(gpr, rods, gpr.plane_tilt(rods))
     }
 }
 
@@ -215,7 +216,7 @@ impl TiltArgs {
     /// * `default_pitch` – where no pitch is given [rad]
     pub(crate) fn tilt(&self, default_pitch: f64) -> Tilt {
         let pitch = self.pitch_deg.map_or(default_pitch, f64::to_radians);
-        Tilt { yaw: self.yaw_deg.to_radians(), pitch }
+        Tilt { yaw: yaw(self.yaw_deg), pitch }
     }
 
     /// The height asked for [m].
@@ -253,6 +254,11 @@ pub(crate) struct Steps(pub(crate) Vec<f64>);
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let value: f64 = text.trim().parse().map_err(|_| format!("{text:?} is no number"))?;
     if value.is_finite() { Ok(value) } else { Err(format!("{text} is not a finite number")) }
+}
+
+/// A yaw in radians, whole turns left out while they are still whole degrees.
+pub(crate) fn yaw(degrees: f64) -> f64 {
+    (degrees % 360.0).to_radians()
 }
 
 /// The longest length that a flag may name [mm]: a kilometre, far from where squares overflow.
@@ -300,7 +306,10 @@ fn metric(text: &str) -> Result<Metric, String> {
         "paper" => Ok(Metric::Paper),
         "radius" => Ok(Metric::PlatformRadius),
         _ => match finite(text.strip_suffix("mm").unwrap_or(text)) {
-            Ok(length) if length > 0.0 => Ok(Metric::Length(m_from_mm(length))),
+            Ok(length) if (1e-9..=1e9).contains(&length) => Ok(Metric::Length(m_from_mm(length))),
+            Ok(length) if length > 0.0 => Err(format!(
+                "a characteristic length of {length:e} mm is not within 1e-9 to 1e9 mm"
+            )),
             Ok(length) => Err(format!("a characteristic length of {length} mm is not positive")),
             Err(_) => Err("it has to be paper, radius, or a length in mm".to_owned()),
         },

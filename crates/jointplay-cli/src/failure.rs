@@ -24,10 +24,12 @@ pub(crate) enum Failure {
     Robot(String),
     #[error("--yaw-step-deg {step}: {source}")]
     YawStep { step: f64, source: jointplay::format::steps::Error },
+    #[error("the study has {found} poses, at most {allowed} are allowed: take larger steps")]
+    TooManyPoses { found: usize, allowed: usize },
     #[error("cannot read {}: {source}", path.display())]
     Read { path: PathBuf, source: io::Error },
-    #[error("{} is {bytes} bytes long, robot files of at most {allowed} are read", path.display())]
-    TooLarge { path: PathBuf, bytes: u64, allowed: u64 },
+    #[error("{} is longer than {allowed} bytes, the most that a robot file may have", path.display())]
+    TooLarge { path: PathBuf, allowed: u64 },
     #[error("cannot write {}: {source}", path.display())]
     Write { path: PathBuf, source: io::Error },
     #[error(
@@ -89,7 +91,9 @@ const BAD_INPUT: u8 = 2;
 impl Failure {
     fn exit_code(&self) -> u8 {
         let core = |error: &jointplay::Error| match error {
-            jointplay::Error::NotConverged(_) | jointplay::Error::TurnedOver { .. } => NO,
+            jointplay::Error::NotConverged(_)
+            | jointplay::Error::DependentSides { .. }
+            | jointplay::Error::TurnedOver { .. } => NO,
             _ => BAD_INPUT,
         };
         match self {

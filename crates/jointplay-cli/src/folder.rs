@@ -14,10 +14,17 @@ const PARTIAL: &str = ".jointplay-partial-";
 /// Writes files into a folder, made if missing: each appears whole, under its name, or not at all.
 pub(crate) fn write(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    if let Some(path) = files.iter().map(|(name, _)| folder.join(name)).find(|path| path.is_dir()) {
+        let source =
+            std::io::Error::new(std::io::ErrorKind::IsADirectory, "a folder is in its place");
+        return Err(Failure::Write { path, source });
+    }
     // All contents first: a full disk is found out before anything is replaced.
     let mut ready = Vec::with_capacity(files.len());
     for (name, bytes) in files {
-        ready.push((folder.join(name), partial(folder, bytes)?));
+        let path = folder.join(name);
+        let file = partial(folder, &path, bytes)?;
+        ready.push((path, file));
     }
     for (path, file) in ready {
         persist(file, &path)?;
@@ -31,13 +38,15 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    persist(partial(folder, bytes)?, path)
+    persist(partial(folder, path, bytes)?, path)
 }
 
-fn partial(folder: &Path, bytes: &[u8]) -> Result<NamedTempFile, Failure> {
-    let mut file =
-        tempfile::Builder::new().prefix(PARTIAL).tempfile_in(folder).map_err(failed(folder))?;
-    file.write_all(bytes).map_err(failed(folder))?;
+/// The contents of the file to come at `path`, whole, under a temporary name.
+fn partial(folder: &Path, path: &Path, bytes: &[u8]) -> Result<NamedTempFile, Failure> {
+    // The temporary name in the error would tell nobody anything.
+    let plain = |error: std::io::Error| failed(path)(error.kind().into());
+    let mut file = tempfile::Builder::new().prefix(PARTIAL).tempfile_in(folder).map_err(plain)?;
+    file.write_all(bytes).map_err(plain)?;
     Ok(file)
 }
 
@@ -53,12 +62,12 @@ fn persist(file: NamedTempFile, path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Names in a folder that are neither in `own` nor left by a killed run; none if there is no folder.
+/// Names in a folder that are neither files in `own` nor left by a killed run; none if there is no folder.
 pub(crate) fn foreign(folder: &Path, own: &BTreeSet<String>) -> Result<Vec<String>, Failure> {
-    Ok(names(folder)?
-        .into_iter()
-        .filter(|name| !own.contains(name) && !name.starts_with(PARTIAL))
-        .collect())
+    let ours = |name: &String| {
+        (own.contains(name) || name.starts_with(PARTIAL)) && !folder.join(name).is_dir()
+    };
+    Ok(names(folder)?.into_iter().filter(|name| !ours(name)).collect())
 }
 
 /// Removes files of ours that this run did not write again, and what a killed run left.
@@ -69,8 +78,8 @@ pub(crate) fn remove_stale(
 ) -> Result<(), Failure> {
     for name in names(folder)? {
         let ours = own.contains(&name) || name.starts_with(PARTIAL);
-        if ours && !written.iter().any(|(kept, _)| *kept == name) {
-            let path = folder.join(name);
+        let path = folder.join(&name);
+        if ours && !path.is_dir() && !written.iter().any(|(kept, _)| *kept == name) {
             std::fs::remove_file(&path).map_err(failed(&path))?;
         }
     }

@@ -107,6 +107,16 @@ pub enum Error {
         /// The virtual joints found ([m], [rad]).
         virtual_joints: VirtualJoints,
     },
+    /// Virtual joints that cannot change the three sides independently, at least as the metric weighs them.
+    #[error(
+        "the virtual joints cannot change the three sides independently where the iteration stands after {iterations} steps; a characteristic length of {characteristic_length} m may weigh angles too lightly or too heavily"
+    )]
+    DependentSides {
+        /// ρ of the metric [m].
+        characteristic_length: f64,
+        /// Iterations done.
+        iterations: usize,
+    },
     /// The iteration for the virtual joints did not converge.
     #[error(transparent)]
     NotConverged(#[from] Box<Unconverged>),

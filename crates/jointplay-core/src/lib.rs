@@ -36,3 +36,4 @@ pub mod spatial;
 pub mod virtualization;
 
 pub use error::{Error, Unconverged};
+pub use nalgebra;

@@ -42,6 +42,10 @@ pub fn explain(error: &Error) -> String {
             mm(unconverged.threshold),
             unconverged.best,
         ),
+        Error::DependentSides { characteristic_length, iterations } => format!(
+            "the virtual joints cannot change the three sides independently where the iteration stands after {iterations} steps; the characteristic length of {} mm may weigh angles too lightly or too heavily",
+            mm(*characteristic_length)
+        ),
         other => other.to_string(),
     }
 }
@@ -51,15 +55,20 @@ pub fn explain(error: &Error) -> String {
 pub fn explain_limit(limit: &BrokenLimit) -> String {
     match limit {
         BrokenLimit::Rod { limb, length, min, max } => {
-            format!(
-                "rod {limb} is {:.6} mm long, allowed are {} to {} mm",
-                mm(*length),
-                mm(*min),
-                mm(*max)
-            )
+            let (min, max) = (mm(*min), mm(*max));
+            let length = beyond(mm(*length), min, max);
+            format!("rod {limb} is {length} mm long, allowed are {min} to {max} mm")
         }
         BrokenLimit::Tilt { pitch, max } => {
-            format!("the tilt is {:.6}°, allowed is up to {}°", deg(*pitch), deg(*max))
+            let max = deg(*max);
+            format!("the tilt is {}°, allowed is up to {max}°", beyond(deg(*pitch), 0.0, max))
         }
     }
+}
+
+/// A number to six decimals, or with all its digits where six would round it back into its limits.
+fn beyond(value: f64, min: f64, max: f64) -> String {
+    let short = format!("{value:.6}");
+    let hides = short.parse().is_ok_and(|shown: f64| (min..=max).contains(&shown));
+    if hides { format!("{value}") } else { short }
 }

@@ -77,6 +77,20 @@ pub enum Problem {
         /// What was found.
         found: String,
     },
+    /// A pair of numbers with too few or too many.
+    #[error("`{key}` has {found} numbers, but needs 2")]
+    PairCount {
+        /// Which key.
+        key: &'static str,
+        /// How many were found.
+        found: usize,
+    },
+    /// A name with characters that would upset a terminal.
+    #[error("the name has control characters in it: {found:?}")]
+    Name {
+        /// What was found.
+        found: String,
+    },
     /// Not three limbs.
     #[error("a GPR has 3 limbs, but {found} are given")]
     LimbCount {
@@ -110,7 +124,7 @@ impl Error {
 #[serde(deny_unknown_fields)]
 struct File {
     kind: Spanned<String>,
-    name: Option<String>,
+    name: Option<Spanned<String>>,
     limb: Vec<Spanned<LimbTable>>,
     limits: LimitsTable,
     working: WorkingTable,
@@ -121,13 +135,13 @@ struct File {
 struct LimbTable {
     socket_radius_mm: Spanned<f64>,
     socket_angle_deg: Spanned<f64>,
-    base_point_mm: Option<Spanned<[f64; 2]>>,
+    base_point_mm: Option<Spanned<Vec<f64>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct LimitsTable {
-    rod_mm: Spanned<[f64; 2]>,
+    rod_mm: Spanned<Vec<f64>>,
     tilt_deg: Spanned<f64>,
 }
 
@@ -161,6 +175,19 @@ pub fn parse(text: &str) -> Result<Robot, Error> {
         }
     };
     let scalar = |key, value: &Spanned<f64>| number(key, value.span(), *value.get_ref());
+    let pair = |key, numbers: &Spanned<Vec<f64>>| -> Result<[f64; 2], Error> {
+        let (span, numbers) = (numbers.span(), numbers.get_ref());
+        let Ok(pair) = <[f64; 2]>::try_from(numbers.as_slice()) else {
+            return Err(wrong(span, Problem::PairCount { key, found: numbers.len() }));
+        };
+        Ok([number(key, span.clone(), pair[0])?, number(key, span, pair[1])?])
+    };
+    let name = match file.name.as_ref() {
+        Some(name) if name.get_ref().chars().any(char::is_control) => {
+            return Err(wrong(name.span(), Problem::Name { found: name.get_ref().clone() }));
+        }
+        name => name.map_or("GPR", |name| name.get_ref()).to_owned(),
+    };
     let mut limbs = Vec::with_capacity(3);
     for limb in &file.limb {
         let limb = limb.get_ref();
@@ -168,9 +195,8 @@ pub fn parse(text: &str) -> Result<Robot, Error> {
         let socket_angle = scalar("socket_angle_deg", &limb.socket_angle_deg)?.to_radians();
         let mut read = Limb::under_socket(socket_radius, socket_angle);
         if let Some(point) = &limb.base_point_mm {
-            let coordinate =
-                |i: usize| number("base_point_mm", point.span(), point.get_ref()[i]).map(m_from_mm);
-            read.base_point = Vector2::new(coordinate(0)?, coordinate(1)?);
+            let [x, y] = pair("base_point_mm", point)?;
+            read.base_point = Vector2::new(m_from_mm(x), m_from_mm(y));
         }
         limbs.push(read);
     }
@@ -178,17 +204,16 @@ pub fn parse(text: &str) -> Result<Robot, Error> {
         let span = file.limb.get(3).or(file.limb.last()).map_or(0..0, Spanned::span);
         wrong(span, Problem::LimbCount { found: limbs.len() })
     })?;
-    let [rod_min, rod_max] = *file.limits.rod_mm.get_ref();
-    let rod = |value| number("rod_mm", file.limits.rod_mm.span(), value).map(m_from_mm);
+    let [rod_min, rod_max] = pair("rod_mm", &file.limits.rod_mm)?.map(m_from_mm);
     let limits = Limits {
-        rod_min: rod(rod_min)?,
-        rod_max: rod(rod_max)?,
+        rod_min,
+        rod_max,
         tilt_max: scalar("tilt_deg", &file.limits.tilt_deg)?.to_radians(),
     };
     let working_height = m_from_mm(scalar("height_mm", &file.working.height_mm)?);
     let gpr = Gpr::new(limbs, limits, working_height)
         .map_err(|error| wrong(blame(&file, &error), Problem::Geometry(error)))?;
-    Ok(Robot { name: file.name.unwrap_or_else(|| "GPR".to_owned()), gpr })
+    Ok(Robot { name, gpr })
 }
 
 /// The part of the file that a geometry error is about.
@@ -224,7 +249,9 @@ fn reading_error(text: &str, error: &toml::de::Error) -> Error {
             let known = known.iter().map(|&name| name.to_owned()).collect();
             Problem::UnknownKey { key: key.to_owned(), nearest, known }
         }
-        _ => Problem::Form { message: message.replace('\n', " ").replace("field", "key") },
+        _ => Problem::Form {
+            message: message.replace('\n', " ").replace("missing field", "missing key"),
+        },
     };
     Error { place, problem: Box::new(problem) }
 }
@@ -291,7 +318,14 @@ mod tests {
         refuse("= 120.0", "= 0.0", 14, "lie on one line");
         refuse("= 120.0", "= 240.0", 14, "lie on one line");
         refuse("[246.0, 754.0]", "[754.0, 246.0]", 26, "reversed: least 754 mm, most 246 mm");
-        refuse("[246.0, 754.0]", "[246.0]", 26, "");
+        refuse("[246.0, 754.0]", "[246.0]", 26, "has 1 numbers");
+        refuse(
+            "[246.0, 754.0]",
+            "[246.0, 500.0, 754.0]",
+            26,
+            "`rod_mm` has 3 numbers, but needs 2",
+        );
+        refuse("GPR of the paper\"", "a\\u001b[31m\"", 7, "control characters");
         refuse("[246.0, 754.0]", "[246.0, inf]", 26, "`rod_mm` is inf");
         refuse("tilt_deg = 1.5", "tilt_deg = 90", 28, "the largest tilt is 90°");
         refuse("tilt_deg = 1.5", "tilt_deg = -1.5", 28, "the largest tilt is -1.5°");

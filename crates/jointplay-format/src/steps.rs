@@ -96,8 +96,18 @@ pub fn spread(from: f64, to: f64, step: f64) -> Result<Vec<f64>, Error> {
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
     let count = whole as u32;
-    let at = |i: u32| (from * f64::from(count - i) + to * f64::from(i)) / whole;
+    // Counted in units of the last decimal, which are whole numbers: each value is one division away from its decimal.
+    let unit = 10_f64.powi(decimals(from).max(decimals(step)));
+    let (first, stride) = ((from * unit).round(), (step * unit).round());
+    let at = |i: u32| if i == count { to } else { (first + stride * f64::from(i)) / unit };
     Ok(if count == 0 { vec![from] } else { (0..=count).map(at).collect() })
+}
+
+/// Digits behind the point of the shortest decimal that stands for a number; at most 15.
+fn decimals(value: f64) -> i32 {
+    let text = format!("{value}");
+    let digits = text.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+    i32::try_from(digits.min(15)).unwrap_or(15)
 }
 
 #[cfg(test)]
@@ -109,6 +119,9 @@ mod tests {
         let values = parse("-2:2:0.2").unwrap();
         assert_eq!(values.len(), 21);
         assert_eq!((values[0], values[7], values[10], values[20]), (-2.0, -0.6, 0.0, 2.0));
+        let uneven = parse("-0.7:1.1:0.1").unwrap();
+        assert_eq!((uneven[3], uneven[6], uneven[7], uneven[18]), (-0.4, -0.1, 0.0, 1.1));
+        assert_eq!(parse("0:1:0.3333333333333333").unwrap().len(), 4);
         assert_eq!(parse("0:360:10").unwrap().len(), 37);
         assert_eq!(parse("1.5").unwrap(), [1.5]);
         assert_eq!(parse("2:2:1").unwrap(), [2.0]);

@@ -16,6 +16,8 @@ pub struct ModelCurve {
     pub center_shift: Vec<Vector2<f64>>,
     /// The farthest that a socket is moved from its nominal place in the platform [m].
     pub largest_displacement: Vec<f64>,
+    /// Why the columns end before the last pitch, where the model has no answer there.
+    pub failure: Option<Box<jointplay_core::Error>>,
 }
 
 /// All models and the approximate one over the same tilts.
@@ -34,6 +36,8 @@ pub struct Comparison {
 }
 
 /// Computes every model at every pitch.
+///
+/// A model that cannot be solved at some pitch ends there, and says so; the others go on.
 ///
 /// # Errors
 /// [`Error::Empty`]; [`Error::Pose`] with the first pose that cannot be computed.
@@ -57,12 +61,22 @@ pub fn compare(
             name: virtualization.name().to_owned(),
             center_shift: Vec::with_capacity(pitches.len()),
             largest_displacement: Vec::with_capacity(pitches.len()),
+            failure: None,
         };
         for (sample, &pitch) in pitches.iter().enumerate() {
-            let pose = gpr
-                .inverse(Tilt { yaw, pitch }, height)
-                .and_then(|rods| gpr.forward(rods, *virtualization, options))
-                .map_err(failed(sample))?;
+            let rods = gpr.inverse(Tilt { yaw, pitch }, height).map_err(failed(sample))?;
+            let pose = match gpr.forward(rods, *virtualization, options) {
+                Ok(pose) => pose,
+                Err(
+                    error @ (jointplay_core::Error::NotConverged(_)
+                    | jointplay_core::Error::DependentSides { .. }
+                    | jointplay_core::Error::TurnedOver { .. }),
+                ) => {
+                    curve.failure = Some(Box::new(error));
+                    break;
+                }
+                Err(error) => return Err(failed(sample)(error)),
+            };
             let sockets = virtualization.sockets(gpr.platform(), &pose.solution.virtual_joints);
             let nominal = gpr.platform().sockets();
             let moved = (0..3).map(|k| (sockets[k] - nominal[k]).norm());

@@ -1,6 +1,6 @@
 //! What a study comes to.
 
-use jointplay_core::gpr::Gpr;
+use jointplay_core::gpr::{BrokenLimit, Gpr};
 use jointplay_core::spatial::Tilt;
 
 use crate::Samples;
@@ -43,8 +43,10 @@ pub struct Summary {
     pub largest_residual: f64,
     /// `iterations[n]`: how many samples took n iterations.
     pub iterations: Vec<usize>,
-    /// Samples that break a limit of the robot.
-    pub beyond_limits: usize,
+    /// Samples that tilt beyond the robot's limit.
+    pub beyond_tilt: usize,
+    /// Samples with a rod beyond the robot's limits.
+    pub beyond_stroke: usize,
 }
 
 /// Extrema, values at the singular passes, residuals and iteration counts of a study.
@@ -62,13 +64,14 @@ pub fn summarize(gpr: &Gpr, samples: &Samples) -> Summary {
     for &count in &samples.iterations {
         iterations[count] += 1;
     }
-    let beyond_limits = (0..samples.len())
-        .filter(|&i| {
-            let rods = [0, 1, 2].map(|k| samples.rods[k][i]);
-            let tilt = Tilt { yaw: samples.yaw[i], pitch: samples.pitch[i] };
-            !gpr.limits().broken(&rods, tilt).is_empty()
-        })
-        .count();
+    let beyond = |breaks: fn(&BrokenLimit) -> bool| {
+        let broken = |i: &usize| {
+            let rods = [0, 1, 2].map(|k| samples.rods[k][*i]);
+            let tilt = Tilt { yaw: samples.yaw[*i], pitch: samples.pitch[*i] };
+            gpr.limits().broken(&rods, tilt).iter().any(breaks)
+        };
+        (0..samples.len()).filter(broken).count()
+    };
     let [x, y, _] = &samples.origin;
     Summary {
         samples: samples.len(),
@@ -78,7 +81,8 @@ pub fn summarize(gpr: &Gpr, samples: &Samples) -> Summary {
         largest_twist: largest(samples.twist_about_normal.iter().map(|twist| twist.abs())),
         largest_residual: largest(samples.residual.iter().copied()),
         iterations,
-        beyond_limits,
+        beyond_tilt: beyond(|limit| matches!(limit, BrokenLimit::Tilt { .. })),
+        beyond_stroke: beyond(|limit| matches!(limit, BrokenLimit::Rod { .. })),
     }
 }
 

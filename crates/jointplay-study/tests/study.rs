@@ -96,7 +96,7 @@ fn a_summary_adds_up() {
     let (gpr, raster) = (Gpr::paper(), raster(&[0.0, 40.0], &[-2.0, -1.0, 0.0, 1.0, 2.0]));
     let samples = run(&raster);
     let summary = summarize(&gpr, &samples);
-    assert_eq!((summary.samples, summary.singular_passes, summary.beyond_limits), (10, 2, 4));
+    assert_eq!((summary.samples, summary.singular_passes, summary.beyond_tilt), (10, 2, 4));
     assert_eq!(summary.iterations.iter().sum::<usize>(), 10);
     assert_eq!(summary.iterations[0], 2, "level takes no step");
     let names: Vec<&str> = summary.series.iter().map(|series| series.name.as_str()).collect();

@@ -12,7 +12,7 @@ use jointplay::spatial::Tilt;
 use jointplay::study::{Comparison, compare};
 use jointplay::virtualization::built_in;
 
-use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches};
+use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches, yaw};
 use crate::failure::Failure;
 use crate::folder;
 use crate::output::{fixed, limits};
@@ -41,7 +41,7 @@ pub(crate) struct Compare {
     solver: SolverName,
     #[command(flatten)]
     metric: MetricArgs,
-    /// Figure to write, .svg or .png; without it, compare.svg if no other file of that name is there
+    /// Figure to write, .svg or .png; without it and in text, compare.svg if no other file of that name is there
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
     #[command(flatten)]
@@ -57,14 +57,13 @@ impl Compare {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let gpr = self.answer.load()?;
         let height = AxisHeight(self.height_mm.map_or(gpr.working_height(), m_from_mm));
-        let yaw = self.yaw_deg.to_radians();
+        let yaw = yaw(self.yaw_deg);
         let pitches: Vec<f64> = self.pitch_deg.0.iter().map(|pitch| pitch.to_radians()).collect();
         let mut broken = Vec::new();
-        // The tilt farthest from level breaks whatever any of them breaks at this azimuth and height.
-        for pitch in [
-            pitches.iter().copied().fold(0.0, f64::min),
-            pitches.iter().copied().fold(0.0, f64::max),
-        ] {
+        // The ends of the range break whatever any of its tilts does at this azimuth and height.
+        let ends =
+            [pitches.iter().copied().reduce(f64::min), pitches.iter().copied().reduce(f64::max)];
+        for pitch in ends.into_iter().flatten() {
             let tilt = Tilt { yaw, pitch };
             for limit in self.answer.limits.check(&gpr, &gpr.inverse(tilt, height)?, tilt)? {
                 if !broken.contains(&limit) {
@@ -74,10 +73,14 @@ impl Compare {
         }
         let options = self.metric.options(self.solver);
         let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
-        let figure = self.draw(&comparison)?;
+        // A program that asks for JSON gets a figure only if it names one.
+        let figure = match (&self.figure, self.answer.json()) {
+            (None, true) => None,
+            _ => Some(self.draw(&comparison)?),
+        };
         let report = report::compare(&comparison, &broken);
-        self.answer
-            .print(&report, |report| table(report) + &format!("figure: {}\n", figure.display()))
+        let figure = figure.map_or(String::new(), |path| format!("figure: {}\n", path.display()));
+        self.answer.print(&report, |report| table(report) + &figure)
     }
 
     fn draw(&self, compared: &Comparison) -> Result<PathBuf, Failure> {
@@ -97,7 +100,8 @@ impl Compare {
         };
         let figure = comparison(compared);
         let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
-        let bytes = match path.extension().and_then(|end| end.to_str()) {
+        let kind = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
+        let bytes = match kind.as_deref() {
             Some("svg") => figure.to_svg().map_err(failed)?.into_bytes(),
             Some("png") => figure.to_png(PNG_WIDTH).map_err(failed)?,
             _ => return Err(Failure::FigureKind { path }),
@@ -127,10 +131,10 @@ fn table(report: &CompareReport) -> String {
     for (i, pitch) in report.pitch_deg.iter().enumerate() {
         let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
         for model in &report.models {
-            let (x, y) = (model.center_shift_x_um[i], model.center_shift_y_um[i]);
-            let _ = write!(text, "{:>11}{:>9}", fixed(x, 3), fixed(y, 3));
+            let (x, y) = (model.center_shift_x_um.get(i), model.center_shift_y_um.get(i));
+            let _ = write!(text, "{:>10}{:>10}", cell(x), cell(y));
         }
-        let _ = writeln!(text, "{:>11}{:>9}", fixed(0.0, 3), fixed(0.0, 3));
+        let _ = writeln!(text, "{:>10}{:>10}", fixed(0.0, 3), fixed(0.0, 3));
     }
     let _ = writeln!(
         text,
@@ -140,9 +144,25 @@ fn table(report: &CompareReport) -> String {
     for (i, pitch) in report.pitch_deg.iter().enumerate() {
         let _ = write!(text, "  {:>11}", fixed(*pitch, 4));
         for model in &report.models {
-            let _ = write!(text, "{:>20}", fixed(model.largest_displacement_um[i], 3));
+            let _ = write!(text, "{:>20}", cell(model.largest_displacement_um.get(i)));
         }
         let _ = writeln!(text, "{:>20}", fixed(report.approximate_gap_um[i], 3));
     }
+    for model in &report.models {
+        if let Some(failure) = &model.failure {
+            let _ = writeln!(
+                text,
+                "{}: no answer from {}° on",
+                model.virtualization,
+                report.pitch_deg[model.center_shift_x_um.len()]
+            );
+            let _ = writeln!(text, "  {failure}");
+        }
+    }
     text + &limits(&report.limits_broken)
+}
+
+/// A number of the table, or a dash where the model has none.
+fn cell(value: Option<&f64>) -> String {
+    value.map_or_else(|| "-".to_owned(), |&value| fixed(value, 3))
 }

@@ -26,8 +26,9 @@ impl ForwardCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let gpr = self.answer.load()?;
         let model = self.model.model();
-        let pose = gpr.forward(self.rods.rods(&gpr), model, &self.model.options())?;
-        let broken = self.answer.limits.check_pose(&gpr, &pose)?;
+        let rods = self.rods.rods(&gpr);
+        let broken = self.answer.limits.check_rods(&gpr, &rods)?;
+        let pose = gpr.forward(rods, model, &self.model.options())?;
         let report = report::forward(&pose, model, &broken);
         self.answer.print(&report, |report| pose_text::pose(report, self.model.options().solver))
     }

@@ -41,18 +41,17 @@ impl Inverse {
         let gpr = self.answer.load()?;
         let (model, options) = (self.model.model(), self.model.options());
         let (tilt, height) = (self.tilt.tilt(0.0), self.tilt.height(&gpr));
+        // Limits first: past them the virtual joints may not be found at all.
+        let rods = gpr.inverse(tilt, AxisHeight(height))?;
+        let mut broken = self.answer.limits.check(&gpr, &rods, tilt)?;
         let pose = match self.height_of {
-            HeightOf::Axis => {
-                let rods = gpr.inverse(tilt, AxisHeight(height))?;
-                // Limits first: past them the virtual joints may not be found at all.
-                self.answer.limits.check(&gpr, &rods, tilt)?;
-                gpr.forward(rods, model, &options)?
-            }
+            HeightOf::Axis => gpr.forward(rods, model, &options)?,
             HeightOf::Center => {
-                gpr.inverse_for_center(tilt, CenterHeight(height), model, &options)?
+                let pose = gpr.inverse_for_center(tilt, CenterHeight(height), model, &options)?;
+                broken = self.answer.limits.check(&gpr, &pose.rods, tilt)?;
+                pose
             }
         };
-        let broken = self.answer.limits.check_pose(&gpr, &pose)?;
         let report = report::forward(&pose, model, &broken);
         self.answer.print(&report, |report| pose_text::pose(report, options.solver))
     }

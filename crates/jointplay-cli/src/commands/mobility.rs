@@ -33,8 +33,9 @@ impl Mobility {
         let gpr = self.answer.load()?;
         // The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
         let options = SolveOptions::default();
-        let pose = gpr.forward(self.rods.rods(&gpr), &Planar, &options)?;
-        let broken = self.answer.limits.check_pose(&gpr, &pose)?;
+        let rods = self.rods.rods(&gpr);
+        let broken = self.answer.limits.check_rods(&gpr, &rods)?;
+        let pose = gpr.forward(rods, &Planar, &options)?;
         let rigid = gpr.system(&Planar);
         let finite = finite_mobility(&rigid, &rigid.configuration(&pose), RANK_THRESHOLD)?;
         let augmented = match self.virtualization {

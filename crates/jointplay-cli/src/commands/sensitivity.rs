@@ -34,15 +34,15 @@ impl SensitivityCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let gpr = self.answer.load()?;
         let (model, options) = (self.model.model(), self.model.options());
-        let rods = match &self.q_mm {
-            Some(rods) => rods.0,
+        let (rods, tilt) = match &self.q_mm {
+            Some(rods) => (rods.0, gpr.plane_tilt(&rods.0)),
             None => {
                 let tilt = self.tilt.tilt(gpr.limits().tilt_max);
-                gpr.inverse(tilt, self.tilt.axis_height(&gpr))?
+                (gpr.inverse(tilt, self.tilt.axis_height(&gpr))?, tilt)
             }
         };
+        let broken = self.answer.limits.check(&gpr, &rods, tilt)?;
         let end = gpr.forward(rods, model, &options)?;
-        let broken = self.answer.limits.check_pose(&gpr, &end)?;
         let level = gpr.inverse(Tilt::LEVEL, end.axis_height())?;
         let start = gpr.forward(level, model, &options)?;
         let play = gpr.play_between(start, end, model)?;

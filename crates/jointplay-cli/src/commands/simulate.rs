@@ -1,7 +1,7 @@
 //! `jointplay simulate`: the paper's studies, as data and figures.
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
@@ -13,7 +13,6 @@ use jointplay::gpr::AxisHeight;
 use jointplay::plot::Figure;
 use jointplay::plot::results::{Extent, rods, sides, virtual_joints};
 use jointplay::study::{Order, Raster, Samples, SeriesKind, check_bounds, simulate, summarize};
-use jointplay::virtualization::built_in;
 
 use super::simulate_text;
 use crate::arguments::{
@@ -97,6 +96,12 @@ enum TableFormat {
     Parquet,
 }
 
+/// Name of the file that says what a run came to, and which files are its own.
+const SUMMARY: &str = "summary.json";
+/// What a summary of ours says that it is from.
+const COMMAND: &str = "jointplay simulate";
+/// The most poses that a study may have: every one is kept in memory, for each virtualization.
+const MOST_POSES: usize = 500_000;
 /// Width of the figures' PNG [px]: 180 mm at 250 dots an inch.
 const PNG_WIDTH: u32 = 1800;
 
@@ -115,7 +120,10 @@ impl Simulate {
         }
         let robot = self.robot.load()?;
         let raster = self.raster(&robot)?;
-        let own = own_files();
+        if raster.len() > MOST_POSES {
+            return Err(Failure::TooManyPoses { found: raster.len(), allowed: MOST_POSES });
+        }
+        let own = own_files(&self.out);
         let foreign = folder::foreign(&self.out, &own)?;
         if !foreign.is_empty() && !self.force {
             return Err(Failure::Foreign {
@@ -141,10 +149,11 @@ impl Simulate {
             files.push((format!("{name}.svg"), figure.to_svg().map_err(failed)?.into_bytes()));
             files.push((format!("{name}.png"), figure.to_png(PNG_WIDTH).map_err(failed)?));
         }
-        files.push((
-            "summary.json".to_owned(),
-            self.summary(&robot, &raster, &studies).into_bytes(),
-        ));
+        // First in line: whatever follows it is known as ours, even if this run is killed.
+        let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
+        names.insert(0, SUMMARY.to_owned());
+        let summary = self.summary(&robot, &raster, &studies, &names);
+        files.insert(0, (SUMMARY.to_owned(), summary.into_bytes()));
         folder::write(&self.out, &files)?;
         folder::remove_stale(&self.out, &own, &files)?;
         progress.finish();
@@ -231,7 +240,13 @@ impl Simulate {
         }
     }
 
-    fn summary(&self, robot: &robot::Robot, raster: &Raster, studies: &[Study]) -> String {
+    fn summary(
+        &self,
+        robot: &robot::Robot,
+        raster: &Raster,
+        studies: &[Study],
+        files: &[String],
+    ) -> String {
         let pitches = &self.pitch_deg.0;
         let times: serde_json::Map<String, serde_json::Value> = studies
             .iter()
@@ -241,6 +256,7 @@ impl Simulate {
             })
             .collect();
         let document = serde_json::json!({
+            "command": COMMAND,
             "robot": robot.name,
             "poses": raster.len(),
             "yaw_step_deg": self.yaw_step_deg,
@@ -251,6 +267,7 @@ impl Simulate {
                 < pitches.iter().fold(0.0, |most: f64, pitch| most.max(pitch.abs())),
             "studies": studies.iter().map(|study| &study.report).collect::<Vec<_>>(),
             "time_per_pose_ns": times,
+            "files": files,
         });
         output::to_json(&document) + "\n"
     }
@@ -290,21 +307,15 @@ fn figure_stem(virtualization: &str, part: &str) -> String {
     format!("{number}{virtualization}-{part}")
 }
 
-/// Every name that any run of this command may write.
-fn own_files() -> BTreeSet<String> {
-    let mut names = BTreeSet::from(["summary.json".to_owned()]);
-    let mut stems = vec!["fig05-rods".to_owned()];
-    for virtualization in built_in() {
-        let name = virtualization.name();
-        names.extend(["csv", "parquet"].map(|end| format!("samples-{name}.{end}")));
-        stems.extend(["linear", "angular", "sides"].map(|part| figure_stem(name, part)));
+/// What the summary in a folder says that the last run wrote there; nothing without a summary of ours.
+fn own_files(folder: &Path) -> BTreeSet<String> {
+    let text = std::fs::read_to_string(folder.join(SUMMARY)).unwrap_or_default();
+    let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    if summary["command"] != COMMAND {
+        return BTreeSet::new();
     }
-    for stem in stems {
-        for suffix in ["", "-zoom"] {
-            names.extend(["svg", "png"].map(|end| format!("{stem}{suffix}.{end}")));
-        }
-    }
-    names
+    let files = summary["files"].as_array().into_iter().flatten();
+    files.filter_map(|name| name.as_str()).map(str::to_owned).collect()
 }
 
 /// A bar on standard error, for people only, and only when the work takes more than a second.

@@ -44,11 +44,18 @@ pub(super) fn table(heading: &str, studies: &[(&StudyReport, Duration)]) -> Stri
             let _ =
                 writeln!(text, "  {} singular passes, side L12 there: {at}", study.singular_passes);
         }
-        if study.samples_beyond_limits > 0 {
+        if study.samples_beyond_tilt_limit > 0 {
             let _ = writeln!(
                 text,
-                "  {} poses are beyond the robot's limits (tilt ±{}°): on purpose, as in the paper",
-                study.samples_beyond_limits, study.tilt_limit_deg
+                "  {} poses tilt beyond the robot's limit of ±{}°: on purpose, as in the paper",
+                study.samples_beyond_tilt_limit, study.tilt_limit_deg
+            );
+        }
+        if study.samples_beyond_stroke > 0 {
+            let _ = writeln!(
+                text,
+                "  {} poses have rods beyond the robot's stroke",
+                study.samples_beyond_stroke
             );
         }
     }
@@ -64,6 +71,10 @@ fn at_passes(study: &StudyReport, unit: &str) -> String {
     match values.split_first() {
         None => "-".to_owned(),
         Some((first, rest)) if rest.iter().all(|value| value == first) => format!("{first}"),
+        // A closed form meets the nominal place to round-off only.
+        Some((first, rest)) if rest.iter().all(|value| (value - first).abs() < 1e-9) => {
+            fixed(*first, 6)
+        }
         Some(_) => "differ".to_owned(),
     }
 }

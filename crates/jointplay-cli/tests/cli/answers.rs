@@ -171,6 +171,8 @@ fn compare_shows_shifts_of_opposite_sign() {
     near(last(&models[1]), 28.3778 * 2_f64.to_radians().cos(), 1e-4);
     near(last(&models[3]), 0.0, 1e-9);
     near(found["approximate_gap_um"][4].as_f64().unwrap(), 56.82, 0.01);
+    assert_eq!(desk.names(""), [""; 0], "a program gets no figure unasked");
+    desk.done("compare");
     assert!(desk.read("compare.svg").contains("centre shift (µm)"));
     desk.done("compare --figure a.png");
     assert!(std::fs::read(desk.file("a.png")).unwrap().starts_with(b"\x89PNG"));

@@ -39,6 +39,12 @@ fn flags_that_make_no_sense() {
     refuse("simulate --yaw-step-deg 0", 2, "--yaw-step-deg 0");
     refuse("simulate --yaw-step-deg 7", 2, "miss 360");
     refuse("simulate --yaw-step-deg -10", 2, "does not lead");
+    refuse(
+        "simulate --yaw-step-deg 0.001 --pitch-deg -2:2:0.00001",
+        2,
+        "at most 500000 are allowed",
+    );
+    refuse("forward --metric 1e-99", 2, "'--metric");
     refuse("simulate --yaw-step-deg 1e-9", 2, "at most 1000000");
     refuse("simulate --out /dev/null/study", 2, "cannot write /dev/null/study");
     refuse("compare --figure shift.pdf", 2, "ends neither in .svg nor in .png");
@@ -62,6 +68,11 @@ fn poses_beyond_the_limits() {
     refuse("inverse --pitch-deg -1.6 --height-of center", 1, "the tilt is 1.600000°");
     refuse("sensitivity --pitch-deg 1.6", 1, "the tilt");
     refuse("compare --pitch-deg -2:0:1", 1, "the tilt is 2.000000°");
+    // However little beyond, and whether the pose could be solved or not.
+    refuse("forward --q-mm 754.0000001,754,754", 1, "rod 1 is 754.0000001 mm long");
+    refuse("forward --q-mm 100,500,2000 --virtualization polar", 1, "rod 3 is 2000");
+    refuse("inverse --pitch-deg 60 --height-of center --virtualization polar", 1, "the tilt is 60");
+    refuse("sensitivity --pitch-deg 60 --virtualization polar", 1, "the tilt is 60");
 }
 
 #[test]
@@ -113,7 +124,30 @@ fn robot_files_are_read_strictly() {
     desk.write("long.toml", &"#".repeat(2_000_000));
     let run = desk.run("forward --robot long.toml");
     assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("at most 1000000"), "{}", run.stderr);
+    assert!(run.stderr.contains("longer than 1000000 bytes"), "{}", run.stderr);
+}
+
+#[test]
+fn turns_of_the_yaw_change_nothing() {
+    let desk = Desk::new();
+    let once = desk.done("inverse --yaw-deg 17 --pitch-deg 1");
+    assert_eq!(desk.done("inverse --yaw-deg 36000000017 --pitch-deg 1"), once);
+}
+
+#[test]
+fn one_model_without_an_answer_leaves_the_others_theirs() {
+    let desk = Desk::new();
+    let beside = include_str!("../../../../robots/gpr.toml").replacen(
+        "socket_angle_deg = 0.0",
+        "socket_angle_deg = 0.0\nbase_point_mm = [80, 10]",
+        1,
+    );
+    desk.write("beside.toml", &beside);
+    let found = desk.json("compare --robot beside.toml --metric 1e-9");
+    let models = found["models"].as_array().unwrap();
+    assert!(models[1]["failure"].as_str().unwrap().contains("independently"), "{}", models[1]);
+    assert!(models[3]["failure"].is_null());
+    assert_eq!(models[3]["center_shift_x_um"].as_array().unwrap().len(), 7);
 }
 
 #[test]

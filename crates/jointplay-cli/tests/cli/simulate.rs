@@ -69,7 +69,7 @@ fn the_summary_confirms_the_paper() {
         assert_eq!(study["singular_passes"], 37);
         assert!(study["most_iterations"].as_u64().unwrap() <= 3, "{name}");
         assert!(study["largest_residual_mm"].as_f64().unwrap() < 1e-9, "{name}");
-        assert_eq!(study["samples_beyond_limits"], 37 * 6);
+        assert_eq!(study["samples_beyond_tilt_limit"], 37 * 6);
         let bounds = &study["bounds"];
         assert_eq!(
             (&bounds["poses"], &bounds["held_at_start"]),
@@ -155,9 +155,29 @@ fn a_second_run_replaces_its_own_files_only() {
     assert_eq!(desk.read("paper-study/samples-radial.csv"), before);
 
     desk.done("simulate --yaw-step-deg 90 --force");
+    assert!(desk.names("paper-study").contains(&"notes.txt".to_owned()));
     assert_eq!(desk.read("paper-study/notes.txt"), "mine");
     assert_eq!(desk.read("paper-study/samples-mine.csv"), "mine");
     assert_ne!(desk.read("paper-study/samples-radial.csv"), before);
+}
+
+#[test]
+fn a_folder_is_ours_only_by_its_own_summary() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.file("study")).unwrap();
+    desk.write("study/summary.json", "my data");
+    desk.write("study/samples-polar.parquet", "my data");
+    let refused = desk.run("simulate --out study");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("samples-polar.parquet, summary.json"), "{}", refused.stderr);
+    assert_eq!(desk.read("study/summary.json"), "my data");
+
+    // A folder in the place of a file: nothing at all is written.
+    std::fs::create_dir_all(desk.file("other/fig05-rods.svg")).unwrap();
+    let refused = desk.run("simulate --out other --force");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("a folder is in its place"), "{}", refused.stderr);
+    assert_eq!(desk.names("other"), ["fig05-rods.svg"]);
 }
 
 #[test]

@@ -65,6 +65,19 @@ impl Gpr {
     }
 }
 
+impl Gpr {
+    /// Tilt of the plane through the ball centres: geometry alone, the same for every virtualization.
+    ///
+    /// # Arguments
+    /// * `rods` – (3) lengths q_k [m]
+    #[must_use]
+    pub fn plane_tilt(&self, rods: &[f64; 3]) -> Tilt {
+        let balls = self.ball_centers(rods);
+        let normal = (balls[1] - balls[0]).cross(&(balls[2] - balls[0]));
+        Tilt::from_normal(&(normal * normal.z.signum()))
+    }
+}
+
 impl Forward {
     /// Platform normal e_p3 in the base frame.
     #[must_use]

@@ -34,7 +34,7 @@ impl Gpr {
         Ok(self.base_points().map(|point| height.0 - (slope_x * point.x + slope_y * point.y)))
     }
 
-    /// The pose whose origin O_p lies at a tilt and a centre height [m], with the rods that reach it.
+    /// The pose with a tilt whose origin O_p lies at a centre height [m], with the rods that reach it.
     ///
     /// Raising all rods alike raises the platform alike, sides and virtual joints unchanged; so one correction of the height is exact.
     ///

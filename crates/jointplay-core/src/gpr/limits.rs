@@ -39,7 +39,7 @@ pub enum BrokenLimit {
 }
 
 impl Limits {
-    /// Relative slack, so that a pose computed to lie on a limit is not beyond it by round-off.
+    /// Relative slack, and for the tilt absolute slack [rad], so that a pose computed to lie on a limit is not beyond it by round-off.
     const SLACK: f64 = 1e-12;
 
     pub(super) fn checked(self) -> Result<Self, Error> {
@@ -75,7 +75,7 @@ impl Limits {
             .map(|(limb, &length)| BrokenLimit::Rod { limb, length, min, max })
             .collect();
         let pitch = tilt.pitch.abs();
-        if pitch.is_nan() || pitch > self.tilt_max * (1.0 + Self::SLACK) {
+        if pitch.is_nan() || pitch > self.tilt_max * (1.0 + Self::SLACK) + Self::SLACK {
             broken.push(BrokenLimit::Tilt { pitch, max: self.tilt_max });
         }
         broken

@@ -36,8 +36,8 @@ impl Metric {
             Self::PlatformRadius => Ok(platform.mean_radius()),
             Self::Length(length) => {
                 let what = "characteristic length";
-                // The square of ρ and its inverse have to be normal numbers.
-                let (min, max) = (1e-100, 1e100);
+                // Beyond these, angles or lengths vanish beside each other in round-off.
+                let (min, max) = (1e-12, 1e12);
                 if (min..=max).contains(&finite("the characteristic length", length)?) {
                     Ok(length)
                 } else {
@@ -82,7 +82,7 @@ mod tests {
         for length in ["0", "-1"] {
             let message = format!(
                 "the characteristic length is {length}, but has to lie from {} to {}",
-                1e-100, 1e100
+                1e-12, 1e12
             );
             check(Metric::Length(length.parse().unwrap()), Err(&message));
         }

@@ -14,9 +14,11 @@ use crate::linalg::least_norm_of_three;
 pub enum Solver {
     /// The paper's iteration from the nominal X: a solution near, not at, the least displacement; two or three steps.
     Newton,
-    /// The exact least displacement in the metric, by iteration; a few steps more.
+    /// The least displacement in the metric near the nominal X, by iteration; a few steps more.
+    ///
+    /// Where sockets have to move by millimetres, another displacement far away may be smaller still.
     LeastNorm,
-    /// The exact least displacement in closed form; where the virtualization has none, [`Self::LeastNorm`].
+    /// The least displacement of all in closed form; where the virtualization has none, [`Self::LeastNorm`].
     #[default]
     ClosedForm,
 }
@@ -87,7 +89,7 @@ pub struct Solution {
 /// * `sides` – L_12, L_23, L_31 [m]
 ///
 /// # Errors
-/// [`Error::NotConverged`] with the best iterate, [`Error::VirtualJointCount`], [`Error::OutOfRange`] for the metric.
+/// [`Error::NotConverged`] with the best iterate, [`Error::DependentSides`], [`Error::VirtualJointCount`], [`Error::OutOfRange`] for the metric.
 ///
 /// # Numerics
 /// Does not allocate. Newton ends where the sides agree, least norm where also the step is at the threshold.
@@ -146,7 +148,9 @@ fn iterate<V: Virtualization + ?Sized>(
     let mut settled = solver == Solver::Newton;
     let mut pull = if solver == Solver::Newton { 0.0 } else { 1.0 };
     let (mut last_step, mut last_squared) = (step, 0.0);
+    let mut iterations = 0;
     for iteration in 0..=options.max_iterations {
+        iterations = iteration;
         let sockets = virtualization.sockets(platform, &x);
         let lengths = sides_of(&sockets);
         let gaps = side_gaps(sides, &lengths);
@@ -176,7 +180,7 @@ fn iterate<V: Virtualization + ?Sized>(
             }
         }
         if !least_norm_of_three(&columns[..count], &compliance[..count], &target, &mut step) {
-            break;
+            return Err(Error::DependentSides { characteristic_length, iterations: iteration });
         }
         let (mut along, mut squared) = (0.0, 0.0);
         for (m, change) in step.iter_mut().enumerate() {
@@ -192,14 +196,7 @@ fn iterate<V: Virtualization + ?Sized>(
         settled = solver == Solver::Newton || squared <= threshold * threshold;
         (last_step, last_squared) = (step, squared);
     }
-    Err(Box::new(Unconverged {
-        solver,
-        best,
-        residual: least,
-        threshold,
-        iterations: options.max_iterations,
-    })
-    .into())
+    Err(Box::new(Unconverged { solver, best, residual: least, threshold, iterations }).into())
 }
 
 #[inline(always)]

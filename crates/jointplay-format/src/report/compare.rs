@@ -4,6 +4,7 @@ use jointplay_core::gpr::BrokenLimit;
 use jointplay_study::Comparison;
 
 use super::LimitReport;
+use crate::explain::explain;
 use crate::units::{deg, mm, um};
 
 /// What `compare` answers.
@@ -34,6 +35,8 @@ pub struct ModelReport {
     pub center_shift_y_um: Vec<f64>,
     /// The farthest that a socket is moved within the platform [µm].
     pub largest_displacement_um: Vec<f64>,
+    /// Why the columns end before the last pitch; `null` where they do not.
+    pub failure: Option<String>,
 }
 
 /// Tells of all models.
@@ -44,6 +47,7 @@ pub fn compare(comparison: &Comparison, broken: &[BrokenLimit]) -> CompareReport
         center_shift_x_um: curve.center_shift.iter().map(|shift| um(shift.x)).collect(),
         center_shift_y_um: curve.center_shift.iter().map(|shift| um(shift.y)).collect(),
         largest_displacement_um: curve.largest_displacement.iter().copied().map(um).collect(),
+        failure: curve.failure.as_ref().map(|error| explain(error)),
     };
     CompareReport {
         yaw_deg: deg(comparison.yaw),

@@ -33,8 +33,10 @@ pub struct StudyReport {
     pub iteration_counts: Vec<usize>,
     /// The first-order bounds of sensitivity against the true displacement.
     pub bounds: BoundsHeldReport,
-    /// Samples beyond the robot's limits: the study goes there on purpose.
-    pub samples_beyond_limits: usize,
+    /// Samples that tilt beyond the robot's limit: the study goes there on purpose.
+    pub samples_beyond_tilt_limit: usize,
+    /// Samples with a rod beyond the robot's limits.
+    pub samples_beyond_stroke: usize,
     /// The tilt limit [deg].
     pub tilt_limit_deg: f64,
 }
@@ -106,7 +108,8 @@ pub fn study(gpr: &Gpr, samples: &Samples, summary: &Summary, bounds: &BoundsChe
             held_at_midpoint: bounds.held_at_midpoint,
             held_at_end: bounds.held_at_end,
         },
-        samples_beyond_limits: summary.beyond_limits,
+        samples_beyond_tilt_limit: summary.beyond_tilt,
+        samples_beyond_stroke: summary.beyond_stroke,
         tilt_limit_deg: deg(tilt_max),
     }
 }

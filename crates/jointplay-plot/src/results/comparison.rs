@@ -24,10 +24,11 @@ pub fn comparison(comparison: &Comparison) -> Figure {
     for &(axis, label) in axes {
         let mut shift = panel(label);
         for (index, model) in comparison.models.iter().enumerate() {
-            let values = model.center_shift.iter().map(|shift| shift[axis] * 1e6).collect();
+            let values: Vec<f64> =
+                model.center_shift.iter().map(|shift| shift[axis] * 1e6).collect();
             shift = shift.with_curve(Curve::new(
                 &model.name,
-                pitch.clone(),
+                pitch[..values.len()].to_vec(),
                 values,
                 style(&model.name, index),
             ));
@@ -38,8 +39,13 @@ pub fn comparison(comparison: &Comparison) -> Figure {
     }
     let mut displacement = panel("socket moved or off its ball (µm)");
     for (index, model) in comparison.models.iter().enumerate() {
-        let values = model.largest_displacement.iter().map(|moved| moved * 1e6).collect();
-        let curve = Curve::new(&model.name, pitch.clone(), values, style(&model.name, index));
+        let values: Vec<f64> = model.largest_displacement.iter().map(|moved| moved * 1e6).collect();
+        let curve = Curve::new(
+            &model.name,
+            pitch[..values.len()].to_vec(),
+            values,
+            style(&model.name, index),
+        );
         displacement = displacement.with_curve(curve);
     }
     let gaps = comparison.approximate_gap.iter().map(|gap| gap * 1e6).collect();
