@@ -12,7 +12,7 @@ pub struct Samples {
     pub virtualization: String,
     /// What each column of `virtual_joints` is.
     pub joints: Vec<VirtualJoint>,
-    /// Solver used: differs from the one asked for where a closed form does not exist.
+    /// Solver used for the last sample: differs from the one asked for where a closed form does not exist.
     pub solver: Solver,
     /// ρ of the metric [m].
     pub characteristic_length: f64,
