@@ -31,6 +31,7 @@ mod error;
 pub mod gpr;
 pub mod linalg;
 pub mod mobility;
+mod random;
 pub mod sensitivity;
 pub mod spatial;
 pub mod virtualization;

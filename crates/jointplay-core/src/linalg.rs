@@ -245,24 +245,12 @@ pub fn least_norm_of_three(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Random;
 
     /// Round-off allowed, relative to the largest singular value: a few hundred rotations of a few units each.
     const ROUND_OFF: f64 = 1e-13;
 
-    /// SplitMix64, so that every run tests the same matrices.
-    struct Random(u64);
-
     impl Random {
-        /// Uniform in −1…1.
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-            let mut z = self.0;
-            z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-            z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-            z ^= z >> 31;
-            (z >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-
         fn matrix(&mut self, m: usize, n: usize) -> DMatrix<f64> {
             DMatrix::from_fn(m, n, |_, _| self.next())
         }

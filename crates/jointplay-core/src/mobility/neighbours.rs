@@ -6,6 +6,7 @@ use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
 use crate::constraint::{Configuration, System, scaled_jacobian, scaled_residual, units};
 use crate::linalg::svd;
+use crate::random::Random;
 
 /// How far away neighbours are looked for, in units of the characteristic length: on a branch, and well off the given point.
 const RADIUS: f64 = 1e-2;
@@ -180,25 +181,5 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
             }
         }
         Ok(None)
-    }
-}
-
-/// SplitMix64, so that the directions are the same at every call.
-///
-/// # Source
-/// [SplitMix]
-struct Random(u64);
-
-impl Random {
-    /// Uniform in −1…1.
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        #[expect(clippy::cast_precision_loss, reason = "53 bits fit")]
-        let unit = (z >> 11) as f64 / (1_u64 << 53) as f64;
-        2.0 * unit - 1.0
     }
 }
