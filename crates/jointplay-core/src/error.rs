@@ -42,26 +42,28 @@ pub enum Error {
     )]
     OppositeSenses,
     /// A lower limit is not below its upper limit.
-    #[error("the {what} limits are reversed: least {min}, most {max}")]
+    #[error("the {what} limits are reversed: least {min} m, most {max} m")]
     LimitsReversed {
         /// Which limits.
         what: &'static str,
-        /// Lower limit in SI.
+        /// Lower limit [m].
         min: f64,
-        /// Upper limit in SI.
+        /// Upper limit [m].
         max: f64,
     },
-    /// A length that has to lie within limits does not.
-    #[error("the {what} is {value}, but has to lie from {min} to {max}")]
+    /// A number that has to lie within limits does not.
+    #[error("the {what} is {value} {unit}, but has to lie from {min} to {max} {unit}")]
     OutOfRange {
         /// Which number.
         what: &'static str,
-        /// What was found in SI.
+        /// What was found, in `unit`.
         value: f64,
-        /// Least allowed value in SI.
+        /// Least allowed value, in `unit`.
         min: f64,
-        /// Greatest allowed value in SI.
+        /// Greatest allowed value, in `unit`.
         max: f64,
+        /// `m` or `rad`.
+        unit: &'static str,
     },
     /// A tilt at which the rods no longer meet the platform plane.
     #[error("the pitch is {pitch} rad, but has to stay within ±π/2")]

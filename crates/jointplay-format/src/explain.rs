@@ -15,7 +15,7 @@ pub fn explain(error: &Error) -> String {
         Error::LimitsReversed { what, min, max } => {
             format!("the {what} limits are reversed: least {} mm, most {} mm", mm(*min), mm(*max))
         }
-        Error::OutOfRange { what: what @ "largest tilt", value, min, max } => {
+        Error::OutOfRange { what, value, min, max, unit: "rad" } => {
             format!(
                 "the {what} is {}°, but has to lie between {}° and {}°",
                 deg(*value),
@@ -23,7 +23,7 @@ pub fn explain(error: &Error) -> String {
                 deg(*max)
             )
         }
-        Error::OutOfRange { what, value, min, max } => {
+        Error::OutOfRange { what, value, min, max, .. } => {
             format!(
                 "the {what} is {} mm, but has to lie from {} to {} mm",
                 mm(*value),

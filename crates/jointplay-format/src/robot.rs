@@ -222,7 +222,7 @@ fn blame(file: &File, error: &jointplay_core::Error) -> std::ops::Range<usize> {
     match error {
         E::NotPositive { limb, .. } => file.limb[limb - 1].get_ref().socket_radius_mm.span(),
         E::LimitsReversed { .. } => file.limits.rod_mm.span(),
-        E::OutOfRange { what: "largest tilt", .. } => file.limits.tilt_deg.span(),
+        E::OutOfRange { unit: "rad", .. } => file.limits.tilt_deg.span(),
         E::OutOfRange { .. } => file.working.height_mm.span(),
         E::Collinear { what: "base points", .. } => {
             let point = file.limb.iter().find_map(|limb| limb.get_ref().base_point_mm.as_ref());

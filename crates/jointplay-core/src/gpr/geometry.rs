@@ -66,6 +66,7 @@ impl Gpr {
                 value: working_height,
                 min,
                 max,
+                unit: "m",
             });
         }
         Ok(Self { base_points, platform, limits, working_height })
@@ -226,19 +227,19 @@ mod tests {
         bad(
             Limits { rod_min: 0.8, ..limits },
             0.5,
-            "the rod limits are reversed: least 0.8, most 0.754",
+            "the rod limits are reversed: least 0.8 m, most 0.754 m",
         );
         bad(
             Limits { rod_min: 0.754, ..limits },
             0.5,
-            "the rod limits are reversed: least 0.754, most 0.754",
+            "the rod limits are reversed: least 0.754 m, most 0.754 m",
         );
         for tilt_max in [0.0, -0.1, std::f64::consts::FRAC_PI_2, 2.0] {
             bad(
                 Limits { tilt_max, ..limits },
                 0.5,
                 &format!(
-                    "the largest tilt is {tilt_max}, but has to lie from 0 to {}",
+                    "the largest tilt is {tilt_max} rad, but has to lie from 0 to {} rad",
                     std::f64::consts::FRAC_PI_2
                 ),
             );
@@ -249,8 +250,8 @@ mod tests {
             "the largest tilt is NaN, but has to be a finite number",
         );
         bad(limits, f64::NAN, "the working height is NaN, but has to be a finite number");
-        bad(limits, 0.2, "the working height is 0.2, but has to lie from 0.246 to 0.754");
-        bad(limits, 0.8, "the working height is 0.8, but has to lie from 0.246 to 0.754");
+        bad(limits, 0.2, "the working height is 0.2 m, but has to lie from 0.246 to 0.754 m");
+        bad(limits, 0.8, "the working height is 0.8 m, but has to lie from 0.246 to 0.754 m");
     }
 
     #[test]

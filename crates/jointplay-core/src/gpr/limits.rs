@@ -59,6 +59,7 @@ impl Limits {
                 value: self.tilt_max,
                 min: 0.0,
                 max: right_angle,
+                unit: "rad",
             });
         }
         Ok(self)

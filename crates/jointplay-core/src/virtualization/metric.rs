@@ -41,7 +41,7 @@ impl Metric {
                 if (min..=max).contains(&finite("the characteristic length", length)?) {
                     Ok(length)
                 } else {
-                    Err(Error::OutOfRange { what, value: length, min, max })
+                    Err(Error::OutOfRange { what, value: length, min, max, unit: "m" })
                 }
             }
         }
@@ -81,7 +81,7 @@ mod tests {
         check(Metric::Length(0.05), Ok(0.05));
         for length in ["0", "-1"] {
             let message = format!(
-                "the characteristic length is {length}, but has to lie from {} to {}",
+                "the characteristic length is {length} m, but has to lie from {} to {} m",
                 1e-12, 1e12
             );
             check(Metric::Length(length.parse().unwrap()), Err(&message));
