@@ -30,6 +30,7 @@ pub mod constraint;
 mod error;
 pub mod gpr;
 pub mod linalg;
+pub mod mechanism;
 pub mod mobility;
 mod random;
 pub mod sensitivity;

@@ -1,0 +1,411 @@
+//! What the user says a mechanism is.
+
+use nalgebra::{Unit, Vector3};
+
+use super::JointKind;
+use crate::spatial::Pose;
+
+/// Most links of a mechanism, so that a wrong file ends in a message and not in hours of work.
+pub const MAX_LINKS: usize = 10_000;
+
+/// Free travel or stiffness of a joint in the directions that it should hold still.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Play {
+    /// Along a direction: clearance [m] or stiffness [N/m].
+    pub linear: Option<f64>,
+    /// About a direction: clearance [rad] or stiffness [N m/rad].
+    pub angular: Option<f64>,
+}
+
+/// A joint between two links.
+///
+/// ```text
+///    from_from_to  =  frames[0] · T(q) · frames[1]⁻¹        T(q): the motion of the kind, identity at q = 0
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Joint {
+    /// Name, unique among the joints.
+    pub name: String,
+    /// Which motions it allows.
+    pub kind: JointKind,
+    /// Indices of its links; positive coordinates move the second against the first.
+    pub links: [usize; 2],
+    /// The joint frame in the frame of each link [m].
+    pub frames: [Pose; 2],
+    /// Whether a motor drives it.
+    pub actuated: bool,
+    /// Where the search for a closed configuration starts, a number for each freedom [m, rad]; empty for zeros.
+    pub guess: Vec<f64>,
+    /// Least and greatest value of each freedom [m, rad]; empty where there are none.
+    pub limits: Vec<[f64; 2]>,
+    /// Free travel, where known.
+    pub clearance: Play,
+    /// Stiffness, where known.
+    pub stiffness: Play,
+}
+
+/// An imagined freedom of a joint, which play or elasticity supplies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VirtualJoint {
+    /// Name, unique among joints and virtual joints.
+    pub name: String,
+    /// Index of the joint that has it.
+    pub joint: usize,
+    /// Which of the joint's two links carries it.
+    pub carrier: Carrier,
+    /// Its motion, in the frame of the link that carries it.
+    pub motion: VirtualMotion,
+    /// How far it can go either way [m or rad]; `None` where not known.
+    pub clearance: Option<f64>,
+    /// Stiffness [N/m or N m/rad] that weighs it in place of the characteristic length; `None` where not known.
+    pub stiffness: Option<f64>,
+}
+
+/// Which of a joint's links a virtual joint moves with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carrier {
+    /// The first link of the joint.
+    First,
+    /// The second link of the joint.
+    Second,
+}
+
+/// The motion of a virtual joint: of its joint's place on the carrying link, in that link's frame.
+///
+/// Several on one side are stacked in the order given, the first nearest the carrying link.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum VirtualMotion {
+    /// Along a direction.
+    Slide(Unit<Vector3<f64>>),
+    /// About an axis.
+    Turn {
+        /// Direction of the axis.
+        axis: Unit<Vector3<f64>>,
+        /// A point of it [m].
+        point: Vector3<f64>,
+    },
+}
+
+/// Links and joints, with any number of loops, and the virtual joints that relieve them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mechanism {
+    name: String,
+    links: Vec<String>,
+    joints: Vec<Joint>,
+    virtual_joints: Vec<VirtualJoint>,
+    characteristic_length: Option<f64>,
+}
+
+/// Why links and joints make no mechanism.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MechanismError {
+    /// No joints at all.
+    #[error("the mechanism has no joints")]
+    NoJoints,
+    /// Too many links.
+    #[error("the mechanism has {found} links, but at most {allowed} are allowed")]
+    TooManyLinks {
+        /// How many there are.
+        found: usize,
+        /// How many may be.
+        allowed: usize,
+    },
+    /// Two things of one name.
+    #[error("the name {name:?} is used twice")]
+    NameTwice {
+        /// The name.
+        name: String,
+    },
+    /// A joint that names a link that is not there.
+    #[error("joint {joint:?} names link {link}, but there are {links} links")]
+    NoSuchLink {
+        /// The joint.
+        joint: String,
+        /// The index it names.
+        link: usize,
+        /// How many links there are.
+        links: usize,
+    },
+    /// A loop of length one.
+    #[error("joint {joint:?} joins link {link:?} to itself")]
+    JoinedToItself {
+        /// The joint.
+        joint: String,
+        /// The link.
+        link: String,
+    },
+    /// A link without a way to the base.
+    #[error("link {link:?} is not connected to the base {base:?} by any joints")]
+    Dangling {
+        /// The link.
+        link: String,
+        /// The base.
+        base: String,
+    },
+    /// A number that is NaN or infinite.
+    #[error("{what} of {name:?} is {value}, but has to be a finite number")]
+    NotFinite {
+        /// Which number.
+        what: &'static str,
+        /// Of which joint.
+        name: String,
+        /// What was found.
+        value: f64,
+    },
+    /// A number that has to be positive and is not.
+    #[error("{what} of {name:?} is {value}, but has to be positive")]
+    NotPositive {
+        /// Which number.
+        what: &'static str,
+        /// Of which joint or mechanism.
+        name: String,
+        /// What was found.
+        value: f64,
+    },
+    /// A list with too few or too many numbers.
+    #[error(
+        "{what} of {name:?} has {found} entries, but {expected} are needed, one for each freedom"
+    )]
+    WrongCount {
+        /// Which list.
+        what: &'static str,
+        /// Of which joint.
+        name: String,
+        /// How many were found.
+        found: usize,
+        /// How many are needed.
+        expected: usize,
+    },
+    /// A lower limit that is not below its upper limit.
+    #[error("the limits of {name:?} are reversed: least {min}, most {max}")]
+    LimitsReversed {
+        /// Of which joint.
+        name: String,
+        /// Lower limit.
+        min: f64,
+        /// Upper limit.
+        max: f64,
+    },
+    /// A virtual joint at a joint that is not there.
+    #[error("virtual joint {name:?} names joint {joint}, but there are {joints} joints")]
+    NoSuchJoint {
+        /// The virtual joint.
+        name: String,
+        /// The index it names.
+        joint: usize,
+        /// How many joints there are.
+        joints: usize,
+    },
+}
+
+impl Mechanism {
+    /// A mechanism without virtual joints; the first link is the base.
+    ///
+    /// # Errors
+    /// [`MechanismError`].
+    pub fn new(
+        name: impl Into<String>,
+        links: Vec<String>,
+        joints: Vec<Joint>,
+    ) -> Result<Self, MechanismError> {
+        let name = name.into();
+        let mechanism =
+            Self { name, links, joints, virtual_joints: Vec::new(), characteristic_length: None };
+        mechanism.check_links()?;
+        mechanism.joints.iter().try_for_each(check_joint)?;
+        mechanism.check_names()?;
+        Ok(mechanism)
+    }
+
+    /// The same mechanism with these virtual joints in place of its own.
+    ///
+    /// # Errors
+    /// [`MechanismError`].
+    pub fn with_virtual_joints(
+        mut self,
+        virtual_joints: Vec<VirtualJoint>,
+    ) -> Result<Self, MechanismError> {
+        for virtual_joint in &virtual_joints {
+            let VirtualJoint { name, joint, clearance, stiffness, .. } = virtual_joint;
+            if *joint >= self.joints.len() {
+                let joints = self.joints.len();
+                return Err(MechanismError::NoSuchJoint {
+                    name: name.clone(),
+                    joint: *joint,
+                    joints,
+                });
+            }
+            positive("the clearance", name, *clearance)?;
+            positive("the stiffness", name, *stiffness)?;
+        }
+        self.virtual_joints = virtual_joints;
+        self.check_names()?;
+        Ok(self)
+    }
+
+    /// The same mechanism with this characteristic length, by which angles are weighed against lengths [m].
+    ///
+    /// # Errors
+    /// [`MechanismError::NotPositive`].
+    pub fn with_characteristic_length(mut self, length: f64) -> Result<Self, MechanismError> {
+        positive("the characteristic length", &self.name, Some(length))?;
+        self.characteristic_length = Some(length);
+        Ok(self)
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Names of its links, the base first.
+    #[must_use]
+    pub fn links(&self) -> &[String] {
+        &self.links
+    }
+
+    /// Its joints.
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Its virtual joints.
+    #[must_use]
+    pub fn virtual_joints(&self) -> &[VirtualJoint] {
+        &self.virtual_joints
+    }
+
+    /// The length by which the user weighs angles against lengths, if one was given [m].
+    #[must_use]
+    pub fn characteristic_length(&self) -> Option<f64> {
+        self.characteristic_length
+    }
+
+    /// Index of a joint by its name.
+    #[must_use]
+    pub fn joint(&self, name: &str) -> Option<usize> {
+        self.joints.iter().position(|joint| joint.name == name)
+    }
+
+    /// Index of a link by its name.
+    #[must_use]
+    pub fn link(&self, name: &str) -> Option<usize> {
+        self.links.iter().position(|link| link == name)
+    }
+
+    /// Σ f_j: freedoms of all joints.
+    #[must_use]
+    pub fn joint_freedoms(&self) -> usize {
+        self.joints.iter().map(|joint| joint.kind.freedoms()).sum()
+    }
+
+    /// Number of independent loops: joints − links + 1.
+    #[must_use]
+    pub fn loops(&self) -> usize {
+        self.joints.len() + 1 - self.links.len()
+    }
+
+    fn check_links(&self) -> Result<(), MechanismError> {
+        if self.joints.is_empty() || self.links.is_empty() {
+            return Err(MechanismError::NoJoints);
+        }
+        let links = self.links.len();
+        if links > MAX_LINKS {
+            return Err(MechanismError::TooManyLinks { found: links, allowed: MAX_LINKS });
+        }
+        let mut neighbours = vec![Vec::new(); links];
+        for joint in &self.joints {
+            let name = &joint.name;
+            if let Some(&link) = joint.links.iter().find(|&&link| link >= links) {
+                return Err(MechanismError::NoSuchLink { joint: name.clone(), link, links });
+            }
+            let [first, second] = joint.links;
+            if first == second {
+                let link = self.links[first].clone();
+                return Err(MechanismError::JoinedToItself { joint: name.clone(), link });
+            }
+            neighbours[first].push(second);
+            neighbours[second].push(first);
+        }
+        let (mut reached, mut open) = (vec![false; links], vec![0]);
+        reached[0] = true;
+        while let Some(link) = open.pop() {
+            for &neighbour in &neighbours[link] {
+                if !std::mem::replace(&mut reached[neighbour], true) {
+                    open.push(neighbour);
+                }
+            }
+        }
+        match reached.iter().position(|&reached| !reached) {
+            None => Ok(()),
+            Some(link) => Err(MechanismError::Dangling {
+                link: self.links[link].clone(),
+                base: self.links[0].clone(),
+            }),
+        }
+    }
+
+    fn check_names(&self) -> Result<(), MechanismError> {
+        let joints = self.joints.iter().map(|joint| &joint.name);
+        let virtual_joints = self.virtual_joints.iter().map(|joint| &joint.name);
+        let found = twice(self.links.iter()).or_else(|| twice(joints.chain(virtual_joints)));
+        found.map_or(Ok(()), |name| Err(MechanismError::NameTwice { name }))
+    }
+}
+
+/// The first name that was there before.
+fn twice<'a>(mut names: impl Iterator<Item = &'a String>) -> Option<String> {
+    let mut seen = std::collections::BTreeSet::new();
+    names.find(|name| !seen.insert(*name)).cloned()
+}
+
+fn check_joint(joint: &Joint) -> Result<(), MechanismError> {
+    let name = &joint.name;
+    let freedoms = joint.kind.freedoms();
+    let finite = |what, value: f64| {
+        if value.is_finite() {
+            Ok(())
+        } else {
+            Err(MechanismError::NotFinite { what, name: name.clone(), value })
+        }
+    };
+    for frame in &joint.frames {
+        frame.to_homogeneous().iter().try_for_each(|&value| finite("the frame", value))?;
+    }
+    if let JointKind::Helical { lead } = joint.kind {
+        finite("the lead", lead)?;
+    }
+    joint.guess.iter().try_for_each(|&value| finite("the guess", value))?;
+    joint.limits.iter().flatten().try_for_each(|&value| finite("a limit", value))?;
+    for (what, found) in [("the guess", joint.guess.len()), ("the limits", joint.limits.len())] {
+        if found != 0 && found != freedoms {
+            let name = name.clone();
+            return Err(MechanismError::WrongCount { what, name, found, expected: freedoms });
+        }
+    }
+    if let Some(&[min, max]) = joint.limits.iter().find(|[min, max]| min >= max) {
+        return Err(MechanismError::LimitsReversed { name: name.clone(), min, max });
+    }
+    for value in [joint.clearance.linear, joint.clearance.angular] {
+        positive("the clearance", name, value)?;
+    }
+    for value in [joint.stiffness.linear, joint.stiffness.angular] {
+        positive("the stiffness", name, value)?;
+    }
+    Ok(())
+}
+
+fn positive(what: &'static str, name: &str, value: Option<f64>) -> Result<(), MechanismError> {
+    match value {
+        Some(value) if !value.is_finite() => {
+            Err(MechanismError::NotFinite { what, name: name.to_owned(), value })
+        }
+        Some(value) if value <= 0.0 => {
+            Err(MechanismError::NotPositive { what, name: name.to_owned(), value })
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,7 @@
+//! The slider: along z.
+
+use super::Factor;
+
+pub(super) fn factors() -> Vec<Factor> {
+    vec![Factor::slide(2)]
+}
