@@ -1,9 +1,10 @@
 //! Laws of mechanisms in general, and the robot described as one.
 
+use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
-    Carrier, Joint, JointKind, Kinematics, Mechanism, MechanismSystem, Play, VirtualJoint,
-    VirtualMotion, close,
+    Carrier, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem, Play, ReliefSolver,
+    Stop, VirtualJoint, VirtualMotion, assemble, branches, close, drive, guess, relieve,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
@@ -266,4 +267,188 @@ fn the_count_of_loops() {
     )
     .unwrap();
     assert_eq!(found.rank + found.redundancy, 12);
+}
+
+fn four_bar() -> Mechanism {
+    ring(
+        &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.3], [3.0, 2.0, 0.0], [3.5, 0.0, 0.0]],
+        &[[0.0, 0.0, 1.0]; 4],
+    )
+}
+
+#[test]
+fn a_crank_turns_all_the_way_and_comes_back() {
+    let mechanism = four_bar();
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let way = [Drive { coordinate: 0, to: std::f64::consts::TAU }];
+    let motion = drive(&system, &way, &[1, 2, 3], 72).unwrap();
+    assert_eq!(motion.stopped, None);
+    assert_eq!(motion.waypoints.len(), 73);
+    assert!(motion.singular.is_empty(), "{:?}", motion.singular);
+    assert!(motion.waypoints.iter().all(|point| point.residual < 1e-11));
+    // Distances that two pins keep, whatever the angles say.
+    for point in &motion.waypoints {
+        let links = system.kinematics().link_poses(&point.coordinates).unwrap();
+        let pin = |link: usize, p: [f64; 3]| links[link] * nalgebra_point(p);
+        let coupler = (pin(1, [0.0, 1.0, 0.0]) - pin(3, [3.0, 2.0, 0.0])).norm();
+        assert!((coupler - 10.0_f64.sqrt()).abs() < 1e-11);
+    }
+    let last = &motion.waypoints[72].coordinates;
+    assert!((last[1] - last[1].round()).abs() < 1e-9 || last[1].abs() < 1e-9);
+}
+
+fn nalgebra_point(p: [f64; 3]) -> jointplay_core::nalgebra::Point3<f64> {
+    p.into()
+}
+
+#[test]
+fn a_rocker_locks_at_its_dead_point() {
+    let mechanism = four_bar();
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    // The last pin is the rocker's: it cannot go round.
+    let way = [Drive { coordinate: 3, to: 3.0 }];
+    let motion = drive(&system, &way, &[0, 1, 2], 60).unwrap();
+    assert_eq!(motion.stopped, Some(Stop::Locked));
+    let last = motion.waypoints.last().unwrap();
+    assert!(last.share > 0.01 && last.share < 0.9, "{}", last.share);
+    assert!(last.residual < 1e-11);
+}
+
+#[test]
+fn a_parallelogram_passes_through_its_flat_bifurcation() {
+    let mechanism = ring(
+        &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 0.0]],
+        &[[0.0, 0.0, 1.0]; 4],
+    );
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let motion = drive(&system, &[Drive { coordinate: 0, to: -3.0 }], &[1, 2, 3], 37).unwrap();
+    assert_eq!(motion.stopped, None);
+    assert_eq!(motion.singular.len(), 1, "{:?}", motion.singular);
+    let flat = &motion.singular[0];
+    assert!((flat.share * 3.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-4);
+    assert_eq!(flat.instantaneous_mobility, 2);
+    // Still a parallelogram beyond.
+    let last = motion.waypoints.last().unwrap();
+    assert!((last.coordinates[0] + last.coordinates[1]).abs() < 1e-9, "{}", last.coordinates);
+}
+
+#[test]
+fn links_that_do_not_fit_are_told_from_a_bad_guess() {
+    // A triangle of pins is rigid; one side too long for the other two cannot close.
+    let triangle = |long: f64| {
+        let place = |x: f64| frame([x, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        let joints = [(1.0, 0), (1.0, 1), (long, 2)].map(|(length, k)| Joint {
+            frames: [place(if k == 0 { 0.0 } else { length }), place(0.0)],
+            guess: vec![2.0],
+            ..joint(
+                &format!("j{k}"),
+                JointKind::Revolute,
+                [k, (k + 1) % 3],
+                [0.0; 3],
+                [0.0, 0.0, 1.0],
+            )
+        });
+        let mut joints = joints.to_vec();
+        joints[2].frames[1] = place(1.2);
+        Mechanism::new("triangle", names(3), joints).unwrap()
+    };
+    let good = triangle(1.0);
+    assert!(assemble(&good, &guess(&good), &[], 8).unwrap().is_closed());
+    assert_eq!(branches(&good, &guess(&good), &[], 40).unwrap().len(), 2);
+    let bad = triangle(5.0);
+    let Err(Error::NotAssembled(found)) = assemble(&bad, &guess(&bad), &[], 8) else {
+        panic!("a side of 5 between sides of 1 and 1.2");
+    };
+    assert!(found.branches.is_empty() && found.best.residual > 0.1);
+    assert_eq!(found.loops[0].0, "j2");
+}
+
+/// Polar virtual joints of a ball: about the platform's middle, then along the turned radius.
+fn polar(_: usize, ball: Vector3<f64>) -> Vec<VirtualMotion> {
+    vec![
+        VirtualMotion::Turn { axis: Vector3::z_axis(), point: Vector3::zeros() },
+        VirtualMotion::Slide(UnitVector3::new_normalize(ball)),
+    ]
+}
+
+fn planar(_: usize, _: Vector3<f64>) -> Vec<VirtualMotion> {
+    vec![VirtualMotion::Slide(Vector3::x_axis()), VirtualMotion::Slide(Vector3::y_axis())]
+}
+
+/// The closed-form robot and the general engine: rods, virtual joints, centre, to round-off.
+#[test]
+fn both_ways_agree_on_the_robot() {
+    use jointplay_core::gpr::{AxisHeight, Gpr};
+    use jointplay_core::sensitivity::{commanded_sensitivity, sensitivity};
+    use jointplay_core::spatial::Tilt;
+    use jointplay_core::virtualization::{
+        Metric, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
+    };
+    let closed_form = Gpr::paper();
+    let models: [(&dyn Virtualization, Mechanism, f64); 4] = [
+        (&Radial, gpr(radial), RADIUS),
+        (&Polar, gpr(polar), RADIUS),
+        (&Polar, gpr(polar), 1e-3),
+        (&Planar, gpr(planar), RADIUS),
+    ];
+    for (model, mechanism, length) in models {
+        let mechanism = mechanism.with_characteristic_length(length).unwrap();
+        for (yaw, pitch) in [(0.0, 0.0), (0.0, 0.035), (1.1, 0.02), (-2.5, 0.03)] {
+            let rods = closed_form.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
+            let options = SolveOptions {
+                metric: Metric::CharacteristicLength(length),
+                solver: Solver::LeastNorm,
+                ..SolveOptions::default()
+            };
+            let expected = closed_form.forward(rods, model, &options).unwrap();
+            let mut start = home(&mechanism);
+            (0..3).for_each(|k| start[4 * k] = rods[k]);
+            let system = MechanismSystem::new(&mechanism, start).unwrap();
+            let found = relieve(&system, &[0, 4, 8], ReliefSolver::LeastNorm).unwrap();
+            let context = format!("{} {length} {yaw} {pitch}", model.name());
+            // What the closed form calls l and φ: the radius itself, and angles, by joint kind.
+            let x: Vec<f64> = expected.solution.virtual_joints.to_vec();
+            for k in 0..3 {
+                let (from_general, from_closed): (Vec<f64>, Vec<f64>) = match model.name() {
+                    "radial" => (vec![found.virtual_joints[k]], vec![x[k] - RADIUS]),
+                    "polar" => (
+                        vec![found.virtual_joints[2 * k + 1], found.virtual_joints[2 * k]],
+                        vec![x[k] - RADIUS, x[3 + k]],
+                    ),
+                    _ => (
+                        vec![found.virtual_joints[2 * k], found.virtual_joints[2 * k + 1]],
+                        vec![x[2 * k], x[2 * k + 1]],
+                    ),
+                };
+                for (a, b) in from_general.iter().zip(&from_closed) {
+                    assert!((a - b).abs() < 2e-12, "{context}: {x:?} {}", found.virtual_joints);
+                }
+            }
+            let at = system.at(found.coordinates).unwrap();
+            let platform = at.kinematics().link_poses(at.home()).unwrap()[4];
+            let off = platform.to_homogeneous() - expected.base_from_platform.to_homogeneous();
+            assert!(off.amax() < 1e-11, "{context} {off}");
+            // Ranks, and how sensitive the virtual joints are to the rods.
+            let by_formula = closed_form.system(model);
+            let there = by_formula.configuration(&expected);
+            let first = instantaneous_mobility(&by_formula, &there, RANK_THRESHOLD).unwrap();
+            let general = instantaneous_mobility(&at, &at.at_home(), RANK_THRESHOLD).unwrap();
+            assert_eq!(
+                (general.rank, general.mobility, general.redundancy),
+                (first.rank, first.mobility, first.redundancy),
+                "{context}"
+            );
+            let a = commanded_sensitivity(&by_formula, &there, &[0, 1, 2], length, RANK_THRESHOLD)
+                .unwrap();
+            let b = commanded_sensitivity(&at, &at.at_home(), &[0, 4, 8], length, RANK_THRESHOLD)
+                .unwrap();
+            assert!(
+                (a.singular_values() - b.singular_values()).amax() < 1e-11,
+                "{context} {} {}",
+                a.singular_values(),
+                b.singular_values()
+            );
+            let _ = sensitivity(&at, &at.at_home(), length, RANK_THRESHOLD).unwrap();
+        }
+    }
 }

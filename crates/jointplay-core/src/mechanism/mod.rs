@@ -3,16 +3,22 @@
 //! A [`Mechanism`] is what the user describes and never changes; spanning tree and loop closures are derived from it in [`Kinematics`].
 //! [`MechanismSystem`] is its constraint system, against which every analysis is written.
 
+mod assembly;
 mod closing;
 mod description;
 pub mod joint;
 mod kinematics;
+mod motion;
+mod relief;
 mod system;
 
+pub use assembly::{Unassembled, assemble, branches, guess};
 pub use closing::{CLOSED, Closure, close};
 pub use description::{
     Carrier, Joint, MAX_LINKS, Mechanism, MechanismError, Play, VirtualJoint, VirtualMotion,
 };
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
+pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive};
+pub use relief::{Relief, ReliefSolver, relieve, virtual_weights};
 pub use system::MechanismSystem;
