@@ -104,7 +104,8 @@ pub fn close(
             break;
         }
     }
-    Ok(Closure { coordinates: here.home().clone(), residual: residual.amax(), iterations })
+    let residual = here.loop_residuals().into_iter().map(|(_, size)| size).fold(0.0, f64::max);
+    Ok(Closure { coordinates: here.home().clone(), residual, iterations })
 }
 
 /// −V Σ/(Σ² + damping²) Uᵀ residual.

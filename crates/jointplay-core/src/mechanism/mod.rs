@@ -10,6 +10,7 @@ pub mod joint;
 mod kinematics;
 mod motion;
 mod relief;
+mod suggest;
 mod system;
 
 pub use assembly::{Unassembled, assemble, branches, guess};
@@ -21,4 +22,5 @@ pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive};
 pub use relief::{Relief, ReliefSolver, relieve, virtual_weights};
+pub use suggest::{Suggestion, Suggestions, suggest};
 pub use system::MechanismSystem;

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::{CLOSED, MechanismSystem, close};
 use crate::Error;
 use crate::constraint::{Dimension, System, scaled_jacobian, scaled_residual, units};
-use crate::linalg::svd;
+use crate::linalg::{Svd, svd};
 
 /// Singular values up to this share of the largest are not used to relieve anything.
 const RELIEF_THRESHOLD: f64 = 1e-9;
@@ -73,64 +73,47 @@ pub fn relieve(
     commanded: &[usize],
     solver: ReliefSolver,
 ) -> Result<Relief, Error> {
-    let total = start.home().len();
-    let f = total - start.virtual_joint_dimensions().len();
-    let passive: Vec<usize> = (0..f).filter(|k| !commanded.contains(k)).collect();
-    let virtuals: Vec<usize> = (f..total).collect();
+    let f = start.coordinate_dimensions().len();
     let length = start.characteristic_length();
-    let rows = units(&start.constraint_dimensions(), length);
-    let columns = units(start.kinematics().dimensions(), length);
-    let of_passive = DVector::from_iterator(passive.len(), passive.iter().map(|&k| columns[k]));
-    // Virtual joints in their metric: y = √w x.
-    let roots = virtual_weights(start).map(f64::sqrt);
     let mut here = start.clone();
     let mut iterations = 0;
     let mut reached = f64::INFINITY;
     while iterations < MAX_ITERATIONS {
         iterations += 1;
-        let at = here.at_home();
-        let residual = scaled_residual(&here.residual(&at), &rows);
-        let jacobian = here.full_jacobian(&at);
-        let j_p = scaled_jacobian(&jacobian.select_columns(&passive), &rows, &of_passive);
-        let per_metric = roots.map(|root| 1.0 / root);
-        let j_x = scaled_jacobian(&jacobian.select_columns(&virtuals), &rows, &per_metric);
-        let passive_part = svd(&j_p)?;
-        let rank = passive_part.rank(RELIEF_THRESHOLD);
-        let open = passive_part.left_null_space(rank).transpose();
-        let relieving: DMatrix<f64> = &open * &j_x;
-        let y = at.virtual_joints.component_mul(&roots);
+        let Reduced { relieving, open, residual, j_x, passive_part, passive, of_passive, roots } =
+            reduced(&here, commanded)?;
+        let y = here.at_home().virtual_joints.component_mul(&roots);
         let decomposition = svd(&relieving)?;
-        let relieving_rank = decomposition.rank(RELIEF_THRESHOLD);
+        let rank = decomposition.rank(RELIEF_THRESHOLD);
         let step = match solver {
             ReliefSolver::LeastNorm => {
-                decomposition.solve(&(&relieving * &y - &open * &residual), relieving_rank) - &y
+                decomposition.solve(&(&relieving * &y - &open * &residual), rank) - &y
             }
-            ReliefSolver::Newton => -decomposition.solve(&(&open * &residual), relieving_rank),
+            ReliefSolver::Newton => -decomposition.solve(&(&open * &residual), rank),
         };
-        let follow = -passive_part.solve(&(&residual + &j_x * &step), rank);
-        let mut by = DVector::zeros(total);
+        let passive_rank = passive_part.rank(RELIEF_THRESHOLD);
+        let follow = -passive_part.solve(&(&residual + &j_x * &step), passive_rank);
+        let mut by = DVector::zeros(here.home().len());
         for (&k, value) in passive.iter().zip(follow.component_mul(&of_passive).iter()) {
             by[k] = *value;
         }
-        for (&k, value) in virtuals.iter().zip(step.component_div(&roots).iter()) {
-            by[k] = *value;
-        }
+        by.rows_mut(f, roots.len()).copy_from(&step.component_div(&roots));
         here = here.moved(&by)?;
-        let after = scaled_residual(&here.residual(&here.at_home()), &rows).amax();
+        let after = here.loop_residuals().into_iter().map(|(_, size)| size).fold(0.0, f64::max);
         let settled = step.norm() <= SETTLED * length.max(y.norm());
-        if !after.is_finite() || (settled && after >= reached) || (settled && after < 1e-15) {
-            reached = after;
+        let stop = !after.is_finite() || (settled && (after >= reached || after < 1e-15));
+        reached = after;
+        if stop {
             break;
         }
-        reached = after;
     }
     if reached.is_nan() || reached > CLOSED {
-        let all: Vec<usize> = passive.iter().chain(&virtuals).copied().collect();
-        let best = close(start, &all, MAX_ITERATIONS)?;
+        let free: Vec<usize> = (0..start.home().len()).filter(|k| !commanded.contains(k)).collect();
+        let best = close(start, &free, MAX_ITERATIONS)?;
         return Err(Error::NotRelieved { residual: best.residual.min(reached), allowed: CLOSED });
     }
     let virtual_joints = here.at_home().virtual_joints;
-    let size = virtual_joints.component_mul(&roots).norm();
+    let size = virtual_joints.component_mul(&virtual_weights(start).map(f64::sqrt)).norm();
     Ok(Relief {
         coordinates: here.home().clone(),
         virtual_joints,
@@ -138,4 +121,39 @@ pub fn relieve(
         residual: reached,
         iterations,
     })
+}
+
+/// What passive joints leave open, and what virtual joints can do about it.
+pub(super) struct Reduced {
+    /// (open, M) what virtual joints in their metric do to what is left open.
+    pub(super) relieving: DMatrix<f64>,
+    /// (open, c) the combinations of constraints that no passive joint can change.
+    open: DMatrix<f64>,
+    residual: DVector<f64>,
+    j_x: DMatrix<f64>,
+    passive_part: Svd,
+    passive: Vec<usize>,
+    of_passive: DVector<f64>,
+    /// (M) y = root · x is in the metric.
+    pub(super) roots: DVector<f64>,
+}
+
+pub(super) fn reduced(here: &MechanismSystem<'_>, commanded: &[usize]) -> Result<Reduced, Error> {
+    let (f, total) = (here.coordinate_dimensions().len(), here.home().len());
+    let passive: Vec<usize> = (0..f).filter(|k| !commanded.contains(k)).collect();
+    let virtuals: Vec<usize> = (f..total).collect();
+    let rows = units(&here.constraint_dimensions(), here.characteristic_length());
+    let columns = units(here.kinematics().dimensions(), here.characteristic_length());
+    let of_passive = DVector::from_iterator(passive.len(), passive.iter().map(|&k| columns[k]));
+    let roots = virtual_weights(here).map(f64::sqrt);
+    let at = here.at_home();
+    let residual = scaled_residual(&here.residual(&at), &rows);
+    let jacobian = here.full_jacobian(&at);
+    let j_p = scaled_jacobian(&jacobian.select_columns(&passive), &rows, &of_passive);
+    let per_metric = roots.map(|root| 1.0 / root);
+    let j_x = scaled_jacobian(&jacobian.select_columns(&virtuals), &rows, &per_metric);
+    let passive_part = svd(&j_p)?;
+    let open = passive_part.left_null_space(passive_part.rank(RELIEF_THRESHOLD)).transpose();
+    let relieving = &open * &j_x;
+    Ok(Reduced { relieving, open, residual, j_x, passive_part, passive, of_passive, roots })
 }

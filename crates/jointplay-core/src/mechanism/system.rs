@@ -105,9 +105,13 @@ impl<'a> MechanismSystem<'a> {
     pub fn loop_residuals(&self) -> Vec<(usize, f64)> {
         let zero = DVector::zeros(self.home.len());
         let placed = self.kinematics.placed(&self.home, &zero, &self.reference, None);
-        let sizes = self.raw_residual(&placed);
         let unit = self.characteristic_length;
-        let sizes = sizes.chunks(2).map(|part| part[0].amax().max(part[1].amax() / unit));
+        // Half turns leave no antisymmetric part behind, but are no closure: 2 sin(θ/2) sees them.
+        let sizes = placed.mismatches.iter().map(|mismatch| {
+            let turned = (mismatch.rotation.matrix() - Matrix3::identity()).norm();
+            let shifted = mismatch.rotation * self.reference + mismatch.translation.vector;
+            (turned / std::f64::consts::SQRT_2).max((shifted - self.reference).norm() / unit)
+        });
         self.kinematics.closing_joints().iter().copied().zip(sizes).collect()
     }
 
