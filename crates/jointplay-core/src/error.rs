@@ -122,6 +122,19 @@ pub enum Error {
     /// The iteration for the virtual joints did not converge.
     #[error(transparent)]
     NotConverged(#[from] Box<Unconverged>),
+    /// The loops of a mechanism could not be closed.
+    #[error(transparent)]
+    NotAssembled(#[from] Box<crate::mechanism::Unassembled>),
+    /// Virtual joints that do not make a commanded motion possible.
+    #[error(
+        "these virtual joints do not make the command possible: the loops stay open by {residual:.3e} (radians and characteristic lengths), {allowed:.0e} is asked for; more of them, or others, are needed"
+    )]
+    NotRelieved {
+        /// Largest mismatch that is left.
+        residual: f64,
+        /// Largest that counts as closed.
+        allowed: f64,
+    },
     /// The singular value decomposition did not converge.
     #[error("the singular values of a {rows}×{columns} matrix did not converge in {sweeps} sweeps")]
     SvdNotConverged {

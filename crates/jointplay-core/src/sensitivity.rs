@@ -78,37 +78,108 @@ pub fn sensitivity<S: System + ?Sized>(
     relative_threshold: f64,
 ) -> Result<Sensitivity, Error> {
     system.check(at)?;
-    crate::error::finite("the characteristic length", characteristic_length)?;
-    let rows = units(&system.constraint_dimensions(), system.characteristic_length());
-    let per_metric = |dimensions: Vec<Dimension>| {
-        dimensions.into_iter().map(|dimension| match dimension {
-            Dimension::Angle => 1.0 / characteristic_length,
-            Dimension::Length | Dimension::SquaredLength => 1.0,
-        })
-    };
-    let scaled = |jacobian: DMatrix<f64>, dimensions: Vec<Dimension>| {
-        let count = dimensions.len();
-        scaled_jacobian(&jacobian, &rows, &DVector::from_iterator(count, per_metric(dimensions)))
-    };
-    let of_virtual_joints =
-        svd(&scaled(system.virtual_jacobian(at), system.virtual_joint_dimensions()))?;
-    let by_constraint =
-        -of_virtual_joints.pseudo_inverse(of_virtual_joints.rank(relative_threshold));
-    let constraint_jacobian =
-        scaled(system.constraint_jacobian(at), system.coordinate_dimensions());
-    let matrix = &by_constraint * &constraint_jacobian;
-    let decomposition = svd(&matrix)?;
-    Ok(Sensitivity {
-        rank: decomposition.rank(relative_threshold),
-        matrix,
+    let scaled = Scaled::new(system, at, characteristic_length)?;
+    Sensitivity::of(
+        &scaled.of_virtual_joints,
+        scaled.of_coordinates,
         characteristic_length,
-        decomposition,
-        by_constraint,
-        constraint_jacobian,
-    })
+        relative_threshold,
+    )
+}
+
+/// The sensitivity of the virtual joints to some coordinates that are commanded, while all others follow.
+///
+/// ```text
+///    Zᵀ ∂Φ/∂P_follow = 0        ∂X/∂P_commanded  =  −(Zᵀ ∂Φ/∂X)†  Zᵀ ∂Φ/∂P_commanded
+/// ```
+/// What following coordinates can do is taken out of the constraints first; the rest is as in [`sensitivity`].
+///
+/// # Arguments
+/// * `commanded` – indices in P; motions given to the result have these entries only
+/// * `characteristic_length`, `relative_threshold` – as for [`sensitivity`]
+///
+/// # Errors
+/// [`Error::WrongLength`], [`Error::NotFinite`].
+pub fn commanded_sensitivity<S: System + ?Sized>(
+    system: &S,
+    at: &Configuration,
+    commanded: &[usize],
+    characteristic_length: f64,
+    relative_threshold: f64,
+) -> Result<Sensitivity, Error> {
+    system.check(at)?;
+    let rows = units(&system.constraint_dimensions(), system.characteristic_length());
+    let columns = units(&system.coordinate_dimensions(), system.characteristic_length());
+    let following: Vec<usize> = (0..columns.len()).filter(|k| !commanded.contains(k)).collect();
+    let all = scaled_jacobian(&system.constraint_jacobian(at), &rows, &columns);
+    let follow = svd(&all.select_columns(&following))?;
+    let open = follow.left_null_space(follow.rank(relative_threshold)).transpose();
+    let scaled = Scaled::new(system, at, characteristic_length)?;
+    Sensitivity::of(
+        &(&open * scaled.of_virtual_joints),
+        &open * scaled.of_coordinates.select_columns(commanded),
+        characteristic_length,
+        relative_threshold,
+    )
+}
+
+/// Both Jacobians, rows in units of the mechanism, columns in the metric.
+struct Scaled {
+    of_virtual_joints: DMatrix<f64>,
+    of_coordinates: DMatrix<f64>,
+}
+
+impl Scaled {
+    fn new<S: System + ?Sized>(
+        system: &S,
+        at: &Configuration,
+        characteristic_length: f64,
+    ) -> Result<Self, Error> {
+        crate::error::finite("the characteristic length", characteristic_length)?;
+        let rows = units(&system.constraint_dimensions(), system.characteristic_length());
+        let per_metric = |dimensions: Vec<Dimension>| {
+            dimensions.into_iter().map(|dimension| match dimension {
+                Dimension::Angle => 1.0 / characteristic_length,
+                Dimension::Length | Dimension::SquaredLength => 1.0,
+            })
+        };
+        let scaled = |jacobian: DMatrix<f64>, dimensions: Vec<Dimension>| {
+            let count = dimensions.len();
+            let units = DVector::from_iterator(count, per_metric(dimensions));
+            scaled_jacobian(&jacobian, &rows, &units)
+        };
+        Ok(Self {
+            of_virtual_joints: scaled(
+                system.virtual_jacobian(at),
+                system.virtual_joint_dimensions(),
+            ),
+            of_coordinates: scaled(system.constraint_jacobian(at), system.coordinate_dimensions()),
+        })
+    }
 }
 
 impl Sensitivity {
+    fn of(
+        of_virtual_joints: &DMatrix<f64>,
+        constraint_jacobian: DMatrix<f64>,
+        characteristic_length: f64,
+        relative_threshold: f64,
+    ) -> Result<Self, Error> {
+        let of_virtual_joints = svd(of_virtual_joints)?;
+        let by_constraint =
+            -of_virtual_joints.pseudo_inverse(of_virtual_joints.rank(relative_threshold));
+        let matrix = &by_constraint * &constraint_jacobian;
+        let decomposition = svd(&matrix)?;
+        Ok(Self {
+            rank: decomposition.rank(relative_threshold),
+            matrix,
+            characteristic_length,
+            decomposition,
+            by_constraint,
+            constraint_jacobian,
+        })
+    }
+
     /// Singular values of ∂X/∂P, non-zero ones first, in metres of the metric per metre.
     #[must_use]
     pub fn singular_values(&self) -> &DVector<f64> {

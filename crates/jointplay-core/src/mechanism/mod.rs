@@ -1,11 +1,26 @@
 //! Any mechanism: links and joints with any number of loops.
 //!
 //! A [`Mechanism`] is what the user describes and never changes; spanning tree and loop closures are derived from it in [`Kinematics`].
+//! [`MechanismSystem`] is its constraint system, against which every analysis is written.
 
+mod assembly;
+mod closing;
 mod description;
 pub mod joint;
+mod kinematics;
+mod motion;
+mod relief;
+mod suggest;
+mod system;
 
+pub use assembly::{Unassembled, assemble, branches, guess};
+pub use closing::{CLOSED, Closure, close};
 pub use description::{
     Carrier, Joint, MAX_LINKS, Mechanism, MechanismError, Play, VirtualJoint, VirtualMotion,
 };
 pub use joint::JointKind;
+pub use kinematics::Kinematics;
+pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive};
+pub use relief::{Relief, ReliefSolver, relieve, virtual_weights};
+pub use suggest::{Suggestion, Suggestions, suggest};
+pub use system::MechanismSystem;

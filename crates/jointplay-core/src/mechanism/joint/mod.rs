@@ -11,6 +11,7 @@ mod revolute;
 mod spherical;
 mod universal;
 
+pub(crate) use factor::Twist;
 pub use factor::{Coordinate, Factor};
 
 /// Which relative motions a joint allows.

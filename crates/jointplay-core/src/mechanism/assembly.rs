@@ -1,0 +1,171 @@
+//! Closing loops from a rough guess.
+
+use nalgebra::DVector;
+
+use super::{Closure, Mechanism, MechanismSystem, close};
+use crate::Error;
+use crate::constraint::{Dimension, System};
+use crate::random::Random;
+
+/// Corrections tried from one start.
+const MAX_ITERATIONS: usize = 200;
+/// Assembled configurations nearer than this, in radians and characteristic lengths, are one branch.
+const SAME_BRANCH: f64 = 1e-4;
+/// Branches listed at most.
+const MAX_BRANCHES: usize = 16;
+
+/// Loops that could not be closed from the guess.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.message())]
+pub struct Unassembled {
+    /// The least mismatch found.
+    pub best: Closure,
+    /// Mismatch of each loop there, in radians and characteristic lengths, by the name of the joint that closes it; largest first.
+    pub loops: Vec<(String, f64)>,
+    /// Closed configurations found from other starts: where there are any, it was the guess that failed.
+    pub branches: Vec<Closure>,
+    /// How many other starts were tried.
+    pub starts: usize,
+}
+
+impl Unassembled {
+    fn message(&self) -> String {
+        let worst = self.loops.first().map_or(String::new(), |(joint, size)| {
+            format!("; the loop closed by joint {joint:?} stays open by {size:.3e}")
+        });
+        if self.branches.is_empty() {
+            format!(
+                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}",
+                self.best.residual, self.starts
+            )
+        } else {
+            format!(
+                "the loops do not close from this guess, but {} other closed configurations were found from {} starts; give one of them as the guess",
+                self.branches.len(),
+                self.starts
+            )
+        }
+    }
+}
+
+/// The configuration that the user's guesses describe: zeros where there are none, virtual joints at rest.
+#[must_use]
+pub fn guess(mechanism: &Mechanism) -> DVector<f64> {
+    let joints = mechanism.joints().iter().flat_map(|joint| {
+        (0..joint.kind.freedoms()).map(|k| joint.guess.get(k).copied().unwrap_or(0.0))
+    });
+    let at_rest = mechanism.virtual_joints().iter().map(|_| 0.0);
+    DVector::from_iterator(
+        mechanism.joint_freedoms() + mechanism.virtual_joints().len(),
+        joints.chain(at_rest),
+    )
+}
+
+/// Closes the loops near a guess, with some coordinates held.
+///
+/// Where that fails, other starts are tried, to tell a bad guess from links that do not fit.
+///
+/// # Arguments
+/// * `start` – (f + M) coordinates [m, rad], see [`guess`]
+/// * `held` – indices of the coordinates that keep their values; virtual joints always do
+/// * `starts` – how many other starts to try where the guess fails
+///
+/// # Errors
+/// [`Error::NotAssembled`] with the best closure and the branches found; [`Error::WrongLength`], [`Error::NotFinite`].
+///
+/// # Numerics
+/// Deterministic: the other starts are the same at every call.
+pub fn assemble(
+    mechanism: &Mechanism,
+    start: &DVector<f64>,
+    held: &[usize],
+    starts: usize,
+) -> Result<Closure, Error> {
+    let system = MechanismSystem::new(mechanism, start.clone())?;
+    let free = free(mechanism, held);
+    let best = close(&system, &free, MAX_ITERATIONS)?;
+    if best.is_closed() {
+        return Ok(best);
+    }
+    let (branches, best) = search(&system, &free, starts, best)?;
+    let mut loops: Vec<(String, f64)> = system
+        .at(best.coordinates.clone())?
+        .loop_residuals()
+        .into_iter()
+        .map(|(joint, size)| (mechanism.joints()[joint].name.clone(), size))
+        .collect();
+    loops.sort_by(|a, b| b.1.total_cmp(&a.1));
+    Err(Error::NotAssembled(Box::new(Unassembled { best, loops, branches, starts })))
+}
+
+/// Closed configurations found from many starts, the first from the guess itself.
+///
+/// # Arguments
+/// As [`assemble`].
+///
+/// # Errors
+/// [`Error::WrongLength`], [`Error::NotFinite`].
+pub fn branches(
+    mechanism: &Mechanism,
+    start: &DVector<f64>,
+    held: &[usize],
+    starts: usize,
+) -> Result<Vec<Closure>, Error> {
+    let system = MechanismSystem::new(mechanism, start.clone())?;
+    let free = free(mechanism, held);
+    let first = close(&system, &free, MAX_ITERATIONS)?;
+    let (mut found, _) = search(&system, &free, starts, first.clone())?;
+    if first.is_closed() {
+        found.retain(|branch| !same(&system, &branch.coordinates, &first.coordinates));
+        found.insert(0, first);
+    }
+    Ok(found)
+}
+
+/// Joint coordinates that are not held.
+fn free(mechanism: &Mechanism, held: &[usize]) -> Vec<usize> {
+    (0..mechanism.joint_freedoms()).filter(|k| !held.contains(k)).collect()
+}
+
+fn search(
+    system: &MechanismSystem<'_>,
+    free: &[usize],
+    starts: usize,
+    mut best: Closure,
+) -> Result<(Vec<Closure>, Closure), Error> {
+    let mut random = Random(1);
+    let mut branches: Vec<Closure> = Vec::new();
+    for _ in 0..starts {
+        let mut by = DVector::zeros(system.home().len());
+        for &k in free {
+            by[k] = random.next()
+                * match system.kinematics().dimensions()[k] {
+                    Dimension::Angle => std::f64::consts::PI,
+                    _ => 2.0 * system.characteristic_length(),
+                };
+        }
+        let found = close(&system.moved(&by)?, free, MAX_ITERATIONS)?;
+        let known = |branch: &Closure| same(system, &branch.coordinates, &found.coordinates);
+        if found.is_closed() && branches.len() < MAX_BRANCHES && !branches.iter().any(known) {
+            branches.push(found.clone());
+        }
+        if found.residual < best.residual {
+            best = found;
+        }
+    }
+    Ok((branches, best))
+}
+
+/// Whether all links are where they are in another configuration.
+fn same(system: &MechanismSystem<'_>, a: &DVector<f64>, b: &DVector<f64>) -> bool {
+    let kinematics = system.kinematics();
+    let (Ok(a), Ok(b)) = (kinematics.link_poses(a), kinematics.link_poses(b)) else {
+        return false;
+    };
+    let unit = system.characteristic_length();
+    a.iter().zip(&b).all(|(a, b)| {
+        let turned = (a.rotation.matrix() - b.rotation.matrix()).amax();
+        let moved = (a.translation.vector - b.translation.vector).amax() / unit;
+        turned.max(moved) < SAME_BRANCH
+    })
+}

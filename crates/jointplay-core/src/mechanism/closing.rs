@@ -1,0 +1,125 @@
+//! Closing loops from near by.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::MechanismSystem;
+use crate::Error;
+use crate::constraint::{System, scaled_jacobian, scaled_residual, units};
+use crate::linalg::svd;
+
+/// Scaled residual that counts as closed: far above round-off, far below any play.
+pub const CLOSED: f64 = 1e-11;
+/// Below this residual a step that gains nothing is the end.
+const ROUND_OFF: f64 = 1e-14;
+/// Longest step of a correction, in radians and characteristic lengths.
+const LONGEST_STEP: f64 = 0.5;
+/// Damping below which a longer step is no better.
+const LEAST_DAMPING: f64 = 1e-14;
+
+/// Loops closed, or as nearly as they could be.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Closure {
+    /// (f + M) coordinates of joints, then virtual joints [m, rad].
+    pub coordinates: DVector<f64>,
+    /// Largest mismatch, in radians and characteristic lengths.
+    pub residual: f64,
+    /// Corrections done.
+    pub iterations: usize,
+}
+
+impl Closure {
+    /// Whether the residual is that of closed loops.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.residual <= CLOSED
+    }
+}
+
+/// Corrects the free coordinates until all loops are closed, by damped Gauss–Newton steps of least norm.
+///
+/// Neither redundant constraints nor singular configurations stop it: directions that constraints leave open are not moved in.
+///
+/// # Arguments
+/// * `start` – where to begin; its reference point and lengths are used throughout
+/// * `free` – indices of the coordinates that may move
+///
+/// # Errors
+/// [`Error::SvdNotConverged`] (never seen). A closure that was not reached is not an error here: see [`Closure::is_closed`].
+///
+/// # Numerics
+/// The damping is in proportion to the residual, so that convergence is quadratic where the loops can be closed, and near linear where they only touch.
+///
+/// # Source
+/// [YamashitaFukushima]
+pub fn close(
+    start: &MechanismSystem<'_>,
+    free: &[usize],
+    max_iterations: usize,
+) -> Result<Closure, Error> {
+    let length = start.characteristic_length();
+    let rows = units(&start.constraint_dimensions(), length);
+    let columns = units(start.kinematics().dimensions(), length);
+    let free_units = DVector::from_iterator(free.len(), free.iter().map(|&k| columns[k]));
+    let mut here = start.clone();
+    let mut residual = scaled_residual(&here.residual(&here.at_home()), &rows);
+    let mut damping_factor = 1.0;
+    let mut iterations = 0;
+    while iterations < max_iterations && residual.amax() > 1e-16 && !free.is_empty() {
+        let jacobian = here.full_jacobian(&here.at_home()).select_columns(free);
+        let decomposition = svd(&scaled_jacobian(&jacobian, &rows, &free_units))?;
+        let before = residual.norm();
+        let mut accepted = false;
+        while !accepted && iterations < max_iterations {
+            iterations += 1;
+            let damping = (damping_factor * before.min(1.0)).max(LEAST_DAMPING);
+            let step = damped(
+                &decomposition.u,
+                &decomposition.singular_values,
+                &decomposition.v,
+                &residual,
+                damping,
+            );
+            let shorten = (LONGEST_STEP / step.norm()).min(1.0);
+            let mut by = DVector::zeros(here.home().len());
+            for (&k, value) in free.iter().zip(step.component_mul(&free_units).iter()) {
+                by[k] = value * shorten;
+            }
+            let there = here.moved(&by)?;
+            let reached = scaled_residual(&there.residual(&there.at_home()), &rows);
+            if reached.norm() < before {
+                (here, residual, accepted) = (there, reached, true);
+                damping_factor *= 0.1;
+            } else {
+                damping_factor = damping_factor.max(1e-3) * 10.0;
+                if before <= ROUND_OFF || step.norm() <= 1e-15 || damping_factor > 1e6 {
+                    break;
+                }
+            }
+        }
+        // What lowers the residual by next to nothing has come to round-off or to the bottom of a valley.
+        if !accepted || (residual.norm() > 0.999 * before && iterations > 20) {
+            break;
+        }
+        if residual.amax() < 1e-15 {
+            break;
+        }
+    }
+    let residual = here.loop_residuals().into_iter().map(|(_, size)| size).fold(0.0, f64::max);
+    Ok(Closure { coordinates: here.home().clone(), residual, iterations })
+}
+
+/// −V Σ/(Σ² + damping²) Uᵀ residual.
+fn damped(
+    u: &DMatrix<f64>,
+    singular_values: &DVector<f64>,
+    v: &DMatrix<f64>,
+    residual: &DVector<f64>,
+    damping: f64,
+) -> DVector<f64> {
+    let mut step = DVector::zeros(v.nrows());
+    for (k, &sigma) in singular_values.iter().enumerate() {
+        let share = sigma / (sigma * sigma + damping * damping);
+        step.axpy(-share * u.column(k).dot(residual), &v.column(k), 1.0);
+    }
+    step
+}

@@ -1,0 +1,425 @@
+//! What follows from a description: spanning tree, loops, link poses, screws.
+
+use nalgebra::{DVector, Matrix3, Rotation3, Translation3, Vector3};
+
+use super::description::{Carrier, Mechanism, VirtualMotion};
+use super::joint::{Coordinate, Factor, Twist};
+use crate::constraint::Dimension;
+use crate::spatial::Pose;
+
+/// Joints of a mechanism as chains of elementary motions, and the tree and the loops that they form.
+///
+/// Coordinates are stacked: first those of the joints (f), then those of the virtual joints (M).
+#[derive(Debug, Clone)]
+pub struct Kinematics<'a> {
+    mechanism: &'a Mechanism,
+    chains: Vec<Chain>,
+    /// Joints in the order in which they reach new links; `true` where walked from the second link to the first.
+    tree: Vec<(usize, bool)>,
+    /// For each link the joint over which it was reached, and whether against its sense.
+    reached_by: Vec<Option<(usize, bool)>>,
+    /// The joint that closes each loop.
+    cuts: Vec<usize>,
+    /// First coordinate of each joint.
+    offsets: Vec<usize>,
+    dimensions: Vec<Dimension>,
+}
+
+/// A joint from its first link to its second.
+#[derive(Debug, Clone)]
+struct Chain {
+    elements: Vec<Element>,
+    end: Pose,
+}
+
+/// A fixed displacement, then an elementary motion.
+#[derive(Debug, Clone)]
+struct Element {
+    before: Pose,
+    factor: Factor,
+    /// First of its coordinates among all.
+    coordinate: usize,
+    /// −1 for what is walked against its sense.
+    sign: f64,
+}
+
+/// Link poses and joint screws at a configuration.
+#[derive(Debug, Clone)]
+pub(crate) struct Placed {
+    /// Pose of each link in the base frame.
+    pub(crate) links: Vec<Pose>,
+    /// Twist of each coordinate in the base frame, linear part at the reference point.
+    pub(crate) screws: Vec<Twist>,
+    /// For each loop: D = what its closing joint makes of the second link's pose, against where the tree has that link; identity when closed.
+    pub(crate) mismatches: Vec<Pose>,
+    /// Rate of change of the twist of each element along the direction asked for, if one was.
+    rates: Vec<Vec<Vector3<f64>>>,
+}
+
+impl<'a> Kinematics<'a> {
+    /// Derives tree, loops and chains.
+    ///
+    /// The tree is taken breadth first in the order of the joints; results do not depend on it.
+    #[must_use]
+    pub fn new(mechanism: &'a Mechanism) -> Self {
+        let joints = mechanism.joints();
+        let mut at_link = vec![Vec::new(); mechanism.links().len()];
+        for (j, joint) in joints.iter().enumerate() {
+            at_link[joint.links[0]].push(j);
+            at_link[joint.links[1]].push(j);
+        }
+        let mut reached_by = vec![None; mechanism.links().len()];
+        let (mut tree, mut in_tree) = (Vec::new(), vec![false; joints.len()]);
+        let mut queue = std::collections::VecDeque::from([0]);
+        while let Some(link) = queue.pop_front() {
+            for &j in &at_link[link] {
+                let against = joints[j].links[1] == link;
+                let next = joints[j].links[usize::from(!against)];
+                if next != 0 && reached_by[next].is_none() {
+                    reached_by[next] = Some((j, against));
+                    in_tree[j] = true;
+                    tree.push((j, against));
+                    queue.push_back(next);
+                }
+            }
+        }
+        let cuts = (0..joints.len()).filter(|&j| !in_tree[j]).collect();
+        let mut kinematics = Self {
+            mechanism,
+            chains: Vec::with_capacity(joints.len()),
+            tree,
+            reached_by,
+            cuts,
+            offsets: Vec::with_capacity(joints.len()),
+            dimensions: Vec::new(),
+        };
+        kinematics.build_chains();
+        kinematics
+    }
+
+    fn build_chains(&mut self) {
+        let mechanism = self.mechanism;
+        let freedoms = mechanism.joint_freedoms();
+        for (j, joint) in mechanism.joints().iter().enumerate() {
+            self.offsets.push(self.dimensions.len());
+            let (mut elements, mut before) = (Vec::new(), Pose::identity());
+            let mut push = |before: &mut Pose, factor, coordinate, sign| {
+                let before = std::mem::replace(before, Pose::identity());
+                elements.push(Element { before, factor, coordinate, sign });
+            };
+            let on = |carrier| {
+                let here = mechanism.virtual_joints().iter().enumerate();
+                here.filter(move |(_, v)| v.joint == j && v.carrier == carrier)
+            };
+            for (m, virtual_joint) in on(Carrier::First) {
+                push(&mut before, factor_of(virtual_joint.motion), freedoms + m, 1.0);
+            }
+            before *= joint.frames[0];
+            for factor in joint.kind.factors() {
+                push(&mut before, factor, self.dimensions.len(), 1.0);
+                self.dimensions.extend(factor.coordinates().iter().map(dimension));
+            }
+            before *= joint.frames[1].inverse();
+            // The second link sees its virtual joints from the far end: last first, and backwards.
+            for (m, virtual_joint) in on(Carrier::Second).collect::<Vec<_>>().into_iter().rev() {
+                push(&mut before, factor_of(virtual_joint.motion), freedoms + m, -1.0);
+            }
+            self.chains.push(Chain { elements, end: before });
+        }
+        self.dimensions.extend(mechanism.virtual_joints().iter().map(|v| match v.motion {
+            VirtualMotion::Slide(_) => Dimension::Length,
+            VirtualMotion::Turn { .. } => Dimension::Angle,
+        }));
+    }
+
+    /// The mechanism.
+    #[must_use]
+    pub fn mechanism(&self) -> &'a Mechanism {
+        self.mechanism
+    }
+
+    /// Indices of a joint's coordinates.
+    #[must_use]
+    pub fn coordinates_of(&self, joint: usize) -> std::ops::Range<usize> {
+        let first = self.offsets[joint];
+        first..first + self.mechanism.joints()[joint].kind.freedoms()
+    }
+
+    /// What kind of quantity each coordinate is: joints, then virtual joints.
+    #[must_use]
+    pub fn dimensions(&self) -> &[Dimension] {
+        &self.dimensions
+    }
+
+    /// The joint that closes each loop of the spanning tree.
+    #[must_use]
+    pub fn closing_joints(&self) -> &[usize] {
+        &self.cuts
+    }
+
+    /// Coordinates after a small displacement: added, but for balls, which turn on by it in their own frame.
+    #[must_use]
+    pub fn moved(&self, home: &DVector<f64>, by: &DVector<f64>) -> DVector<f64> {
+        let mut moved = home + by;
+        for element in self.chains.iter().flat_map(|chain| &chain.elements) {
+            if matches!(element.factor, Factor::Ball) {
+                let k = element.coordinate;
+                let rotation = ball(home, k) * cayley(&by.fixed_rows::<3>(k).into_owned());
+                moved.fixed_rows_mut::<3>(k).copy_from(&rotation.scaled_axis());
+            }
+        }
+        moved
+    }
+
+    /// Pose of each link in the base frame at some coordinates.
+    ///
+    /// # Errors
+    /// [`crate::Error::WrongLength`], [`crate::Error::NotFinite`].
+    pub fn link_poses(&self, coordinates: &DVector<f64>) -> Result<Vec<Pose>, crate::Error> {
+        super::system::check(coordinates, self.dimensions.len())?;
+        let zero = DVector::zeros(coordinates.len());
+        Ok(self.placed(coordinates, &zero, &Vector3::zeros(), None).links)
+    }
+
+    /// Everything at `home` displaced by `by`; with `along`, also the rates that second derivatives need.
+    pub(crate) fn placed(
+        &self,
+        home: &DVector<f64>,
+        by: &DVector<f64>,
+        reference: &Vector3<f64>,
+        along: Option<&DVector<f64>>,
+    ) -> Placed {
+        let transforms: Vec<Pose> = self
+            .chains
+            .iter()
+            .map(|chain| {
+                let start = Pose::identity();
+                chain.elements.iter().fold(start, |pose, element| {
+                    pose * element.before * element.transform(home, by)
+                }) * chain.end
+            })
+            .collect();
+        let mut links = vec![Pose::identity(); self.mechanism.links().len()];
+        for &(j, against) in &self.tree {
+            let [first, second] = self.mechanism.joints()[j].links;
+            if against {
+                links[first] = links[second] * transforms[j].inverse();
+            } else {
+                links[second] = links[first] * transforms[j];
+            }
+        }
+        let mut screws = vec![(Vector3::zeros(), Vector3::zeros()); self.dimensions.len()];
+        let mut rates = Vec::new();
+        for (j, chain) in self.chains.iter().enumerate() {
+            let mut pose = links[self.mechanism.joints()[j].links[0]];
+            let mut rates_of_joint = Vec::new();
+            for element in &chain.elements {
+                pose *= element.before;
+                let after = pose * element.transform(home, by);
+                element.screws(&pose, &after, by, reference, &mut screws);
+                if let Some(along) = along {
+                    rates_of_joint.push(element.rate(&after, by, along));
+                }
+                pose = after;
+            }
+            rates.push(rates_of_joint);
+        }
+        let mismatches = self
+            .cuts
+            .iter()
+            .map(|&j| {
+                let [first, second] = self.mechanism.joints()[j].links;
+                links[first] * transforms[j] * links[second].inverse()
+            })
+            .collect();
+        Placed { links, screws, mismatches, rates }
+    }
+
+    /// The joints between the base and a link, each with the sense in which it is walked.
+    pub(crate) fn path_to(&self, link: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let mut link = link;
+        std::iter::from_fn(move || {
+            let (j, against) = self.reached_by[link]?;
+            link = self.mechanism.joints()[j].links[usize::from(against)];
+            Some((j, if against { -1.0 } else { 1.0 }))
+        })
+    }
+
+    /// Coordinates that a joint's transform depends on, its virtual joints among them.
+    pub(crate) fn columns_of(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        self.chains[joint].elements.iter().flat_map(|element| {
+            (0..element.factor.coordinates().len()).map(|k| element.coordinate + k)
+        })
+    }
+
+    /// Twist and its rate of each link, for coordinates that move at `along`; and of each loop's closing joint beyond its first link.
+    pub(crate) fn rates(
+        &self,
+        placed: &Placed,
+        along: &DVector<f64>,
+    ) -> (Vec<Motion>, Vec<Motion>) {
+        let still = (Vector3::zeros(), Vector3::zeros());
+        let mut links = vec![Motion { velocity: still, acceleration: still }; placed.links.len()];
+        for &(j, against) in &self.tree {
+            let [first, second] = self.mechanism.joints()[j].links;
+            if against {
+                let own = self.velocity_of(placed, j, along);
+                let velocity = minus(&links[second].velocity, &own);
+                let beyond =
+                    self.through(placed, j, along, &Motion { velocity, acceleration: still });
+                let acceleration = minus(&links[second].acceleration, &beyond.acceleration);
+                links[first] = Motion { velocity, acceleration };
+            } else {
+                links[second] = self.through(placed, j, along, &links[first]);
+            }
+        }
+        let closing = self
+            .cuts
+            .iter()
+            .map(|&j| self.through(placed, j, along, &links[self.mechanism.joints()[j].links[0]]));
+        let closing = closing.collect();
+        (links, closing)
+    }
+
+    fn velocity_of(&self, placed: &Placed, joint: usize, along: &DVector<f64>) -> Twist {
+        self.columns_of(joint).fold((Vector3::zeros(), Vector3::zeros()), |sum, k| {
+            plus(&sum, &scaled(&placed.screws[k], along[k]))
+        })
+    }
+
+    /// Motion of a joint's second link, given that of its first.
+    fn through(
+        &self,
+        placed: &Placed,
+        joint: usize,
+        along: &DVector<f64>,
+        from: &Motion,
+    ) -> Motion {
+        let mut motion = *from;
+        for (element, rate) in self.chains[joint].elements.iter().zip(&placed.rates[joint]) {
+            let own = (0..element.factor.coordinates().len())
+                .map(|k| element.coordinate + k)
+                .fold((Vector3::zeros(), Vector3::zeros()), |sum, k| {
+                    plus(&sum, &scaled(&placed.screws[k], along[k]))
+                });
+            motion.acceleration = plus(&motion.acceleration, &bracket(&motion.velocity, &own));
+            // Only balls have a rate of their own: about a center, which need not be the reference point.
+            let center = match own.0.norm_squared() {
+                0.0 => Vector3::zeros(),
+                square => own.0.cross(&own.1) / square,
+            };
+            let rate = (*rate, center.cross(rate));
+            motion.acceleration = plus(&motion.acceleration, &rate);
+            motion.velocity = plus(&motion.velocity, &own);
+        }
+        motion
+    }
+}
+
+/// Twist and its rate of change.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Motion {
+    pub(crate) velocity: Twist,
+    pub(crate) acceleration: Twist,
+}
+
+impl Element {
+    fn transform(&self, home: &DVector<f64>, by: &DVector<f64>) -> Pose {
+        let k = self.coordinate;
+        if matches!(self.factor, Factor::Ball) {
+            let turn = cayley(&by.fixed_rows::<3>(k).into_owned());
+            return Pose::from_parts(Translation3::identity(), ball(home, k) * turn);
+        }
+        self.factor.transform(&[self.sign * (home[k] + by[k])])
+    }
+
+    /// Twists of its coordinates in the base frame, the linear part at the reference point.
+    fn screws(
+        &self,
+        before: &Pose,
+        after: &Pose,
+        by: &DVector<f64>,
+        reference: &Vector3<f64>,
+        screws: &mut [Twist],
+    ) {
+        let k = self.coordinate;
+        for freedom in 0..self.factor.coordinates().len() {
+            let (angular, linear) = if matches!(self.factor, Factor::Ball) {
+                let p = by.fixed_rows::<3>(k).into_owned();
+                let body = body_rate(&p, &Vector3::ith(freedom, 1.0));
+                (after.rotation * body, Vector3::zeros())
+            } else {
+                let (angular, linear) = self.factor.screw(freedom);
+                (before.rotation * angular, before.rotation * linear)
+            };
+            let arm = reference - before.translation.vector;
+            screws[k + freedom] = (angular * self.sign, (linear + angular.cross(&arm)) * self.sign);
+        }
+    }
+
+    /// Angular rate of change of its own twist at constant coordinate rates: not zero only for a displaced ball.
+    fn rate(&self, after: &Pose, by: &DVector<f64>, along: &DVector<f64>) -> Vector3<f64> {
+        if !matches!(self.factor, Factor::Ball) {
+            return Vector3::zeros();
+        }
+        let p = by.fixed_rows::<3>(self.coordinate).into_owned();
+        let v = along.fixed_rows::<3>(self.coordinate).into_owned();
+        let factor = -0.5 * p.dot(&v) / (1.0 + 0.25 * p.norm_squared());
+        after.rotation * (body_rate(&p, &v) * factor)
+    }
+}
+
+fn factor_of(motion: VirtualMotion) -> Factor {
+    match motion {
+        VirtualMotion::Slide(axis) => Factor::Slide { axis },
+        VirtualMotion::Turn { axis, point } => Factor::Turn { axis, point },
+    }
+}
+
+fn dimension(coordinate: &Coordinate) -> Dimension {
+    match coordinate {
+        Coordinate::Slide => Dimension::Length,
+        Coordinate::Turn => Dimension::Angle,
+    }
+}
+
+fn ball(coordinates: &DVector<f64>, first: usize) -> Rotation3<f64> {
+    Rotation3::new(coordinates.fixed_rows::<3>(first).into_owned())
+}
+
+/// The rotation with the quaternion (1, p/2), normalised: turns by |p| to first order, and needs no trigonometry.
+fn cayley(p: &Vector3<f64>) -> Rotation3<f64> {
+    let u = p * 0.5;
+    let cross = u.cross_matrix();
+    let scale = 2.0 / (1.0 + u.norm_squared());
+    Rotation3::from_matrix_unchecked(Matrix3::identity() + (cross + cross * cross) * scale)
+}
+
+/// Angular velocity of [`cayley`] in the turned frame.
+fn body_rate(p: &Vector3<f64>, rate: &Vector3<f64>) -> Vector3<f64> {
+    (rate - p.cross(rate) * 0.5) / (1.0 + 0.25 * p.norm_squared())
+}
+
+pub(crate) fn plus(a: &Twist, b: &Twist) -> Twist {
+    (a.0 + b.0, a.1 + b.1)
+}
+
+pub(crate) fn minus(a: &Twist, b: &Twist) -> Twist {
+    (a.0 - b.0, a.1 - b.1)
+}
+
+pub(crate) fn scaled(a: &Twist, factor: f64) -> Twist {
+    (a.0 * factor, a.1 * factor)
+}
+
+/// Lie bracket: how one twist changes as another carries it.
+pub(crate) fn bracket(a: &Twist, b: &Twist) -> Twist {
+    (a.0.cross(&b.0), a.0.cross(&b.1) + a.1.cross(&b.0))
+}
+
+/// A twist carried by a displacement; both linear parts at `reference`.
+pub(crate) fn carried(by: &Pose, twist: &Twist, reference: &Vector3<f64>) -> Twist {
+    let angular = by.rotation * twist.0;
+    let shifted = by.rotation * reference + by.translation.vector;
+    (angular, by.rotation * twist.1 + angular.cross(&(reference - shifted)))
+}

@@ -1,0 +1,311 @@
+//! Any mechanism as a constraint system.
+
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use super::Mechanism;
+use super::kinematics::{Kinematics, Placed, bracket, carried, minus};
+use crate::Error;
+use crate::constraint::{Configuration, Dimension, System};
+
+/// The loop closures of a mechanism, in coordinates that count from a home configuration.
+///
+/// ```text
+///    Φ  =  (Q ⊗ I_6) · (closure of each joint)        Q Qᵀ = I, rows of Q span the cycles of the graph
+///  (6·loops)
+/// ```
+/// Each loop asks three angles and three lengths; loops are combined to an orthonormal basis of cycles, so that singular values do not depend on which spanning tree was taken.
+/// Lengths are those of the point in the middle of the joints, so that they do not depend on where the base is.
+///
+/// # Source
+/// Loop closure in screws: [Gogu]; the orthonormal cycles are own derivation, `docs/theory.md`
+#[derive(Debug, Clone)]
+pub struct MechanismSystem<'a> {
+    kinematics: Kinematics<'a>,
+    home: DVector<f64>,
+    reference: Vector3<f64>,
+    characteristic_length: f64,
+    /// (loops, joints) orthonormal cycles.
+    cycles: DMatrix<f64>,
+    /// Inverse of the Cholesky factor that makes them so.
+    orthonormalizer: DMatrix<f64>,
+}
+
+impl<'a> MechanismSystem<'a> {
+    /// The system about a home configuration, closed or not.
+    ///
+    /// # Arguments
+    /// * `home` – (f + M) coordinates of the joints, then of the virtual joints [m, rad]
+    ///
+    /// # Errors
+    /// [`Error::WrongLength`], [`Error::NotFinite`].
+    pub fn new(mechanism: &'a Mechanism, home: DVector<f64>) -> Result<Self, Error> {
+        let kinematics = Kinematics::new(mechanism);
+        check(&home, kinematics.dimensions().len())?;
+        let (reference, spread) = middle(&kinematics, &home);
+        let characteristic_length = mechanism.characteristic_length().unwrap_or(spread);
+        let (cycles, orthonormalizer) = orthonormal_cycles(&kinematics);
+        Ok(Self { kinematics, home, reference, characteristic_length, cycles, orthonormalizer })
+    }
+
+    /// The same mechanism about another home.
+    ///
+    /// # Errors
+    /// As [`MechanismSystem::new`].
+    pub fn at(&self, home: DVector<f64>) -> Result<Self, Error> {
+        check(&home, self.home.len())?;
+        let (reference, _) = middle(&self.kinematics, &home);
+        Ok(Self { home, reference, ..self.clone() })
+    }
+
+    /// The same system at a displaced home; reference point and characteristic length stay.
+    ///
+    /// # Errors
+    /// As [`MechanismSystem::new`].
+    pub fn moved(&self, by: &DVector<f64>) -> Result<Self, Error> {
+        check(by, self.home.len())?;
+        Ok(Self { home: self.kinematics.moved(&self.home, by), ..self.clone() })
+    }
+
+    /// Tree, loops and poses.
+    #[must_use]
+    pub fn kinematics(&self) -> &Kinematics<'a> {
+        &self.kinematics
+    }
+
+    /// (f + M) the coordinates that displacements count from [m, rad].
+    #[must_use]
+    pub fn home(&self) -> &DVector<f64> {
+        &self.home
+    }
+
+    /// The home configuration in the coordinates of the system: no displacement.
+    #[must_use]
+    pub fn at_home(&self) -> Configuration {
+        let f = self.freedoms();
+        Configuration {
+            coordinates: DVector::zeros(f),
+            virtual_joints: self.home.rows(f, self.home.len() - f).into_owned(),
+        }
+    }
+
+    /// (loops, joints) how much each joint belongs to each of the orthonormal cycles; a self-stress s acts in joint j by the wrench Σ_l Q_lj s_l.
+    #[must_use]
+    pub fn cycles(&self) -> &DMatrix<f64> {
+        &self.cycles
+    }
+
+    /// The point that lengths of the closures are those of, in the base frame [m].
+    #[must_use]
+    pub fn reference(&self) -> Vector3<f64> {
+        self.reference
+    }
+
+    /// Largest mismatch of each loop, in units of the characteristic length and in radians, named by the joint that closes it.
+    #[must_use]
+    pub fn loop_residuals(&self) -> Vec<(usize, f64)> {
+        let zero = DVector::zeros(self.home.len());
+        let placed = self.kinematics.placed(&self.home, &zero, &self.reference, None);
+        let unit = self.characteristic_length;
+        // Half turns leave no antisymmetric part behind, but are no closure: 2 sin(θ/2) sees them.
+        let sizes = placed.mismatches.iter().map(|mismatch| {
+            let turned = (mismatch.rotation.matrix() - Matrix3::identity()).norm();
+            let shifted = mismatch.rotation * self.reference + mismatch.translation.vector;
+            (turned / std::f64::consts::SQRT_2).max((shifted - self.reference).norm() / unit)
+        });
+        self.kinematics.closing_joints().iter().copied().zip(sizes).collect()
+    }
+
+    fn freedoms(&self) -> usize {
+        self.kinematics.mechanism().joint_freedoms()
+    }
+
+    /// Displacement from home of joints and virtual joints, in one vector.
+    fn displacement(&self, at: &Configuration) -> DVector<f64> {
+        let f = self.freedoms();
+        DVector::from_fn(self.home.len(), |k, _| {
+            if k < f { at.coordinates[k] } else { at.virtual_joints[k - f] - self.home[k] }
+        })
+    }
+
+    fn placed(&self, at: &Configuration, along: Option<&DVector<f64>>) -> Placed {
+        let by = self.displacement(at);
+        self.kinematics.placed(&self.home, &by, &self.reference, along)
+    }
+
+    /// Angular and linear mismatch of each loop.
+    fn raw_residual(&self, placed: &Placed) -> Vec<Vector3<f64>> {
+        let parts = placed.mismatches.iter().flat_map(|mismatch| {
+            let shifted = mismatch.rotation * self.reference + mismatch.translation.vector;
+            [skew_part(mismatch.rotation.matrix()), shifted - self.reference]
+        });
+        parts.collect()
+    }
+
+    /// Combines loops of the tree to orthonormal cycles.
+    fn combined(&self, raw: &DMatrix<f64>) -> DMatrix<f64> {
+        let mut combined = DMatrix::zeros(raw.nrows(), raw.ncols());
+        for l in 0..self.orthonormalizer.nrows() {
+            for k in 0..=l {
+                let weight = self.orthonormalizer[(l, k)];
+                for row in 0..6 {
+                    for column in 0..raw.ncols() {
+                        combined[(6 * l + row, column)] += weight * raw[(6 * k + row, column)];
+                    }
+                }
+            }
+        }
+        combined
+    }
+
+    /// (6·loops, f + M) derivative with respect to the displacement of every joint and virtual joint.
+    pub(super) fn full_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
+        let placed = self.placed(at, None);
+        let loops = self.kinematics.closing_joints().len();
+        let mut raw = DMatrix::zeros(6 * loops, self.home.len());
+        for (l, &joint) in self.kinematics.closing_joints().iter().enumerate() {
+            let mismatch = &placed.mismatches[l];
+            let [first, second] = self.kinematics.mechanism().joints()[joint].links;
+            let rotation = mismatch.rotation.matrix();
+            let to_rows = (Matrix3::identity() * rotation.trace() - rotation) * 0.5;
+            let arm = rotation * self.reference + mismatch.translation.vector - self.reference;
+            let mut add = |column: usize, sense: f64, (angular, linear): super::joint::Twist| {
+                let rows = [to_rows * angular, linear + angular.cross(&arm)];
+                for (half, part) in rows.iter().enumerate() {
+                    for axis in 0..3 {
+                        raw[(6 * l + 3 * half + axis, column)] += sense * part[axis];
+                    }
+                }
+            };
+            for (j, sense) in self.kinematics.path_to(first).chain([(joint, 1.0)]) {
+                self.kinematics.columns_of(j).for_each(|k| add(k, sense, placed.screws[k]));
+            }
+            for (j, sense) in self.kinematics.path_to(second) {
+                self.kinematics.columns_of(j).for_each(|k| {
+                    add(k, -sense, carried(mismatch, &placed.screws[k], &self.reference));
+                });
+            }
+        }
+        self.combined(&raw)
+    }
+}
+
+impl System for MechanismSystem<'_> {
+    fn constraint_dimensions(&self) -> Vec<Dimension> {
+        let one = [[Dimension::Angle; 3], [Dimension::Length; 3]].concat();
+        one.repeat(self.kinematics.closing_joints().len())
+    }
+
+    fn coordinate_dimensions(&self) -> Vec<Dimension> {
+        self.kinematics.dimensions()[..self.freedoms()].to_vec()
+    }
+
+    fn virtual_joint_dimensions(&self) -> Vec<Dimension> {
+        self.kinematics.dimensions()[self.freedoms()..].to_vec()
+    }
+
+    /// The user's, or the root mean square distance of the joints from their middle at home.
+    fn characteristic_length(&self) -> f64 {
+        self.characteristic_length
+    }
+
+    fn residual(&self, at: &Configuration) -> DVector<f64> {
+        let raw = self.raw_residual(&self.placed(at, None));
+        let raw =
+            DMatrix::from_iterator(3 * raw.len(), 1, raw.iter().flat_map(|v| v.iter().copied()));
+        self.combined(&raw).column(0).into_owned()
+    }
+
+    fn constraint_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
+        self.full_jacobian(at).columns(0, self.freedoms()).into_owned()
+    }
+
+    fn virtual_jacobian(&self, at: &Configuration) -> DMatrix<f64> {
+        let f = self.freedoms();
+        self.full_jacobian(at).columns(f, self.home.len() - f).into_owned()
+    }
+
+    fn second_derivative(&self, at: &Configuration, direction: &DVector<f64>) -> DVector<f64> {
+        let mut along = DVector::zeros(self.home.len());
+        along.rows_mut(0, self.freedoms()).copy_from(direction);
+        let placed = self.placed(at, Some(&along));
+        let (links, closing) = self.kinematics.rates(&placed, &along);
+        let c = &self.reference;
+        let mut raw = DMatrix::zeros(6 * closing.len(), 1);
+        for (l, (&joint, beyond)) in
+            self.kinematics.closing_joints().iter().zip(&closing).enumerate()
+        {
+            let mismatch = &placed.mismatches[l];
+            let end = &links[self.kinematics.mechanism().joints()[joint].links[1]];
+            let other = carried(mismatch, &end.velocity, c);
+            let velocity = minus(&beyond.velocity, &other);
+            let other_rate = carried(mismatch, &end.acceleration, c);
+            let acceleration =
+                minus(&minus(&beyond.acceleration, &other_rate), &bracket(&velocity, &other));
+            let (spin, spin_rate) = (velocity.0.cross_matrix(), acceleration.0.cross_matrix());
+            let rotation = mismatch.rotation.matrix();
+            let arm = rotation * c + mismatch.translation.vector - c;
+            let angular = skew_part(&((spin_rate + spin * spin) * rotation));
+            let linear = acceleration.1
+                + acceleration.0.cross(&arm)
+                + velocity.0.cross(&(velocity.1 + velocity.0.cross(&arm)));
+            for axis in 0..3 {
+                raw[(6 * l + axis, 0)] = angular[axis];
+                raw[(6 * l + 3 + axis, 0)] = linear[axis];
+            }
+        }
+        self.combined(&raw).column(0).into_owned()
+    }
+}
+
+/// Whether a coordinate vector has as many numbers as needed, all finite.
+pub(super) fn check(coordinates: &DVector<f64>, expected: usize) -> Result<(), Error> {
+    let what = "the coordinate vector";
+    if coordinates.len() != expected {
+        return Err(Error::WrongLength { what, found: coordinates.len(), expected });
+    }
+    coordinates.iter().try_for_each(|&value| crate::error::finite(what, value).map(|_| ()))
+}
+
+/// The vector of the antisymmetric part: sin θ times the axis for a rotation.
+fn skew_part(m: &Matrix3<f64>) -> Vector3<f64> {
+    Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]) * 0.5
+}
+
+/// Middle of the joints, and their root mean square distance from it; 1 m where all are in one point, since no length matters there.
+fn middle(kinematics: &Kinematics<'_>, home: &DVector<f64>) -> (Vector3<f64>, f64) {
+    let zero = DVector::zeros(home.len());
+    let links = kinematics.placed(home, &zero, &Vector3::zeros(), None).links;
+    let joints = kinematics.mechanism().joints();
+    let points: Vec<Vector3<f64>> = joints
+        .iter()
+        .flat_map(|joint| {
+            [0, 1].map(|side| (links[joint.links[side]] * joint.frames[side]).translation.vector)
+        })
+        .collect();
+    #[expect(clippy::cast_precision_loss, reason = "a count of joints")]
+    let count = points.len() as f64;
+    let middle = points.iter().sum::<Vector3<f64>>() / count;
+    let largest = points.iter().map(Vector3::amax).fold(0.0, f64::max);
+    let spread = points.iter().map(|point| (point - middle).norm_squared()).sum::<f64>() / count;
+    let spread = spread.sqrt();
+    (middle, if spread > 1e-12 * largest { spread } else { 1.0 })
+}
+
+/// Orthonormal rows that span the cycles of the graph, and the matrix that makes them of the loops of the tree.
+fn orthonormal_cycles(kinematics: &Kinematics<'_>) -> (DMatrix<f64>, DMatrix<f64>) {
+    let joints = kinematics.mechanism().joints();
+    let cuts = kinematics.closing_joints();
+    let mut loops = DMatrix::zeros(cuts.len(), joints.len());
+    for (l, &joint) in cuts.iter().enumerate() {
+        let [first, second] = joints[joint].links;
+        loops[(l, joint)] = 1.0;
+        kinematics.path_to(first).for_each(|(j, sense)| loops[(l, j)] += sense);
+        kinematics.path_to(second).for_each(|(j, sense)| loops[(l, j)] -= sense);
+    }
+    let gram = &loops * loops.transpose();
+    let factor = gram.cholesky().expect("each loop has a closing joint of its own").l();
+    let inverse = factor
+        .solve_lower_triangular(&DMatrix::identity(cuts.len(), cuts.len()))
+        .expect("a Cholesky factor has a positive diagonal");
+    (&inverse * loops, inverse)
+}

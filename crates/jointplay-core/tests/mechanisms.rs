@@ -1,0 +1,492 @@
+//! Laws of mechanisms in general, and the robot described as one.
+
+use jointplay_core::Error;
+use jointplay_core::constraint::{Configuration, System};
+use jointplay_core::mechanism::{
+    Carrier, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem, Play, ReliefSolver,
+    Stop, VirtualJoint, VirtualMotion, assemble, branches, close, drive, guess, relieve, suggest,
+};
+use jointplay_core::mobility::{
+    RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
+};
+use jointplay_core::nalgebra::{
+    DVector, Matrix3, Rotation3, Translation3, Unit, UnitVector3, Vector3,
+};
+use jointplay_core::spatial::Pose;
+
+fn frame(point: [f64; 3], axis: [f64; 3]) -> Pose {
+    let z = Unit::new_normalize(Vector3::from(axis));
+    let other = if z.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let y = z.cross(&other).normalize();
+    let x = y.cross(&z);
+    Pose::from_parts(
+        Translation3::from(Vector3::from(point)),
+        Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, y, z.into_inner()])),
+    )
+}
+
+fn joint(name: &str, kind: JointKind, links: [usize; 2], point: [f64; 3], axis: [f64; 3]) -> Joint {
+    let place = frame(point, axis);
+    Joint {
+        name: name.to_owned(),
+        kind,
+        links,
+        frames: [place; 2],
+        actuated: false,
+        guess: Vec::new(),
+        limits: Vec::new(),
+        clearance: Play::default(),
+        stiffness: Play::default(),
+    }
+}
+
+fn names(count: usize) -> Vec<String> {
+    (0..count).map(|k| format!("link {k}")).collect()
+}
+
+/// A single loop of revolute joints, in a closed configuration.
+fn ring(points: &[[f64; 3]], axes: &[[f64; 3]]) -> Mechanism {
+    let count = points.len();
+    let joints = (0..count)
+        .map(|k| {
+            let links = [k, (k + 1) % count];
+            joint(&format!("j{k}"), JointKind::Revolute, links, points[k], axes[k])
+        })
+        .collect();
+    Mechanism::new("ring", names(count), joints).unwrap()
+}
+
+fn home(mechanism: &Mechanism) -> DVector<f64> {
+    DVector::zeros(mechanism.joint_freedoms() + mechanism.virtual_joints().len())
+}
+
+const BRICARD: ([[f64; 3]; 6], [[f64; 3]; 6]) = (
+    [
+        [0.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+        [1.0, -1.0, 0.0],
+        [1.0, -1.0, 1.0],
+        [0.0, -1.0, 1.0],
+        [0.0, 0.0, 1.0],
+    ],
+    [
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+        [1.0, 0.0, 0.0],
+    ],
+);
+
+#[track_caller]
+fn check(
+    mechanism: &Mechanism,
+    rank: usize,
+    instantaneous: usize,
+    finite: usize,
+    redundancy: usize,
+) {
+    let system = MechanismSystem::new(mechanism, home(mechanism)).unwrap();
+    let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
+    let first = &found.instantaneous;
+    assert_eq!(
+        (first.rank, first.mobility, found.mobility, first.redundancy),
+        (rank, instantaneous, Some(finite), redundancy),
+        "{:?}",
+        first.singular_values
+    );
+}
+
+#[test]
+fn known_linkages() {
+    let planar = ring(
+        &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.3], [2.0, 2.0, 0.0], [3.0, 0.0, 0.0]],
+        &[[0.0, 0.0, 1.0]; 4],
+    );
+    check(&planar, 3, 1, 1, 3);
+    check(&ring(&BRICARD.0, &BRICARD.1), 5, 1, 1, 1);
+    let spherical = ring(
+        &[[0.0; 3]; 4],
+        &[[0.0, 0.0, 1.0], [0.3, 0.0, 1.0], [0.5, 0.6, 1.0], [-0.2, 0.7, 1.0]],
+    );
+    check(&spherical, 3, 1, 1, 3);
+}
+
+const RADIUS: f64 = 0.093218;
+
+/// Three rods, three balls, a platform.
+fn gpr(virtual_joints: impl Fn(usize, Vector3<f64>) -> Vec<VirtualMotion>) -> Mechanism {
+    let links = ["base", "rod 1", "rod 2", "rod 3", "platform"].map(str::to_owned).to_vec();
+    let (mut joints, mut relief) = (Vec::new(), Vec::new());
+    for k in 0..3 {
+        let angle = [0.0, 120.0_f64, 240.0][k].to_radians();
+        let ball = Vector3::new(RADIUS * angle.cos(), RADIUS * angle.sin(), 0.0);
+        let mut rod =
+            joint(&format!("q{k}"), JointKind::Prismatic, [0, k + 1], ball.into(), [0.0, 0.0, 1.0]);
+        // Rods are as long as their coordinate says.
+        rod.frames[1] = rod.frames[0];
+        rod.actuated = true;
+        joints.push(rod);
+        joints.push(joint(
+            &format!("s{k}"),
+            JointKind::Spherical,
+            [k + 1, 4],
+            ball.into(),
+            [0.0, 0.0, 1.0],
+        ));
+        for (m, motion) in virtual_joints(k, ball).into_iter().enumerate() {
+            relief.push(VirtualJoint {
+                name: format!("x{k}{m}"),
+                joint: 2 * k + 1,
+                carrier: Carrier::Second,
+                motion,
+                clearance: None,
+                stiffness: None,
+            });
+        }
+    }
+    Mechanism::new("GPR", links, joints).unwrap().with_virtual_joints(relief).unwrap()
+}
+
+fn radial(_: usize, ball: Vector3<f64>) -> Vec<VirtualMotion> {
+    vec![VirtualMotion::Slide(UnitVector3::new_normalize(ball))]
+}
+
+#[test]
+fn the_robot_as_a_mechanism() {
+    let robot = gpr(radial);
+    let mut at = home(&robot);
+    for k in 0..3 {
+        at[4 * k] = 0.5;
+    }
+    let system = MechanismSystem::new(&robot, at).unwrap();
+    let level = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
+    assert_eq!(level.instantaneous.rank, 9);
+    assert_eq!(level.instantaneous.mobility, 3);
+    assert_eq!(level.mobility, Some(1));
+    let relieved = augmented_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
+    assert_eq!((relieved.rank, relieved.mobility), (12, 3));
+
+    let mut tilted = system.home().clone();
+    for (k, q) in [0.49674475571, 0.501627622145, 0.501627622145].into_iter().enumerate() {
+        tilted[4 * k] = q;
+    }
+    let free: Vec<usize> = (0..tilted.len()).filter(|k| ![0, 4, 8].contains(k)).collect();
+    let closed = close(&system.at(tilted).unwrap(), &free, 50).unwrap();
+    assert!(closed.is_closed(), "{closed:?}");
+    for (k, expected) in [93.303230751, 93.218, 93.218].into_iter().enumerate() {
+        let l = (RADIUS + closed.coordinates[12 + k]) * 1e3;
+        assert!((l - expected).abs() < 1e-8, "{l} {expected}");
+    }
+    let there = system.at(closed.coordinates).unwrap();
+    let found = finite_mobility(&there, &there.at_home(), RANK_THRESHOLD).unwrap();
+    assert_eq!((found.instantaneous.rank, found.instantaneous.mobility), (11, 1));
+    assert_eq!(found.mobility, Some(1));
+}
+
+/// Jacobians and second derivative against differences, at a displaced and open configuration.
+#[test]
+fn derivatives_are_those_of_the_residual() {
+    let kinds = [
+        JointKind::Universal,
+        JointKind::Spherical,
+        JointKind::Helical { lead: 0.3 },
+        JointKind::Planar,
+        JointKind::Cylindrical,
+        JointKind::Revolute,
+        JointKind::Floating,
+        JointKind::Prismatic,
+    ];
+    // Two loops, joints in both senses.
+    let links = [[0, 1], [2, 1], [2, 3], [3, 0], [4, 2], [0, 4], [3, 5], [5, 4]];
+    let joints = kinds.iter().zip(links).enumerate().map(|(k, (&kind, links))| {
+        let s = k as f64;
+        let point = [s.sin(), (2.0 * s).cos(), 0.3 * s];
+        joint(&format!("j{k}"), kind, links, point, [0.3 + (3.0 * s).sin(), 0.5, s.cos()])
+    });
+    let turn = VirtualMotion::Turn { axis: Vector3::y_axis(), point: Vector3::new(0.1, 0.2, 0.3) };
+    let slide = VirtualMotion::Slide(Vector3::x_axis());
+    let relief =
+        [(0, turn, Carrier::First), (3, slide, Carrier::Second), (5, turn, Carrier::Second)]
+            .into_iter()
+            .enumerate()
+            .map(|(m, (joint, motion, carrier))| VirtualJoint {
+                name: format!("x{m}"),
+                joint,
+                carrier,
+                motion,
+                clearance: None,
+                stiffness: None,
+            });
+    let mechanism = Mechanism::new("all kinds", names(6), joints.collect())
+        .unwrap()
+        .with_virtual_joints(relief.collect())
+        .unwrap();
+    let f = mechanism.joint_freedoms();
+    let home = DVector::from_fn(f + 3, |k, _| 0.3 * (k as f64 * 1.7).sin());
+    let system = MechanismSystem::new(&mechanism, home).unwrap();
+    let mut at = system.at_home();
+    at.coordinates = DVector::from_fn(f, |k, _| 0.2 * (k as f64).cos());
+    let direction = DVector::from_fn(f, |k, _| (k as f64 * 0.7).sin());
+    let shifted = |t: f64, m: Option<usize>| {
+        let mut there = at.clone();
+        match m {
+            None => there.coordinates += &direction * t,
+            Some(m) => there.virtual_joints[m] += t,
+        }
+        system.residual(&there)
+    };
+    let h = 1e-6;
+    let along = (shifted(h, None) - shifted(-h, None)) / (2.0 * h);
+    assert!((along - system.constraint_jacobian(&at) * &direction).amax() < 1e-8);
+    for m in 0..3 {
+        let along = (shifted(h, Some(m)) - shifted(-h, Some(m))) / (2.0 * h);
+        assert!((along - system.virtual_jacobian(&at).column(m)).amax() < 1e-8);
+    }
+    let there = |t: f64| Configuration {
+        coordinates: &at.coordinates + &direction * t,
+        virtual_joints: at.virtual_joints.clone(),
+    };
+    let second = (system.constraint_jacobian(&there(h)) - system.constraint_jacobian(&there(-h)))
+        * &direction
+        / (2.0 * h);
+    let off = (second - system.second_derivative(&at, &direction)).amax();
+    assert!(off < 1e-7, "{off}");
+    assert_eq!(Kinematics::new(&mechanism).closing_joints().len(), 3);
+}
+
+#[test]
+fn the_count_of_loops() {
+    let robot = gpr(radial);
+    assert_eq!((robot.loops(), robot.joint_freedoms()), (2, 12));
+    let found = instantaneous_mobility(
+        &MechanismSystem::new(&robot, home(&robot)).unwrap(),
+        &MechanismSystem::new(&robot, home(&robot)).unwrap().at_home(),
+        RANK_THRESHOLD,
+    )
+    .unwrap();
+    assert_eq!(found.rank + found.redundancy, 12);
+}
+
+fn four_bar() -> Mechanism {
+    ring(
+        &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.3], [3.0, 2.0, 0.0], [3.5, 0.0, 0.0]],
+        &[[0.0, 0.0, 1.0]; 4],
+    )
+}
+
+#[test]
+fn a_crank_turns_all_the_way_and_comes_back() {
+    let mechanism = four_bar();
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let way = [Drive { coordinate: 0, to: std::f64::consts::TAU }];
+    let motion = drive(&system, &way, &[1, 2, 3], 72).unwrap();
+    assert_eq!(motion.stopped, None);
+    assert_eq!(motion.waypoints.len(), 73);
+    assert!(motion.singular.is_empty(), "{:?}", motion.singular);
+    assert!(motion.waypoints.iter().all(|point| point.residual < 1e-11));
+    // Distances that two pins keep, whatever the angles say.
+    for point in &motion.waypoints {
+        let links = system.kinematics().link_poses(&point.coordinates).unwrap();
+        let pin = |link: usize, p: [f64; 3]| links[link] * nalgebra_point(p);
+        let coupler = (pin(1, [0.0, 1.0, 0.0]) - pin(3, [3.0, 2.0, 0.0])).norm();
+        assert!((coupler - 10.0_f64.sqrt()).abs() < 1e-11);
+    }
+    let last = &motion.waypoints[72].coordinates;
+    let turns = last[1] / std::f64::consts::TAU;
+    assert!((turns - turns.round()).abs() < 1e-9, "{turns}");
+}
+
+fn nalgebra_point(p: [f64; 3]) -> jointplay_core::nalgebra::Point3<f64> {
+    p.into()
+}
+
+#[test]
+fn a_rocker_locks_at_its_dead_point() {
+    let mechanism = four_bar();
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    // The last pin is the rocker's: it cannot go round.
+    let way = [Drive { coordinate: 3, to: 3.0 }];
+    let motion = drive(&system, &way, &[0, 1, 2], 60).unwrap();
+    assert_eq!(motion.stopped, Some(Stop::Locked));
+    let last = motion.waypoints.last().unwrap();
+    assert!(last.share > 0.01 && last.share < 0.9, "{}", last.share);
+    assert!(last.residual < 1e-11);
+}
+
+#[test]
+fn a_parallelogram_passes_through_its_flat_bifurcation() {
+    let mechanism = ring(
+        &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 0.0]],
+        &[[0.0, 0.0, 1.0]; 4],
+    );
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let motion = drive(&system, &[Drive { coordinate: 0, to: -3.0 }], &[1, 2, 3], 37).unwrap();
+    assert_eq!(motion.stopped, None);
+    assert_eq!(motion.singular.len(), 1, "{:?}", motion.singular);
+    let flat = &motion.singular[0];
+    assert!((flat.share * 3.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-4);
+    assert_eq!(flat.instantaneous_mobility, 2);
+    // Still a parallelogram beyond.
+    let last = motion.waypoints.last().unwrap();
+    assert!((last.coordinates[0] + last.coordinates[1]).abs() < 1e-9, "{}", last.coordinates);
+}
+
+#[test]
+fn links_that_do_not_fit_are_told_from_a_bad_guess() {
+    // A triangle of pins is rigid; one side too long for the other two cannot close.
+    let triangle = |long: f64| {
+        let place = |x: f64| frame([x, 0.0, 0.0], [0.0, 0.0, 1.0]);
+        let joints = [(1.0, 0), (1.0, 1), (long, 2)].map(|(length, k)| Joint {
+            frames: [place(if k == 0 { 0.0 } else { length }), place(0.0)],
+            guess: vec![2.0],
+            ..joint(
+                &format!("j{k}"),
+                JointKind::Revolute,
+                [k, (k + 1) % 3],
+                [0.0; 3],
+                [0.0, 0.0, 1.0],
+            )
+        });
+        let mut joints = joints.to_vec();
+        joints[2].frames[1] = place(1.2);
+        Mechanism::new("triangle", names(3), joints).unwrap()
+    };
+    let good = triangle(1.0);
+    assert!(assemble(&good, &guess(&good), &[], 8).unwrap().is_closed());
+    assert_eq!(branches(&good, &guess(&good), &[], 40).unwrap().len(), 2);
+    let bad = triangle(5.0);
+    let Err(Error::NotAssembled(found)) = assemble(&bad, &guess(&bad), &[], 8) else {
+        panic!("a side of 5 between sides of 1 and 1.2");
+    };
+    assert!(found.branches.is_empty() && found.best.residual > 0.1);
+    assert_eq!(found.loops.len(), 1);
+}
+
+/// Polar virtual joints of a ball: about the platform's middle, then along the turned radius.
+fn polar(_: usize, ball: Vector3<f64>) -> Vec<VirtualMotion> {
+    vec![
+        VirtualMotion::Turn { axis: Vector3::z_axis(), point: Vector3::zeros() },
+        VirtualMotion::Slide(UnitVector3::new_normalize(ball)),
+    ]
+}
+
+fn planar(_: usize, _: Vector3<f64>) -> Vec<VirtualMotion> {
+    vec![VirtualMotion::Slide(Vector3::x_axis()), VirtualMotion::Slide(Vector3::y_axis())]
+}
+
+/// The closed-form robot and the general engine: rods, virtual joints, centre, to round-off.
+#[test]
+fn both_ways_agree_on_the_robot() {
+    use jointplay_core::gpr::{AxisHeight, Gpr};
+    use jointplay_core::sensitivity::{commanded_sensitivity, sensitivity};
+    use jointplay_core::spatial::Tilt;
+    use jointplay_core::virtualization::{
+        Metric, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
+    };
+    let closed_form = Gpr::paper();
+    let models: [(&dyn Virtualization, Mechanism, f64); 4] = [
+        (&Radial, gpr(radial), RADIUS),
+        (&Polar, gpr(polar), RADIUS),
+        (&Polar, gpr(polar), 1e-3),
+        (&Planar, gpr(planar), RADIUS),
+    ];
+    for (model, mechanism, length) in models {
+        let mechanism = mechanism.with_characteristic_length(length).unwrap();
+        for (yaw, pitch) in [(0.0, 0.0), (0.0, 0.035), (1.1, 0.02), (-2.5, 0.03)] {
+            let rods = closed_form.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
+            let options = SolveOptions {
+                metric: Metric::Length(length),
+                solver: Solver::LeastNorm,
+                ..SolveOptions::default()
+            };
+            let expected = closed_form.forward(rods, model, &options).unwrap();
+            let mut start = home(&mechanism);
+            (0..3).for_each(|k| start[4 * k] = rods[k]);
+            let system = MechanismSystem::new(&mechanism, start).unwrap();
+            let found = relieve(&system, &[0, 4, 8], ReliefSolver::LeastNorm).unwrap();
+            let context = format!("{} {length} {yaw} {pitch}", model.name());
+            // What the closed form calls l and φ: the radius itself, and angles, by joint kind.
+            let x: Vec<f64> = expected.solution.virtual_joints.to_vec();
+            for k in 0..3 {
+                let (from_general, from_closed): (Vec<f64>, Vec<f64>) = match model.name() {
+                    "radial" => (vec![found.virtual_joints[k]], vec![x[k] - RADIUS]),
+                    "polar" => (
+                        vec![found.virtual_joints[2 * k + 1], found.virtual_joints[2 * k]],
+                        vec![x[k] - RADIUS, x[3 + k]],
+                    ),
+                    _ => (
+                        vec![found.virtual_joints[2 * k], found.virtual_joints[2 * k + 1]],
+                        vec![x[k], x[3 + k]],
+                    ),
+                };
+                for (a, b) in from_general.iter().zip(&from_closed) {
+                    assert!((a - b).abs() < 2e-12, "{context}: {x:?} {}", found.virtual_joints);
+                }
+            }
+            let at = system.at(found.coordinates).unwrap();
+            let platform = at.kinematics().link_poses(at.home()).unwrap()[4];
+            let off = platform.to_homogeneous() - expected.base_from_platform.to_homogeneous();
+            assert!(off.amax() < 1e-11, "{context} {off}");
+            // Ranks, and how sensitive the virtual joints are to the rods.
+            let by_formula = closed_form.system(model);
+            let there = by_formula.configuration(&expected);
+            let first = instantaneous_mobility(&by_formula, &there, RANK_THRESHOLD).unwrap();
+            let general = instantaneous_mobility(&at, &at.at_home(), RANK_THRESHOLD).unwrap();
+            assert_eq!(
+                (general.rank, general.mobility, general.redundancy),
+                (first.rank, first.mobility, first.redundancy),
+                "{context}"
+            );
+            let a = commanded_sensitivity(&by_formula, &there, &[0, 1, 2], length, RANK_THRESHOLD)
+                .unwrap();
+            let b = commanded_sensitivity(&at, &at.at_home(), &[0, 4, 8], length, RANK_THRESHOLD)
+                .unwrap();
+            assert!(
+                (a.singular_values() - b.singular_values()).amax() < 1e-11,
+                "{context} {} {}",
+                a.singular_values(),
+                b.singular_values()
+            );
+            let _ = sensitivity(&at, &at.at_home(), length, RANK_THRESHOLD).unwrap();
+        }
+    }
+}
+
+/// Rods for tilts of 2° toward four sides.
+fn tilts(robot: &jointplay_core::gpr::Gpr) -> Vec<DVector<f64>> {
+    use jointplay_core::gpr::AxisHeight;
+    use jointplay_core::spatial::Tilt;
+    [0.0, 0.7, 1.9, 4.0]
+        .map(|yaw| {
+            let tilt = Tilt { yaw, pitch: 2.0_f64.to_radians() };
+            DVector::from_row_slice(&robot.inverse(tilt, AxisHeight(0.5)).unwrap())
+        })
+        .to_vec()
+}
+
+#[test]
+fn where_the_robot_needs_play() {
+    let closed_form = jointplay_core::gpr::Gpr::paper();
+    let mechanism = gpr(|_, _| Vec::new());
+    let mut start = home(&mechanism);
+    (0..3).for_each(|k| start[4 * k] = 0.5);
+    let found = suggest(&mechanism, &start, &[0, 4, 8], &tilts(&closed_form)).unwrap();
+    let names = |n: usize| -> Vec<&str> {
+        found.sets[n].virtual_joints.iter().map(|joint| joint.name.as_str()).collect()
+    };
+    for (n, set) in found.sets.iter().enumerate().take(12) {
+        println!("{:?} {:.3e} {} {:?}", names(n), set.size, set.symmetric, set.largest);
+    }
+    println!("{} {} {}", found.candidates, found.compared, found.cut_short);
+    let radial = (0..found.sets.len()).find(|&n| {
+        names(n) == ["s0", "s1", "s2"].map(|ball| format!("radial slide of platform at {ball}"))
+    });
+    let radial = &found.sets[radial.expect("the paper's three radial slides")];
+    assert!(radial.symmetric);
+    // R (1 − cos α) / 2 … 3/2 of it, by the closed form.
+    let most = 1.5 * RADIUS * (1.0 - 2.0_f64.to_radians().cos());
+    assert!(radial.largest.iter().all(|x| *x > 0.3 * most && *x < 1.01 * most));
+    assert!(found.sets.iter().all(|set| set.virtual_joints.len() >= 3));
+}
