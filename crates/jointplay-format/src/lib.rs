@@ -17,6 +17,8 @@
 //! ```
 
 pub mod explain;
+pub mod mechanism;
+pub mod place;
 pub mod report;
 pub mod robot;
 pub mod steps;

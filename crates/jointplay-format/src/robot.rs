@@ -6,6 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::explain::explain;
+use crate::place::Form;
 use crate::units::m_from_mm;
 
 /// The file of the paper's robot.
@@ -20,49 +21,16 @@ pub struct Robot {
     pub gpr: Gpr,
 }
 
-/// Where in a file something is wrong.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
-    /// Line, counted from 1.
-    pub line: usize,
-    /// Column in characters, counted from 1.
-    pub column: usize,
-    /// How many characters are meant.
-    pub width: usize,
-    /// The line itself.
-    pub text: String,
-}
-
 /// Why a text is no robot, and where.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{problem}")]
-pub struct Error {
-    /// Where in the file.
-    pub place: Place,
-    /// What is wrong there.
-    pub problem: Box<Problem>,
-}
+pub type Error = crate::place::Error<Problem>;
 
 /// What can be wrong in a robot file.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Problem {
-    /// A key that does not exist.
-    #[error("unknown key `{key}`{}; known here: {}", suggestion(nearest), known.join(", "))]
-    UnknownKey {
-        /// The key found.
-        key: String,
-        /// The known key most like it.
-        nearest: Option<String>,
-        /// All keys known there.
-        known: Vec<String>,
-    },
-    /// Not TOML, a missing key, or a value of the wrong type.
-    #[error("{message}")]
-    Form {
-        /// What the TOML reader says.
-        message: String,
-    },
+    /// Not TOML, an unknown or missing key, or a value of the wrong type.
+    #[error(transparent)]
+    Form(#[from] Form),
     /// A number that is NaN or infinite.
     #[error("`{key}` is {value}, but has to be a finite number")]
     NotFinite {
@@ -100,24 +68,6 @@ pub enum Problem {
     /// Numbers that make no robot.
     #[error("{}", explain(.0))]
     Geometry(jointplay_core::Error),
-}
-
-fn suggestion(nearest: &Option<String>) -> String {
-    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
-}
-
-impl Error {
-    /// The whole message: file, line and column, the line itself, and a caret under what is meant.
-    #[must_use]
-    pub fn with_excerpt(&self, file: &str) -> String {
-        let Place { line, column, width, text } = &self.place;
-        let number = line.to_string();
-        let (gutter, before) = (" ".repeat(number.len()), " ".repeat(column - 1));
-        let carets = "^".repeat((*width).max(1));
-        format!(
-            "{file}:{line}:{column}: {self}\n{gutter} |\n{number} | {text}\n{gutter} | {before}{carets}"
-        )
-    }
 }
 
 #[derive(Deserialize)]
@@ -162,8 +112,8 @@ pub fn paper() -> Robot {
 /// # Errors
 /// [`Error`] with the place: TOML that is malformed, keys that are missing or unknown, numbers that are not finite or make no robot.
 pub fn parse(text: &str) -> Result<Robot, Error> {
-    let file: File = toml::from_str(text).map_err(|error| reading_error(text, &error))?;
-    let wrong = |span, problem| Error { place: place(text, span), problem: Box::new(problem) };
+    let file: File = crate::place::read(text)?;
+    let wrong = |span, problem| Error::at(text, span, problem);
     if file.kind.get_ref() != "gpr" {
         return Err(wrong(file.kind.span(), Problem::Kind { found: file.kind.into_inner() }));
     }
@@ -229,43 +179,6 @@ fn blame(file: &File, error: &jointplay_core::Error) -> std::ops::Range<usize> {
             point.map_or_else(|| file.limb[0].get_ref().socket_angle_deg.span(), Spanned::span)
         }
         _ => file.limb[0].get_ref().socket_angle_deg.span(),
-    }
-}
-
-/// An error of the TOML reader as one of ours.
-fn reading_error(text: &str, error: &toml::de::Error) -> Error {
-    let place = place(text, error.span().unwrap_or(0..0));
-    let message = error.message();
-    // serde names the unknown key and the known ones between backticks; a test holds it to that.
-    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let problem = match quoted.split_first() {
-        Some((&key, known)) if message.starts_with("unknown field") => {
-            let nearest = known
-                .iter()
-                .map(|name| (strsim::jaro_winkler(key, name), *name))
-                .filter(|(likeness, _)| *likeness > 0.7)
-                .max_by(|a, b| a.0.total_cmp(&b.0))
-                .map(|(_, name)| name.to_owned());
-            let known = known.iter().map(|&name| name.to_owned()).collect();
-            Problem::UnknownKey { key: key.to_owned(), nearest, known }
-        }
-        _ => Problem::Form {
-            message: message.replace('\n', " ").replace("missing field", "missing key"),
-        },
-    };
-    Error { place, problem: Box::new(problem) }
-}
-
-fn place(text: &str, span: std::ops::Range<usize>) -> Place {
-    let start = span.start.min(text.len());
-    let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
-    let line = text[line_start..].lines().next().unwrap_or_default();
-    let within = text.get(start..span.end.min(line_start + line.len())).unwrap_or_default();
-    Place {
-        line: text[..start].matches('\n').count() + 1,
-        column: text[line_start..start].chars().count() + 1,
-        width: within.chars().count(),
-        text: line.to_owned(),
     }
 }
 

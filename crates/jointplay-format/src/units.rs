@@ -29,7 +29,7 @@ pub fn deg(radians: f64) -> f64 {
 }
 
 /// Moves the decimal point of the shortest decimal that stands for `value`.
-fn shift(value: f64, places: i32) -> f64 {
+pub(crate) fn shift(value: f64, places: i32) -> f64 {
     let text = format!("{value:e}");
     let moved = text.split_once('e').and_then(|(digits, exponent)| {
         let exponent: i32 = exponent.parse().ok()?;

@@ -1,0 +1,39 @@
+//! Mechanism files: TOML that says links, joints and virtual joints, with parameters and formulas.
+//!
+//! ```
+//! let file = jointplay_format::mechanism::parse(r#"
+//!     kind = "mechanism"
+//!     name = "door"
+//!     units = { length = "mm", angle = "deg" }
+//!     base = "wall"
+//!     [parameters]
+//!     width = 900
+//!     [[joint]]
+//!     name = "hinge"
+//!     kind = "revolute"
+//!     links = ["wall", "door"]
+//!     point = ["width / 2", 0, 0]
+//!     axis = [0, 0, 1]
+//!     limits = [0, 90]
+//! "#)?;
+//! let hinge = &file.mechanism.joints()[0];
+//! assert_eq!(hinge.frames[0].translation.x, 0.45);
+//! assert_eq!(hinge.limits, [[0.0, f64::to_radians(90.0)]]);
+//! # Ok::<(), jointplay_format::mechanism::Error>(())
+//! ```
+
+mod expression;
+mod file;
+mod frame;
+mod joint;
+mod parameters;
+mod problem;
+mod read;
+mod values;
+mod write;
+
+pub use expression::{AngleUnit, ExpressionProblem};
+pub use problem::{Error, Problem};
+pub use read::{Expected, MAX_BYTES, MechanismFile, kind_of, parse, parse_with};
+pub use values::{LengthUnit, Units};
+pub use write::write;

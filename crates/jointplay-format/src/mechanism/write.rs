@@ -1,0 +1,122 @@
+//! The file of a mechanism.
+
+use std::f64::consts::TAU;
+use std::fmt::Write as _;
+
+use jointplay_core::mechanism::{
+    Carrier, Joint, JointKind, Mechanism, Play, VirtualJoint, VirtualMotion,
+};
+use nalgebra::Vector3;
+
+/// Writes a mechanism file in m and rad, each joint placed on each of its links.
+///
+/// The file read again is the same mechanism; only its links are numbered in the order in which joints name them.
+///
+/// # Arguments
+/// * `source` – where the mechanism comes from
+#[must_use]
+pub fn write(mechanism: &Mechanism, source: Option<&str>) -> String {
+    let mut file = format!("kind = \"mechanism\"\nname = {}\n", quoted(mechanism.name()));
+    if let Some(source) = source {
+        line(&mut file, "source", quoted(source));
+    }
+    line(&mut file, "units", "{ length = \"m\", angle = \"rad\" }");
+    line(&mut file, "base", quoted(&mechanism.links()[0]));
+    if let Some(length) = mechanism.characteristic_length() {
+        line(&mut file, "characteristic_length", decimal(length));
+    }
+    for joint in mechanism.joints() {
+        write_joint(&mut file, mechanism, joint);
+    }
+    for joint in mechanism.virtual_joints() {
+        write_virtual_joint(&mut file, mechanism, joint);
+    }
+    file
+}
+
+fn write_joint(file: &mut String, mechanism: &Mechanism, joint: &Joint) {
+    let link = |side: usize| quoted(&mechanism.links()[joint.links[side]]);
+    file.push_str("\n[[joint]]\n");
+    line(file, "name", quoted(&joint.name));
+    line(file, "kind", quoted(joint.kind.name()));
+    line(file, "links", format!("[{}, {}]", link(0), link(1)));
+    let x_key = if joint.kind == JointKind::Universal { "second_axis" } else { "zero" };
+    file.push_str("frames = [\n");
+    for frame in &joint.frames {
+        let rotation = frame.rotation.matrix();
+        let line = format!(
+            "  {{ point = {}, axis = {}, {x_key} = {} }},\n",
+            vector(&frame.translation.vector),
+            vector(&rotation.column(2).into_owned()),
+            vector(&rotation.column(0).into_owned()),
+        );
+        file.push_str(&line);
+    }
+    file.push_str("]\n");
+    if let JointKind::Helical { lead } = joint.kind {
+        line(file, "lead", decimal(lead * TAU));
+    }
+    if joint.actuated {
+        line(file, "actuated", "true");
+    }
+    if !joint.limits.is_empty() {
+        let pairs = joint.limits.iter().map(|pair| list(pair)).collect::<Vec<_>>();
+        line(file, "limits", format!("[{}]", pairs.join(", ")));
+    }
+    if !joint.guess.is_empty() {
+        line(file, "guess", list(&joint.guess));
+    }
+    for (key, play) in [("clearance", joint.clearance), ("stiffness", joint.stiffness)] {
+        let Play { linear, angular } = play;
+        let entries: Vec<_> = [("linear", linear), ("angular", angular)]
+            .into_iter()
+            .filter_map(|(key, value)| value.map(|value| format!("{key} = {}", decimal(value))))
+            .collect();
+        if !entries.is_empty() {
+            line(file, key, format!("{{ {} }}", entries.join(", ")));
+        }
+    }
+}
+
+fn write_virtual_joint(file: &mut String, mechanism: &Mechanism, virtual_joint: &VirtualJoint) {
+    let joint = &mechanism.joints()[virtual_joint.joint];
+    let side = usize::from(virtual_joint.carrier == Carrier::Second);
+    file.push_str("\n[[virtual_joint]]\n");
+    line(file, "name", quoted(&virtual_joint.name));
+    line(file, "joint", quoted(&joint.name));
+    line(file, "on", quoted(&mechanism.links()[joint.links[side]]));
+    match virtual_joint.motion {
+        VirtualMotion::Slide(axis) => line(file, "slide", vector(&axis)),
+        VirtualMotion::Turn { axis, point } => {
+            line(file, "turn", vector(&axis));
+            line(file, "about", vector(&point));
+        }
+    }
+    if let Some(clearance) = virtual_joint.clearance {
+        line(file, "clearance", decimal(clearance));
+    }
+    if let Some(stiffness) = virtual_joint.stiffness {
+        line(file, "stiffness", decimal(stiffness));
+    }
+}
+
+fn line(file: &mut String, key: &str, value: impl std::fmt::Display) {
+    writeln!(file, "{key} = {value}").expect("a string takes any text");
+}
+
+fn quoted(text: &str) -> String {
+    toml::Value::from(text).to_string()
+}
+
+/// The shortest decimal that reads back as the same number.
+fn decimal(value: f64) -> String {
+    format!("{value:?}")
+}
+
+fn list(values: &[f64]) -> String {
+    format!("[{}]", values.iter().map(|&value| decimal(value)).collect::<Vec<_>>().join(", "))
+}
+
+fn vector(vector: &Vector3<f64>) -> String {
+    list(vector.as_slice())
+}

@@ -1,0 +1,135 @@
+//! Where in a file something is wrong, for every file of TOML that is read strictly.
+
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+
+/// Most names listed in a message.
+const MOST_LISTED: usize = 16;
+
+/// Where in a file something is wrong.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Place {
+    /// Line, counted from 1.
+    pub line: usize,
+    /// Column in characters, counted from 1.
+    pub column: usize,
+    /// How many characters are meant.
+    pub width: usize,
+    /// The line itself.
+    pub text: String,
+}
+
+impl Place {
+    /// The place of a span of bytes; the first line of it, where it has several.
+    pub(crate) fn of(text: &str, span: Range<usize>) -> Self {
+        let start = span.start.min(text.len());
+        let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
+        let line = text[line_start..].lines().next().unwrap_or_default();
+        let within = text.get(start..span.end.min(line_start + line.len())).unwrap_or_default();
+        Self {
+            line: text[..start].matches('\n').count() + 1,
+            column: text[line_start..start].chars().count() + 1,
+            width: within.chars().count(),
+            text: line.to_owned(),
+        }
+    }
+}
+
+/// Why a file is refused, and where.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{problem}")]
+pub struct Error<P> {
+    /// Where in the file.
+    pub place: Place,
+    /// What is wrong there.
+    pub problem: Box<P>,
+}
+
+impl<P> Error<P> {
+    pub(crate) fn at(text: &str, span: Range<usize>, problem: P) -> Self {
+        Self { place: Place::of(text, span), problem: Box::new(problem) }
+    }
+}
+
+impl<P: std::fmt::Display> Error<P> {
+    /// The whole message: file, line and column, the line itself, and a caret under what is meant.
+    #[must_use]
+    pub fn with_excerpt(&self, file: &str) -> String {
+        let Place { line, column, width, text } = &self.place;
+        let number = line.to_string();
+        let (gutter, before) = (" ".repeat(number.len()), " ".repeat(column - 1));
+        let carets = "^".repeat((*width).max(1));
+        format!(
+            "{file}:{line}:{column}: {self}\n{gutter} |\n{number} | {text}\n{gutter} | {before}{carets}"
+        )
+    }
+}
+
+/// What can be wrong with the form of any file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Form {
+    /// A key that does not exist.
+    #[error("unknown key `{key}`{}; known here: {}", suggestion(nearest), known.join(", "))]
+    UnknownKey {
+        /// The key found.
+        key: String,
+        /// The known key most like it.
+        nearest: Option<String>,
+        /// All keys known there.
+        known: Vec<String>,
+    },
+    /// Not TOML, a missing key, or a value of the wrong type.
+    #[error("{message}")]
+    Malformed {
+        /// What the TOML reader says.
+        message: String,
+    },
+}
+
+/// Reads TOML into the tables of a file.
+pub(crate) fn read<T: DeserializeOwned, P: From<Form>>(text: &str) -> Result<T, Error<P>> {
+    toml::from_str(text).map_err(|error| {
+        Error::at(text, error.span().unwrap_or(0..0), form(error.message()).into())
+    })
+}
+
+/// A message of the TOML reader as one of ours.
+fn form(message: &str) -> Form {
+    // serde names the unknown key and the known ones between backticks; a test holds it to that.
+    let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    match quoted.split_first() {
+        Some((&key, known)) if message.starts_with("unknown field") => Form::UnknownKey {
+            key: key.to_owned(),
+            nearest: nearest(key, known.iter().copied()),
+            known: known.iter().map(|&name| name.to_owned()).collect(),
+        },
+        _ => Form::Malformed {
+            message: message.replace('\n', " ").replace("missing field", "missing key"),
+        },
+    }
+}
+
+/// The known name most like this one, if any is like it at all.
+pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+    known
+        .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
+        .filter(|(likeness, _)| *likeness > 0.7)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, candidate)| candidate.to_owned())
+}
+
+/// ` (did you mean …?)`, or nothing.
+pub(crate) fn suggestion(nearest: &Option<String>) -> String {
+    nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
+}
+
+/// Names in one line; the first of them, where there are very many.
+pub(crate) fn listed(names: &[String]) -> String {
+    match names.len() {
+        0 => "none".to_owned(),
+        count if count <= MOST_LISTED => names.join(", "),
+        count => format!("{} and {} more", names[..MOST_LISTED].join(", "), count - MOST_LISTED),
+    }
+}
