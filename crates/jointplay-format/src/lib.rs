@@ -5,6 +5,9 @@
 //! | to… | use |
 //! | --- | --- |
 //! | read a robot file | [`robot::parse`] |
+//! | read a mechanism file | [`mechanism::parse`] |
+//! | name its coordinates, in its units | [`coordinates::Coordinates`] |
+//! | list the files that come with the program | [`catalogue::entries`] |
 //! | read `FROM:TO:STEP` | [`steps::parse`] |
 //! | change units without changing decimals | [`units`] |
 //! | say an error of the core in mm and degrees | [`explain::explain`] |
@@ -16,6 +19,8 @@
 //! assert_eq!(robot.gpr, jointplay_core::gpr::Gpr::paper());
 //! ```
 
+pub mod catalogue;
+pub mod coordinates;
 pub mod explain;
 pub mod mechanism;
 pub mod place;

@@ -90,6 +90,6 @@ pub fn mobility(
     }
 }
 
-fn columns(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+pub(super) fn columns(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
     matrix.column_iter().map(|column| column.iter().copied().collect()).collect()
 }

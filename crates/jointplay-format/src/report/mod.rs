@@ -2,7 +2,9 @@
 
 mod compare;
 mod forward;
+mod mechanism;
 mod mobility;
+mod motion;
 mod sensitivity;
 mod study;
 
@@ -15,7 +17,12 @@ use crate::units::{deg, mm};
 
 pub use compare::{CompareReport, ModelReport, compare};
 pub use forward::{ForwardReport, PlatformReport, forward};
+pub use mechanism::{
+    AssemblyReport, ByName, ConfigurationReport, MechanismMobilityReport, UnitsReport, assembly,
+    by_name, configuration, mechanism_mobility,
+};
 pub use mobility::{MobilityReport, mobility};
+pub use motion::{MotionReport, SingularReport, motion};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
 

@@ -1,0 +1,174 @@
+//! Names and values of a mechanism's coordinates as its file speaks of them.
+
+use jointplay_core::mechanism::joint::Coordinate;
+use jointplay_core::mechanism::{Mechanism, VirtualMotion};
+
+use crate::mechanism::{AngleUnit, LengthUnit, MechanismFile, Units};
+use crate::place::{listed, nearest, suggestion};
+
+/// A coordinate of a joint or virtual joint.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Named {
+    /// Name of the joint; with `[k]`, counted from 0, where it has several freedoms.
+    pub name: String,
+    /// Name of the joint alone.
+    pub joint: String,
+    /// Whether it is a length or an angle.
+    pub quantity: Coordinate,
+}
+
+/// All coordinates of a mechanism, joints first, then virtual joints, in the units of its file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Coordinates {
+    units: Units,
+    named: Vec<Named>,
+    joints: usize,
+}
+
+/// Why a text names no coordinate.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// None of this name.
+    #[error("joint `{found}` is not known{}; known: {}", suggestion(nearest), listed(known))]
+    Unknown {
+        /// What was found.
+        found: String,
+        /// The known one most like it.
+        nearest: Option<String>,
+        /// All of them.
+        known: Vec<String>,
+    },
+    /// A joint with several freedoms, of which one has to be named.
+    #[error("joint `{joint}` has {} freedoms: say which, {}", names.len(), listed(names))]
+    Several {
+        /// The joint.
+        joint: String,
+        /// Its coordinates.
+        names: Vec<String>,
+    },
+    /// A joint without freedoms.
+    #[error("joint `{joint}` is fixed and has no coordinate")]
+    Fixed {
+        /// The joint.
+        joint: String,
+    },
+}
+
+impl Coordinates {
+    /// The coordinates of a file's mechanism.
+    #[must_use]
+    pub fn of(file: &MechanismFile) -> Self {
+        let mechanism = &file.mechanism;
+        let mut named = Vec::new();
+        for joint in mechanism.joints() {
+            let quantities = joint.kind.coordinates();
+            let several = quantities.len() > 1;
+            for (k, quantity) in quantities.into_iter().enumerate() {
+                let name =
+                    if several { format!("{}[{k}]", joint.name) } else { joint.name.clone() };
+                named.push(Named { name, joint: joint.name.clone(), quantity });
+            }
+        }
+        let joints = named.len();
+        named.extend(mechanism.virtual_joints().iter().map(|joint| Named {
+            name: joint.name.clone(),
+            joint: joint.name.clone(),
+            quantity: match joint.motion {
+                VirtualMotion::Slide(_) => Coordinate::Slide,
+                VirtualMotion::Turn { .. } => Coordinate::Turn,
+            },
+        }));
+        Self { units: file.units, named, joints }
+    }
+
+    /// All of them, in the order of the coordinate vector.
+    #[must_use]
+    pub fn all(&self) -> &[Named] {
+        &self.named
+    }
+
+    /// The units of the file.
+    #[must_use]
+    pub fn units(&self) -> Units {
+        self.units
+    }
+
+    /// How many of them are coordinates of joints; the others are virtual.
+    #[must_use]
+    pub fn joints(&self) -> usize {
+        self.joints
+    }
+
+    /// Index of the joint coordinate of a name, such as `crank` or `S1[2]`.
+    ///
+    /// # Errors
+    /// [`Error`]: unknown, or a joint that has not just one.
+    pub fn find(&self, mechanism: &Mechanism, name: &str) -> Result<usize, Error> {
+        let named = &self.named[..self.joints];
+        if let Some(found) = named.iter().position(|one| one.name == name) {
+            return Ok(found);
+        }
+        let joint = name.to_owned();
+        let names: Vec<String> =
+            named.iter().filter(|one| one.joint == name).map(|one| one.name.clone()).collect();
+        if !names.is_empty() {
+            return Err(Error::Several { joint, names });
+        }
+        if mechanism.joint(name).is_some() {
+            return Err(Error::Fixed { joint });
+        }
+        let known: Vec<String> = named.iter().map(|one| one.name.clone()).collect();
+        let nearest = nearest(name, known.iter().map(String::as_str));
+        Err(Error::Unknown { found: joint, nearest, known })
+    }
+
+    /// A value of coordinate `k` [m, rad] from the unit of the file.
+    #[must_use]
+    pub fn to_si(&self, k: usize, value: f64) -> f64 {
+        match self.named[k].quantity {
+            Coordinate::Slide => self.units.length.to_meters(value),
+            Coordinate::Turn => self.units.angle.to_radians(value),
+        }
+    }
+
+    /// A value of coordinate `k` in the unit of the file.
+    ///
+    /// # Arguments
+    /// * `value` – [m, rad]
+    #[must_use]
+    pub fn from_si(&self, k: usize, value: f64) -> f64 {
+        match self.named[k].quantity {
+            Coordinate::Slide => self.units.length.from_meters(value),
+            Coordinate::Turn => self.units.angle.from_radians(value),
+        }
+    }
+
+    /// The unit of coordinate `k`, as in files.
+    #[must_use]
+    pub fn unit(&self, k: usize) -> &'static str {
+        match self.named[k].quantity {
+            Coordinate::Slide => self.units.length.name(),
+            Coordinate::Turn => self.units.angle.name(),
+        }
+    }
+
+    /// Name and unit of coordinate `k`, as heads of columns have them: `crank_deg`.
+    #[must_use]
+    pub fn column(&self, k: usize) -> String {
+        format!("{}_{}", self.named[k].name, self.unit(k))
+    }
+
+    /// Decimals that show a millionth of a millimetre or of a degree, about.
+    #[must_use]
+    pub fn decimals(&self, k: usize) -> usize {
+        match (self.named[k].quantity, self.units.length, self.units.angle) {
+            (Coordinate::Slide, LengthUnit::Meter, _) => 9,
+            (Coordinate::Slide, LengthUnit::Millimeter, _) => 6,
+            (Coordinate::Slide, LengthUnit::Micrometer, _) => 3,
+            (Coordinate::Slide, LengthUnit::Inch, _) => 8,
+            (Coordinate::Turn, _, AngleUnit::Degree) => 6,
+            (Coordinate::Turn, _, AngleUnit::Radian) => 8,
+        }
+    }
+}

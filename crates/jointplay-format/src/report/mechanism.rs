@@ -1,0 +1,184 @@
+//! Any mechanism: closed configurations and what can move there.
+
+use jointplay_core::mechanism::{Closure, Relief};
+use jointplay_core::mobility::{FiniteMobility, kutzbach_mobility};
+use nalgebra::DVector;
+use serde::ser::{Serialize, Serializer};
+
+use super::mobility::columns;
+use crate::coordinates::Coordinates;
+use crate::mechanism::MechanismFile;
+use crate::units::mm;
+
+/// Units that the numbers of a document are in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct UnitsReport {
+    /// `m`, `mm`, `um` or `in`.
+    pub length: &'static str,
+    /// `deg` or `rad`.
+    pub angle: &'static str,
+}
+
+impl UnitsReport {
+    pub(super) fn of(coordinates: &Coordinates) -> Self {
+        let units = coordinates.units();
+        Self { length: units.length.name(), angle: units.angle.name() }
+    }
+}
+
+/// Values by name, in order; written as a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ByName<T>(pub Vec<(String, T)>);
+
+impl<T: Serialize> Serialize for ByName<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+/// A closed configuration.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ConfigurationReport {
+    /// Coordinates by name, in the units of the file.
+    pub coordinates: ByName<f64>,
+    /// Largest mismatch of a loop, in radians and characteristic lengths.
+    pub residual: f64,
+    /// Corrections done.
+    pub iterations: usize,
+}
+
+/// What `assemble` answers.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct AssemblyReport {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Units of the coordinates.
+    pub units: UnitsReport,
+    /// The closed configuration nearest the guess.
+    #[serde(flatten)]
+    pub closed: ConfigurationReport,
+    /// Other closed configurations, if they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub branches: Option<Vec<ConfigurationReport>>,
+}
+
+/// Coordinates by name, those of virtual joints left out.
+///
+/// # Arguments
+/// * `values` – (f + M) [m, rad]
+#[must_use]
+pub fn by_name(coordinates: &Coordinates, values: &DVector<f64>) -> ByName<f64> {
+    let named = coordinates.all()[..coordinates.joints()].iter().enumerate();
+    ByName(named.map(|(k, one)| (one.name.clone(), coordinates.from_si(k, values[k]))).collect())
+}
+
+/// Tells a closed configuration.
+#[must_use]
+pub fn configuration(coordinates: &Coordinates, closed: &Closure) -> ConfigurationReport {
+    ConfigurationReport {
+        coordinates: by_name(coordinates, &closed.coordinates),
+        residual: closed.residual,
+        iterations: closed.iterations,
+    }
+}
+
+/// Tells how a mechanism is assembled.
+#[must_use]
+pub fn assembly(
+    file: &MechanismFile,
+    closed: &Closure,
+    branches: Option<&[Closure]>,
+) -> AssemblyReport {
+    let coordinates = Coordinates::of(file);
+    let told = |closed| configuration(&coordinates, closed);
+    AssemblyReport {
+        name: file.mechanism.name().to_owned(),
+        units: UnitsReport::of(&coordinates),
+        closed: told(closed),
+        branches: branches.map(|branches| branches.iter().map(told).collect()),
+    }
+}
+
+/// What `mobility` answers of a mechanism.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct MechanismMobilityReport {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Units of the coordinates.
+    pub units: UnitsReport,
+    /// Coordinates of the configuration by name.
+    pub coordinates: ByName<f64>,
+    /// Virtual joints by name, if they had to give way for the configuration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub virtual_joints: Option<ByName<f64>>,
+    /// Freedoms of all joints together.
+    pub joint_freedoms: usize,
+    /// Independent loops.
+    pub loops: usize,
+    /// Freedoms by the Kutzbach–Grübler count.
+    pub kutzbach_mobility: i64,
+    /// Freedoms to first order.
+    pub instantaneous_mobility: usize,
+    /// Freedoms for real; `null` where undecided.
+    pub finite_mobility: Option<usize>,
+    /// Bounds between which the finite mobility lies.
+    pub finite_mobility_bounds: [usize; 2],
+    /// Independent constraints.
+    pub rank: usize,
+    /// Constraints that say nothing new.
+    pub redundancy: usize,
+    /// Singular values of the scaled constraint Jacobian, largest first.
+    pub singular_values: Vec<f64>,
+    /// Values at or below it count as zero.
+    pub threshold: f64,
+    /// Length in which the Jacobian is scaled [mm].
+    pub characteristic_length_mm: f64,
+    /// Orthonormal motions allowed to first order, one an entry, in radians and characteristic lengths; order of the coordinates.
+    pub null_space: Vec<Vec<f64>>,
+    /// Orthonormal self-stresses, one an entry; for each independent loop three moments and three forces.
+    pub self_stress: Vec<Vec<f64>>,
+}
+
+/// Tells what of a mechanism can move.
+///
+/// # Arguments
+/// * `values` – (f + M) the configuration [m, rad]
+/// * `relief` – if virtual joints had to give way
+#[must_use]
+pub fn mechanism_mobility(
+    file: &MechanismFile,
+    values: &DVector<f64>,
+    relief: Option<&Relief>,
+    finite: &FiniteMobility,
+) -> MechanismMobilityReport {
+    let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
+    let freedoms: Vec<usize> =
+        mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
+    let first = &finite.instantaneous;
+    MechanismMobilityReport {
+        name: mechanism.name().to_owned(),
+        units: UnitsReport::of(&coordinates),
+        coordinates: by_name(&coordinates, values),
+        virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
+        joint_freedoms: mechanism.joint_freedoms(),
+        loops: mechanism.loops(),
+        kutzbach_mobility: kutzbach_mobility(mechanism.links().len(), &freedoms),
+        instantaneous_mobility: first.mobility,
+        finite_mobility: finite.mobility,
+        finite_mobility_bounds: [finite.lower_bound, finite.upper_bound],
+        rank: first.rank,
+        redundancy: first.redundancy,
+        singular_values: first.singular_values.iter().copied().collect(),
+        threshold: first.threshold,
+        characteristic_length_mm: mm(first.characteristic_length),
+        null_space: columns(&first.null_space),
+        self_stress: columns(&first.self_stress),
+    }
+}
+
+/// Displacements of the virtual joints by name, in the units of the file.
+fn virtual_by_name(coordinates: &Coordinates, relief: &Relief) -> ByName<f64> {
+    let named = coordinates.all().iter().enumerate().skip(coordinates.joints());
+    let value = |k: usize| coordinates.from_si(k, relief.coordinates[k]);
+    ByName(named.map(|(k, one)| (one.name.clone(), value(k))).collect())
+}
