@@ -1,7 +1,7 @@
 //! Flags that several commands share, and how their values are read.
 
 use std::io::Read as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use jointplay::format::units::m_from_mm;
@@ -30,18 +30,24 @@ pub(crate) struct RobotArgs {
 impl RobotArgs {
     pub(crate) fn load(&self) -> Result<robot::Robot, Failure> {
         let Some(path) = &self.robot else { return Ok(robot::paper()) };
-        let failed = |source| Failure::Read { path: path.clone(), source };
-        let mut text = String::new();
-        // Counted while reading: pipes and devices do not tell their length.
-        let file = std::fs::File::open(path).map_err(failed)?;
-        let read = file.take(LARGEST_ROBOT_FILE + 1).read_to_string(&mut text);
-        if text.len() as u64 > LARGEST_ROBOT_FILE {
-            return Err(Failure::TooLarge { path: path.clone(), allowed: LARGEST_ROBOT_FILE });
-        }
-        read.map_err(failed)?;
+        let text = read_text(path, LARGEST_ROBOT_FILE)?;
         robot::parse(&text)
             .map_err(|error| Failure::Robot(error.with_excerpt(&path.display().to_string())))
     }
+}
+
+/// The text of a file, refused where it is longer than `allowed` bytes.
+pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
+    let failed = |source| Failure::Read { path: path.to_owned(), source };
+    let mut text = String::new();
+    // Counted while reading: pipes and devices do not tell their length.
+    let file = std::fs::File::open(path).map_err(failed)?;
+    let read = file.take(allowed + 1).read_to_string(&mut text);
+    if text.len() as u64 > allowed {
+        return Err(Failure::TooLarge { path: path.to_owned(), allowed });
+    }
+    read.map_err(failed)?;
+    Ok(text)
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use anstyle::{AnsiColor, Style};
+use jointplay::format::coordinates;
 use jointplay::format::explain::{explain, explain_limit};
 use jointplay::format::report;
 use jointplay::gpr::BrokenLimit;
@@ -22,6 +23,16 @@ pub(crate) enum Failure {
     Study(#[from] study::Error),
     #[error("{0}")]
     Robot(String),
+    #[error("{0}")]
+    Misused(String),
+    #[error("{0}")]
+    NotAssembled(String),
+    #[error("{0}")]
+    Stopped(String),
+    #[error("{0}")]
+    OverClearance(String),
+    #[error(transparent)]
+    Coordinate(#[from] coordinates::Error),
     #[error("--yaw-step-deg {step}: {source}")]
     YawStep { step: f64, source: jointplay::format::steps::Error },
     #[error("the study has {found} poses, at most {allowed} are allowed: take larger steps")]
@@ -93,11 +104,15 @@ impl Failure {
         let core = |error: &jointplay::Error| match error {
             jointplay::Error::NotConverged(_)
             | jointplay::Error::DependentSides { .. }
-            | jointplay::Error::TurnedOver { .. } => NO,
+            | jointplay::Error::TurnedOver { .. }
+            | jointplay::Error::NotAssembled(_)
+            | jointplay::Error::NotRelieved { .. } => NO,
             _ => BAD_INPUT,
         };
         match self {
-            Self::Limits(_) => NO,
+            Self::Limits(_) | Self::NotAssembled(_) | Self::Stopped(_) | Self::OverClearance(_) => {
+                NO
+            }
             Self::Core(error) => core(error),
             Self::Study(study::Error::Pose { source, .. }) => core(source),
             _ => BAD_INPUT,
@@ -107,6 +122,8 @@ impl Failure {
     fn kind(&self) -> &'static str {
         match self {
             Self::Limits(_) => "limits",
+            Self::OverClearance(_) => "clearance",
+            Self::Stopped(_) => "stopped",
             _ if self.exit_code() == NO => "unsolved",
             Self::Write { .. } | Self::Print(_) => "output",
             _ => "input",

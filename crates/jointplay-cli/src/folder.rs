@@ -41,6 +41,15 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     persist(partial(folder, path, bytes)?, path)
 }
 
+/// Writes one file into a folder, made if missing, unless something of its name is there.
+pub(crate) fn write_new(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    std::fs::create_dir_all(folder).map_err(failed(folder))?;
+    let file = partial(folder, path, bytes)?;
+    readable(&file, path)?;
+    file.persist_noclobber(path).map_err(|error| failed(path)(error.error))?;
+    Ok(())
+}
+
 /// The contents of the file to come at `path`, whole, under a temporary name.
 fn partial(folder: &Path, path: &Path, bytes: &[u8]) -> Result<NamedTempFile, Failure> {
     // The temporary name in the error would tell nobody anything.
@@ -51,14 +60,20 @@ fn partial(folder: &Path, path: &Path, bytes: &[u8]) -> Result<NamedTempFile, Fa
 }
 
 fn persist(file: NamedTempFile, path: &Path) -> Result<(), Failure> {
-    // Made private by default; results are as readable as any file of the user's.
+    readable(&file, path)?;
+    file.persist(path).map_err(|error| failed(path)(error.error))?;
+    Ok(())
+}
+
+/// Made private by default; results are as readable as any file of the user's.
+#[cfg_attr(not(unix), expect(unused_variables, clippy::unnecessary_wraps))]
+fn readable(file: &NamedTempFile, path: &Path) -> Result<(), Failure> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt as _;
         let readable = std::fs::Permissions::from_mode(0o644);
         file.as_file().set_permissions(readable).map_err(failed(path))?;
     }
-    file.persist(path).map_err(|error| failed(path)(error.error))?;
     Ok(())
 }
 

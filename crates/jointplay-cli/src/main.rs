@@ -3,6 +3,7 @@
 //! | file | role |
 //! | --- | --- |
 //! | `arguments.rs` | flags shared by the commands, and how their values are read |
+//! | `mechanism_input.rs` | mechanism files, and values for their joints |
 //! | `commands/` | one file a command |
 //! | `failure.rs` | what can go wrong, and the exit code |
 //! | `output.rs` | text and JSON to standard output |
@@ -12,6 +13,7 @@ mod arguments;
 mod commands;
 mod failure;
 mod folder;
+mod mechanism_input;
 mod output;
 
 use std::process::ExitCode;
@@ -33,6 +35,8 @@ Examples:
   jointplay forward --q-mm 500,501,502        where the platform is for these rods
   jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-mm 500
   jointplay compare                           what the models say of one tilt
+  jointplay catalogue                         mechanisms that come with the program
+  jointplay mobility bennett                  what of a mechanism can move
 
 Exit codes: 0 done, 1 the answer is no (unreachable, over a limit), 2 bad input or usage.")]
 struct Cli {

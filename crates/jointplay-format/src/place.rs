@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde::de::DeserializeOwned;
 
 /// Most names listed in a message.
-const MOST_LISTED: usize = 16;
+const MOST_LISTED: usize = 32;
 
 /// Where in a file something is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -123,6 +123,13 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
 /// ` (did you mean …?)`, or nothing.
 pub(crate) fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
+}
+
+/// That a name is none of the known ones, with the one most like it.
+#[must_use]
+pub fn not_known(what: &str, found: &str, known: &[String]) -> String {
+    let nearest = nearest(found, known.iter().map(String::as_str));
+    format!("{what} `{found}` is not known{}; known: {}", suggestion(&nearest), listed(known))
 }
 
 /// Names in one line; the first of them, where there are very many.

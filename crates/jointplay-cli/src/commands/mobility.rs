@@ -1,14 +1,19 @@
 //! `jointplay mobility`: what can move.
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use clap::Args;
-use jointplay::format::report::{self, MobilityReport};
+use jointplay::format::report::{self, MechanismMobilityReport, MobilityReport};
+use jointplay::format::robot;
+use jointplay::gpr::Gpr;
+use jointplay::mechanism::MechanismSystem;
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
+use crate::mechanism_input::{Assignment, Input, SetArgs, Source, assignment};
 use crate::output::{limits, magnitude, three};
 
 /// What the constraints let move: counted, to first order, and for real
@@ -17,8 +22,18 @@ use crate::output::{limits, magnitude, three};
 Examples:
   jointplay mobility                                      level: shaky
   jointplay mobility --q-mm 500,501,502                   tilted: stiff
-  jointplay mobility --q-mm 500,501,502 --virtualization polar")]
+  jointplay mobility --q-mm 500,501,502 --virtualization polar
+  jointplay mobility bennett                              any mechanism
+  jointplay mobility four-bar --at A=30 --set coupler=0.25")]
 pub(crate) struct Mobility {
+    /// Mechanism or robot file (TOML), or a name from `jointplay catalogue`; without it, the paper's robot
+    #[arg(value_name = "FILE", conflicts_with = "robot")]
+    file: Option<PathBuf>,
+    /// Joint coordinates of a mechanism that are to have these values, in the units of the file
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment, requires = "file", conflicts_with_all = ["q_mm", "virtualization"])]
+    at: Vec<Assignment>,
+    #[command(flatten)]
+    set: SetArgs,
     #[command(flatten)]
     rods: RodArgs,
     /// Also the mobility with these virtual joints free
@@ -30,7 +45,19 @@ pub(crate) struct Mobility {
 
 impl Mobility {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let gpr = self.answer.load()?;
+        let gpr = match &self.file {
+            None if !self.set.set.is_empty() => {
+                return Err(Failure::Misused("--set needs a mechanism file".to_owned()));
+            }
+            None => self.answer.load()?,
+            Some(path) => {
+                let source = Source::read(path)?;
+                if source.is_mechanism() {
+                    return self.of_mechanism(&source);
+                }
+                self.robot(&source)?
+            }
+        };
         // The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
         let options = SolveOptions::default();
         let rods = self.rods.rods(&gpr);
@@ -51,34 +78,94 @@ impl Mobility {
         let report = report::mobility(&pose, gpr.kutzbach_mobility(), &finite, augmented, &broken);
         self.answer.print(&report, text)
     }
+
+    fn of_mechanism(&self, source: &Source) -> Result<(), Failure> {
+        if self.rods.q_mm.is_some() || self.virtualization.is_some() {
+            let text =
+                "--q-mm and --virtualization are of the three-rod robot; say --at for a mechanism";
+            return Err(Failure::Misused(text.to_owned()));
+        }
+        let input = Input::parse(source, &self.set.set)?;
+        let posed = input.posed(&input.commands(&self.at)?)?;
+        let system = MechanismSystem::new(&input.file.mechanism, posed.values.clone())?;
+        let finite = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
+        let relief = posed.relief.as_ref();
+        let report = report::mechanism_mobility(&input.file, &posed.values, relief, &finite);
+        self.answer.print(&report, |report| mechanism_text(&input, report))
+    }
+
+    fn robot(&self, source: &Source) -> Result<Gpr, Failure> {
+        if !self.at.is_empty() || !self.set.set.is_empty() {
+            let text = "--at and --set are for mechanism files; say --q-mm for this robot";
+            return Err(Failure::Misused(text.to_owned()));
+        }
+        let read = robot::parse(&source.text);
+        Ok(read.map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))?.gpr)
+    }
+}
+
+/// What is told alike of the robot and of any mechanism.
+struct Facts<'a> {
+    kutzbach: i64,
+    instantaneous: usize,
+    finite: Option<usize>,
+    bounds: [usize; 2],
+    rank: usize,
+    redundancy: usize,
+    characteristic_length_mm: f64,
+    singular_values: &'a [f64],
+    threshold: f64,
+}
+
+/// The facts of a report.
+macro_rules! facts {
+    ($report:expr) => {
+        Facts {
+            kutzbach: $report.kutzbach_mobility,
+            instantaneous: $report.instantaneous_mobility,
+            finite: $report.finite_mobility,
+            bounds: $report.finite_mobility_bounds,
+            rank: $report.rank,
+            redundancy: $report.redundancy,
+            characteristic_length_mm: $report.characteristic_length_mm,
+            singular_values: &$report.singular_values,
+            threshold: $report.threshold,
+        }
+    };
+}
+
+impl Facts<'_> {
+    fn write(&self, text: &mut String) {
+        let [lower, upper] = self.bounds;
+        let finite =
+            self.finite.map_or(format!("undecided, {lower} to {upper}"), |h| h.to_string());
+        let _ = writeln!(text, "  counted (Kutzbach)   {:>3}", self.kutzbach);
+        let _ = writeln!(text, "  to first order       {:>3}", self.instantaneous);
+        let _ = writeln!(text, "  for real             {finite:>3}");
+        if self.finite.is_some_and(|finite| finite < self.instantaneous) {
+            let _ = writeln!(
+                text,
+                "  shaky: {} motions are only instantaneous",
+                self.instantaneous - lower
+            );
+        }
+        let _ = writeln!(text, "constraints");
+        let _ = writeln!(text, "  rank                 {:>3}", self.rank);
+        let _ = writeln!(text, "  redundant            {:>3}", self.redundancy);
+        let _ = writeln!(
+            text,
+            "singular values, lengths in units of {} mm",
+            self.characteristic_length_mm
+        );
+        singular_values(text, &self.singular_values, self.rank);
+        let _ = writeln!(text, "  threshold            {:.3e}", self.threshold);
+    }
 }
 
 fn text(report: &MobilityReport) -> String {
     let mut text = String::new();
-    let [lower, upper] = report.finite_mobility_bounds;
-    let finite =
-        report.finite_mobility.map_or(format!("undecided, {lower} to {upper}"), |h| h.to_string());
     let _ = writeln!(text, "mobility at q = {} mm", three(&report.q_mm, 6).trim_start());
-    let _ = writeln!(text, "  counted (Kutzbach)   {:>3}", report.kutzbach_mobility);
-    let _ = writeln!(text, "  to first order       {:>3}", report.instantaneous_mobility);
-    let _ = writeln!(text, "  for real             {finite:>3}");
-    if report.finite_mobility.is_some_and(|finite| finite < report.instantaneous_mobility) {
-        let _ = writeln!(
-            text,
-            "  shaky: {} motions are only instantaneous",
-            report.instantaneous_mobility - lower
-        );
-    }
-    let _ = writeln!(text, "constraints");
-    let _ = writeln!(text, "  rank                 {:>3}", report.rank);
-    let _ = writeln!(text, "  redundant            {:>3}", report.redundancy);
-    let _ = writeln!(
-        text,
-        "singular values, lengths in units of {} mm",
-        report.characteristic_length_mm
-    );
-    singular_values(&mut text, &report.singular_values, report.rank);
-    let _ = writeln!(text, "  threshold            {:.3e}", report.threshold);
+    facts!(report).write(&mut text);
     if let Some(augmented) = &report.augmented {
         let _ = writeln!(text, "with the {} virtual joints free", augmented.virtualization);
         let _ = writeln!(text, "  rank                 {:>3}", augmented.augmented_rank);
@@ -86,6 +173,19 @@ fn text(report: &MobilityReport) -> String {
         singular_values(&mut text, &augmented.augmented_singular_values, augmented.augmented_rank);
     }
     text + &limits(&report.limits_broken)
+}
+fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
+    let mut text = format!("mobility of {}, at\n", report.name);
+    text.push_str(&input.table(&report.coordinates.0, 0));
+    if let Some(displaced) = &report.virtual_joints {
+        text.push_str("rigid links do not close there; virtual joints gave way by\n");
+        text.push_str(&input.table(&displaced.0, report.coordinates.0.len()));
+    }
+    let _ = writeln!(text, "freedoms");
+    let _ = writeln!(text, "  of all joints        {:>3}", report.joint_freedoms);
+    let _ = writeln!(text, "  loops                {:>3}", report.loops);
+    facts!(report).write(&mut text);
+    text
 }
 
 /// Values that count, then a bar, then those that do not.

@@ -1,11 +1,14 @@
 //! One file a command: what its flags are, what it asks the library, how it tells the answer.
 
+mod assemble;
+mod catalogue;
 mod compare;
 mod completions;
 mod forward;
 mod inverse;
 mod manual;
 mod mobility;
+mod motion;
 mod pose_text;
 mod sensitivity;
 mod simulate;
@@ -23,6 +26,9 @@ pub(crate) enum Command {
     Mobility(mobility::Mobility),
     Sensitivity(sensitivity::SensitivityCommand),
     Compare(compare::Compare),
+    Assemble(assemble::Assemble),
+    Move(motion::Move),
+    Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
     Manual(manual::Manual),
 }
@@ -36,6 +42,9 @@ impl Command {
             Self::Mobility(command) => command.run(),
             Self::Sensitivity(command) => command.run(),
             Self::Compare(command) => command.run(),
+            Self::Assemble(command) => command.run(),
+            Self::Move(command) => command.run(),
+            Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Manual(command) => command.run(),
         }
@@ -49,7 +58,11 @@ impl Command {
             Self::Mobility(command) => command.answer.json(),
             Self::Sensitivity(command) => command.answer.json(),
             Self::Compare(command) => command.answer.json(),
-            Self::Simulate(_) | Self::Completions(_) | Self::Manual(_) => false,
+            Self::Assemble(command) => command.mechanism.json(),
+            Self::Move(command) => command.mechanism.json(),
+            Self::Simulate(_) | Self::Catalogue(_) | Self::Completions(_) | Self::Manual(_) => {
+                false
+            }
         }
     }
 }

@@ -1,9 +1,11 @@
 //! Figures of this project's own results, in millimetres, micrometres and degrees.
 
 mod comparison;
+mod motion;
 mod study;
 
 pub use comparison::comparison;
+pub use motion::{Follower, motion};
 pub use study::{Extent, rods, sides, virtual_joints};
 
 /// A series' name as a symbol: `phi2` → φ₂, `L12` → L₁₂.

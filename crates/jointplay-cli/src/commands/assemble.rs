@@ -1,0 +1,62 @@
+//! `jointplay assemble`: a closed configuration of a mechanism.
+
+use std::fmt::Write as _;
+
+use clap::Args;
+use jointplay::format::report::{self, AssemblyReport};
+
+use crate::failure::Failure;
+use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};
+
+/// Close the loops of a mechanism, starting from the guesses of its file
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay assemble four-bar
+  jointplay assemble four-bar --at A=30
+  jointplay assemble four-bar --at A=30 --branches 50")]
+pub(crate) struct Assemble {
+    #[command(flatten)]
+    pub(crate) mechanism: MechanismArgs,
+    /// Joint coordinates that are to have these values, in the units of the file
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
+    at: Vec<Assignment>,
+    /// Also look for other closed configurations, from this many starts
+    #[arg(long, value_name = "STARTS", value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    branches: Option<u16>,
+}
+
+impl Assemble {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let input = self.mechanism.load()?;
+        let commands = input.commands(&self.at)?;
+        let closed = input.assembled(&commands)?;
+        let others = match self.branches {
+            None => None,
+            Some(starts) => {
+                let mut found = input.branches(&commands, usize::from(starts))?;
+                // The first is the one from the guess.
+                found.retain(|branch| branch.coordinates != closed.coordinates);
+                Some(found)
+            }
+        };
+        let report = report::assembly(&input.file, &closed, others.as_deref());
+        self.mechanism.print(&report, |report| text(&input, report))
+    }
+}
+
+fn text(input: &Input, report: &AssemblyReport) -> String {
+    let mut text = format!("{}, assembled\n", report.name);
+    text.push_str(&input.table(&report.closed.coordinates.0, 0));
+    let _ = writeln!(text, "closed");
+    let _ = writeln!(text, "  residual             {:.1e}", report.closed.residual);
+    let _ = writeln!(text, "  iterations           {}", report.closed.iterations);
+    if let Some(branches) = &report.branches {
+        let _ = writeln!(text, "{} other closed configurations found", branches.len());
+        for (i, branch) in branches.iter().enumerate() {
+            let _ = writeln!(text, "configuration {}", i + 2);
+            text.push_str(&input.table(&branch.coordinates.0, 0));
+        }
+    }
+    text
+}

@@ -1,0 +1,91 @@
+//! `jointplay catalogue`: the files that come with the program.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Subcommand};
+use jointplay::format::catalogue::{self, Entry};
+use jointplay::format::place;
+
+use crate::failure::Failure;
+use crate::{folder, output};
+
+/// List, show or copy the robots and mechanisms that come with the program
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay catalogue
+  jointplay catalogue show bennett
+  jointplay catalogue copy bennett my-mechanisms")]
+pub(crate) struct Catalogue {
+    #[command(subcommand)]
+    action: Option<Action>,
+}
+
+#[derive(Subcommand)]
+enum Action {
+    /// All of them, with what is known of their mobility
+    List,
+    /// Print a file
+    Show {
+        /// Its name in the list
+        name: String,
+    },
+    /// Copy a file, to change it
+    Copy {
+        /// Its name in the list
+        name: String,
+        /// Where to
+        #[arg(value_name = "FOLDER", default_value = ".")]
+        folder: PathBuf,
+    },
+}
+
+impl Catalogue {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        match &self.action {
+            None | Some(Action::List) => output::text(&list()),
+            Some(Action::Show { name }) => output::raw(find(name)?.text),
+            Some(Action::Copy { name, folder }) => copy(find(name)?, folder),
+        }
+    }
+}
+
+fn find(name: &str) -> Result<&'static Entry, Failure> {
+    catalogue::find(name).ok_or_else(|| {
+        let known: Vec<String> =
+            catalogue::entries().iter().map(|entry| entry.name.to_owned()).collect();
+        Failure::Misused(place::not_known("name", name, &known))
+    })
+}
+
+fn copy(entry: &Entry, folder: &Path) -> Result<(), Failure> {
+    let path = folder.join(format!("{}.toml", entry.name));
+    folder::write_new(folder, &path, entry.text.as_bytes())?;
+    output::text(&format!("copied to {}\n", path.display()))
+}
+
+fn list() -> String {
+    let title = "what";
+    let mut text = format!(
+        "{:<22}{title:<46}{:>8}{:>6}{:>13}{:>7}{:>10}\n",
+        "name", "freedoms", "rank", "first order", "real", "redundant"
+    );
+    for entry in catalogue::entries() {
+        let expected = entry.expected();
+        let cell = |value: Option<usize>| value.map_or("-".to_owned(), |value| value.to_string());
+        let title = entry.title();
+        let pad = " ".repeat(46_usize.saturating_sub(title.chars().count()).max(1));
+        let _ = writeln!(
+            text,
+            "  {:<20}{title}{pad}{:>8}{:>6}{:>13}{:>7}{:>10}",
+            entry.name,
+            cell(expected.freedoms),
+            cell(expected.rank),
+            cell(expected.instantaneous),
+            cell(expected.finite),
+            cell(expected.redundancy),
+        );
+    }
+    text
+}

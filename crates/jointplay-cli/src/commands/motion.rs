@@ -1,0 +1,296 @@
+//! `jointplay move`: joints driven along a way, all others following.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use jointplay::constraint::System as _;
+use jointplay::format::report::{self, MotionReport};
+use jointplay::format::table;
+use jointplay::mechanism::joint::Coordinate;
+use jointplay::mechanism::{Drive, MechanismSystem, Motion, drive};
+use jointplay::nalgebra::DVector;
+use jointplay::plot::results::{Follower, motion};
+
+use crate::arguments::finite;
+use crate::failure::Failure;
+use crate::folder;
+use crate::mechanism_input::{Input, MechanismArgs};
+use crate::output::fixed;
+
+/// Steps of a way whose step is not said.
+const STEPS: usize = 60;
+/// The most steps that a way may have.
+const MOST_STEPS: usize = 100_000;
+/// Width of the figure's PNG [px]: 180 mm at 250 dots an inch.
+const PNG_WIDTH: u32 = 1800;
+
+/// Drive joints of a mechanism along a way, all others following
+///
+/// The mechanism is closed from the guesses of its file, driven to FROM and then, step by step, to TO.
+/// Without --drive, the first actuated joint goes over its limits, or 30° or a tenth of the characteristic length either way.
+/// If only actuated joints are driven, the other actuated joints hold still; else all others follow.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay move four-bar
+  jointplay move four-bar --drive A=0:360:5 --out four-bar-motion
+  jointplay move hexapod --drive P1=0:5 --drive P2=0:-5 --format json
+
+Exit codes: 0 went to the end, 1 stopped on the way, 2 bad input or usage.")]
+pub(crate) struct Move {
+    #[command(flatten)]
+    pub(crate) mechanism: MechanismArgs,
+    /// A joint coordinate to drive; FROM may be left out, and so may STEP; several arrive together
+    #[arg(long = "drive", value_name = "JOINT=FROM:TO[:STEP]", value_parser = way)]
+    drives: Vec<Way>,
+    /// Folder for the series (CSV) and the figure (SVG, PNG); without it, none are written
+    #[arg(long, value_name = "FOLDER")]
+    out: Option<PathBuf>,
+    /// Write into a folder that holds other files
+    #[arg(long, requires = "out")]
+    force: bool,
+}
+
+/// `JOINT=FROM:TO[:STEP]`, in the unit of the file.
+#[derive(Clone, Debug)]
+struct Way {
+    joint: String,
+    from: Option<f64>,
+    to: f64,
+    step: Option<f64>,
+}
+
+fn way(text: &str) -> Result<Way, String> {
+    let form = || format!("{text:?} is not JOINT=FROM:TO or JOINT=FROM:TO:STEP");
+    let (joint, range) = text.rsplit_once('=').ok_or_else(form)?;
+    let parts: Vec<&str> = range.split(':').map(str::trim).collect();
+    let (from, to, step) = match parts[..] {
+        [from, to] => (from, to, None),
+        [from, to, step] => (from, to, Some(finite(step)?)),
+        _ => return Err(form()),
+    };
+    if step == Some(0.0) {
+        return Err("a step of 0 leads nowhere".to_owned());
+    }
+    let from = if from.is_empty() { None } else { Some(finite(from)?) };
+    Ok(Way { joint: joint.trim().to_owned(), from, to: finite(to)?, step })
+}
+
+/// A way in SI units.
+struct Leg {
+    coordinate: usize,
+    from: Option<f64>,
+    to: f64,
+    step: Option<f64>,
+}
+
+impl Move {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let input = self.mechanism.load()?;
+        let start = input.assembled(&[])?.coordinates;
+        let legs = self.legs(&input, &start)?;
+        let driven: Vec<usize> = legs.iter().map(|leg| leg.coordinate).collect();
+        let held = held(&input, &driven);
+        let names = self.out.as_ref().map(|folder| self.names(folder)).transpose()?;
+        let moved = go(&input, start, &legs, &held)?;
+        let report = report::motion(&input.file, &driven, &held, &moved);
+        if let (Some(folder), Some(names)) = (&self.out, names) {
+            write(&input, &report, &driven, folder, names)?;
+        }
+        self.mechanism.print(&report, |report| self.text(&input, report, &driven))?;
+        report.message.map_or(Ok(()), |message| Err(Failure::Stopped(message)))
+    }
+
+    fn legs(&self, input: &Input, start: &DVector<f64>) -> Result<Vec<Leg>, Failure> {
+        if self.drives.is_empty() {
+            return Ok(vec![usual(input, start)?]);
+        }
+        let mut legs: Vec<Leg> = Vec::new();
+        for way in &self.drives {
+            let coordinate = input.find(&way.joint)?;
+            if legs.iter().any(|leg| leg.coordinate == coordinate) {
+                return Err(Failure::Misused(format!("--drive {} is said twice", way.joint)));
+            }
+            let si = |value| input.coordinates.to_si(coordinate, value);
+            let (from, to) = (way.from.map(si), si(way.to));
+            let step = way.step.map(si);
+            if from.is_some_and(|from| from == to) {
+                let text = format!("--drive {}: FROM and TO are the same", way.joint);
+                return Err(Failure::Misused(text));
+            }
+            legs.push(Leg { coordinate, from, to, step });
+        }
+        Ok(legs)
+    }
+
+    /// Names of the series and the two pictures, made sure that nothing of other people's is in the folder.
+    fn names(&self, folder: &Path) -> Result<[String; 3], Failure> {
+        let stem = self.mechanism.path().file_stem().unwrap_or_default().to_string_lossy();
+        let names = ["csv", "svg", "png"].map(|end| format!("{stem}-motion.{end}"));
+        let foreign = folder::foreign(folder, &names.iter().cloned().collect())?;
+        if foreign.is_empty() || self.force {
+            Ok(names)
+        } else {
+            Err(Failure::Foreign { folder: folder.to_owned(), command: "move", names: foreign })
+        }
+    }
+
+    fn text(&self, input: &Input, report: &MotionReport, driven: &[usize]) -> String {
+        let mut text = format!("{}, driven\n", report.name);
+        for (name, &k) in report.driven.iter().zip(driven) {
+            let values = &report.series.0[k].1;
+            let number = |value: Option<&f64>| {
+                value.map_or(String::new(), |&value| fixed(value, input.coordinates.decimals(k)))
+            };
+            let (from, to) = (number(values.first()), number(values.last()));
+            let _ = writeln!(text, "  {name} from {from} to {to} {}", input.coordinates.unit(k));
+        }
+        if !report.held.is_empty() {
+            let _ = writeln!(text, "  held still: {}", report.held.join(", "));
+        }
+        let _ = writeln!(text, "way");
+        let _ = writeln!(text, "  steps                {}", report.steps);
+        let _ = writeln!(text, "  largest residual     {:.1e}", report.largest_residual);
+        if !report.limits_broken.is_empty() {
+            let _ = writeln!(text, "  beyond limits        {}", report.limits_broken.join(", "));
+        }
+        let _ = writeln!(text, "singular configurations: {}", report.singular.len());
+        for there in &report.singular {
+            let at: Vec<String> = there
+                .drives
+                .0
+                .iter()
+                .zip(driven)
+                .map(|((name, value), &k)| {
+                    let decimals = input.coordinates.decimals(k);
+                    format!("{name} = {} {}", fixed(*value, decimals), input.coordinates.unit(k))
+                })
+                .collect();
+            let mobility = there.instantaneous_mobility;
+            let _ = writeln!(text, "  {}: mobility to first order {mobility}", at.join(", "));
+        }
+        if report.stopped.is_some() && !input.file.mechanism.virtual_joints().is_empty() {
+            text.push_str("rigid links only: the file's virtual joints were held\n");
+        }
+        if let Some(folder) = &self.out {
+            let _ = writeln!(text, "3 files written into {}", folder.display());
+        }
+        text
+    }
+}
+
+/// The first actuated joint, over its limits, or over a little either way.
+fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
+    let mechanism = &input.file.mechanism;
+    let actuated = mechanism.joints().iter().find(|j| j.actuated && j.kind.freedoms() > 0);
+    let Some(joint) = actuated else {
+        let text =
+            "no joint of this mechanism is actuated; say which to drive: --drive JOINT=FROM:TO";
+        return Err(Failure::Misused(text.to_owned()));
+    };
+    let named = input.coordinates.all();
+    let found = named.iter().position(|one| one.joint == joint.name);
+    let coordinate = found.unwrap_or_default();
+    if let Some(&[from, to]) = joint.limits.first() {
+        return Ok(Leg { coordinate, from: Some(from), to, step: None });
+    }
+    let reach = match named[coordinate].quantity {
+        Coordinate::Turn => 30_f64.to_radians(),
+        Coordinate::Slide => {
+            MechanismSystem::new(mechanism, start.clone())?.characteristic_length() / 10.0
+        }
+    };
+    let here = start[coordinate];
+    Ok(Leg { coordinate, from: Some(here - reach), to: here + reach, step: None })
+}
+
+/// Coordinates of the motors that are not driven; none where something is driven that has no motor.
+fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
+    let actuated: Vec<usize> = input
+        .file
+        .mechanism
+        .joints()
+        .iter()
+        .flat_map(|joint| std::iter::repeat_n(joint.actuated, joint.kind.freedoms()))
+        .enumerate()
+        .filter_map(|(k, actuated)| actuated.then_some(k))
+        .collect();
+    if driven.iter().all(|k| actuated.contains(k)) {
+        actuated.into_iter().filter(|k| !driven.contains(k)).collect()
+    } else {
+        Vec::new()
+    }
+}
+
+/// To the beginning of the way, then along it.
+fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Result<Motion, Failure> {
+    let driven: Vec<usize> = legs.iter().map(|leg| leg.coordinate).collect();
+    let free: Vec<usize> = (0..input.coordinates.joints())
+        .filter(|k| !driven.contains(k) && !held.contains(k))
+        .collect();
+    let mut system = MechanismSystem::new(&input.file.mechanism, start)?;
+    let to_begin: Vec<Drive> = legs
+        .iter()
+        .map(|leg| {
+            let to = leg.from.unwrap_or(system.home()[leg.coordinate]);
+            Drive { coordinate: leg.coordinate, to }
+        })
+        .collect();
+    if to_begin.iter().any(|one| one.to != system.home()[one.coordinate]) {
+        let way = drive(&system, &to_begin, &free, STEPS)?;
+        let told = report::motion(&input.file, &driven, held, &way);
+        if let Some(message) = told.message {
+            return Err(Failure::Stopped(format!("on the way to FROM, {message}")));
+        }
+        if let Some(last) = way.waypoints.last() {
+            system = system.at(last.coordinates.clone())?;
+        }
+    }
+    let mut count = None;
+    for leg in legs {
+        if let Some(step) = leg.step {
+            let steps = ((leg.to - system.home()[leg.coordinate]) / step).abs();
+            #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³")]
+            if steps > MOST_STEPS as f64 {
+                let text = format!("a way has at most {MOST_STEPS} steps; take a larger STEP");
+                return Err(Failure::Misused(text));
+            }
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
+            let whole = (steps - 1e-9).ceil().max(1.0) as usize;
+            count = count.max(Some(whole));
+        }
+    }
+    let drives: Vec<Drive> =
+        legs.iter().map(|leg| Drive { coordinate: leg.coordinate, to: leg.to }).collect();
+    Ok(drive(&system, &drives, &free, count.unwrap_or(STEPS))?)
+}
+
+fn write(
+    input: &Input,
+    report: &MotionReport,
+    driven: &[usize],
+    folder: &Path,
+    names: [String; 3],
+) -> Result<(), Failure> {
+    let follower = |k: usize| Follower {
+        name: input.coordinates.all()[k].name.clone(),
+        unit: input.coordinates.unit(k),
+        values: report.series.0[k].1.clone(),
+    };
+    let first = driven.first().copied().unwrap_or_default();
+    let others: Vec<Follower> =
+        (0..input.coordinates.joints()).filter(|&k| k != first).map(follower).collect();
+    let singular: Vec<f64> = report
+        .singular
+        .iter()
+        .filter_map(|there| there.drives.0.first().map(|&(_, value)| value))
+        .collect();
+    let figure = motion(&report.name, &follower(first), &others, &singular);
+    let [csv, svg, png] = names;
+    let failed = |source| Failure::Figure { figure: svg.clone(), source };
+    let drawn = figure.to_svg().map_err(failed)?.into_bytes();
+    let painted = figure.to_png(PNG_WIDTH).map_err(failed)?;
+    let series = table::csv(&report.columns()).into_bytes();
+    folder::write(folder, &[(csv, series), (svg.clone(), drawn), (png, painted)])
+}

@@ -1,0 +1,213 @@
+//! Mechanism files and values for their joints, as given on the command line.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use jointplay::format::coordinates::Coordinates;
+use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
+use jointplay::format::{catalogue, report};
+use jointplay::mechanism::{
+    Closure, MechanismSystem, Relief, ReliefSolver, assemble, branches, guess, relieve,
+};
+use jointplay::nalgebra::DVector;
+use jointplay::{Error, format};
+use serde::Serialize;
+
+use crate::arguments::{TextFormat, finite, read_text};
+use crate::failure::Failure;
+use crate::output;
+
+/// Other starts tried where the guess of a file does not close.
+const STARTS: usize = 30;
+
+/// `NAME=VALUE`, in the unit of the file.
+#[derive(Clone, Debug)]
+pub(crate) struct Assignment {
+    pub(crate) name: String,
+    pub(crate) value: f64,
+}
+
+pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
+    let (name, value) =
+        text.rsplit_once('=').ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
+    Ok(Assignment { name: name.trim().to_owned(), value: finite(value)? })
+}
+
+/// Values for parameters of the file.
+#[derive(Args)]
+pub(crate) struct SetArgs {
+    /// Other values for parameters of the file, in its units
+    #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = assignment)]
+    pub(crate) set: Vec<Assignment>,
+}
+
+/// What every command about one mechanism has.
+#[derive(Args)]
+pub(crate) struct MechanismArgs {
+    /// Mechanism file (TOML), or a name from `jointplay catalogue`
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    set: SetArgs,
+    /// How the answer is printed
+    #[arg(long, value_enum, default_value = "text")]
+    format: TextFormat,
+}
+
+impl MechanismArgs {
+    pub(crate) fn load(&self) -> Result<Input, Failure> {
+        Input::parse(&Source::read(&self.file)?, &self.set.set)
+    }
+
+    pub(crate) fn path(&self) -> &Path {
+        &self.file
+    }
+
+    pub(crate) fn json(&self) -> bool {
+        self.format == TextFormat::Json
+    }
+
+    /// Prints a report as asked: as JSON, or in the words of `text`.
+    pub(crate) fn print<R: Serialize>(
+        &self,
+        report: &R,
+        text: impl FnOnce(&R) -> String,
+    ) -> Result<(), Failure> {
+        if self.json() { output::json(report) } else { output::text(&text(report)) }
+    }
+}
+
+/// The text of a file, and how messages call it.
+pub(crate) struct Source {
+    pub(crate) label: String,
+    pub(crate) text: String,
+}
+
+impl Source {
+    /// Reads a file; where there is none, the catalogue's of that name.
+    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
+        let label = path.display().to_string();
+        match catalogue::find(&label) {
+            Some(entry) if !path.exists() => Ok(Self { label, text: entry.text.to_owned() }),
+            _ => Ok(Self { label, text: read_text(path, MAX_BYTES as u64)? }),
+        }
+    }
+
+    pub(crate) fn is_mechanism(&self) -> bool {
+        mechanism::kind_of(&self.text).is_none_or(|kind| kind != "gpr")
+    }
+}
+
+/// A mechanism file as read.
+pub(crate) struct Input {
+    pub(crate) file: MechanismFile,
+    pub(crate) coordinates: Coordinates,
+}
+
+/// A closed configuration, with virtual joints displaced where they had to be.
+pub(crate) struct Posed {
+    /// (f + M) [m, rad].
+    pub(crate) values: DVector<f64>,
+    pub(crate) relief: Option<Relief>,
+}
+
+impl Input {
+    pub(crate) fn parse(source: &Source, set: &[Assignment]) -> Result<Self, Failure> {
+        let replaced: Vec<(String, f64)> =
+            set.iter().map(|one| (one.name.clone(), one.value)).collect();
+        let file = mechanism::parse_with(&source.text, &replaced)
+            .map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))?;
+        let coordinates = Coordinates::of(&file);
+        Ok(Self { file, coordinates })
+    }
+
+    /// Index of the joint coordinate of a name.
+    pub(crate) fn find(&self, name: &str) -> Result<usize, Failure> {
+        Ok(self.coordinates.find(&self.file.mechanism, name)?)
+    }
+
+    /// Coordinates that are asked for, with their values [m, rad].
+    pub(crate) fn commands(&self, at: &[Assignment]) -> Result<Vec<(usize, f64)>, Failure> {
+        at.iter()
+            .map(|one| {
+                let k = self.find(&one.name)?;
+                Ok((k, self.coordinates.to_si(k, one.value)))
+            })
+            .collect()
+    }
+
+    /// The guesses of the file, with these coordinates at their values.
+    fn start(&self, commands: &[(usize, f64)]) -> DVector<f64> {
+        let mut start = guess(&self.file.mechanism);
+        commands.iter().for_each(|&(k, value)| start[k] = value);
+        start
+    }
+
+    /// The closed configuration nearest the guesses, with these coordinates held.
+    pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
+        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+        let found = assemble(&self.file.mechanism, &self.start(commands), &held, STARTS);
+        found.map_err(|error| self.unassembled(error))
+    }
+
+    /// Closed configurations found from that many other starts.
+    pub(crate) fn branches(
+        &self,
+        commands: &[(usize, f64)],
+        starts: usize,
+    ) -> Result<Vec<Closure>, Failure> {
+        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+        Ok(branches(&self.file.mechanism, &self.start(commands), &held, starts)?)
+    }
+
+    /// The closed configuration with these coordinates held, by virtual joints where it takes them.
+    pub(crate) fn posed(&self, commands: &[(usize, f64)]) -> Result<Posed, Failure> {
+        let closed = self.assembled(commands);
+        let has_play = !self.file.mechanism.virtual_joints().is_empty();
+        match closed {
+            Ok(closed) => Ok(Posed { values: closed.coordinates, relief: None }),
+            Err(Failure::NotAssembled(_)) if has_play && !commands.is_empty() => {
+                let relief = self.relieved(commands)?;
+                Ok(Posed { values: relief.coordinates.clone(), relief: Some(relief) })
+            }
+            Err(other) => Err(other),
+        }
+    }
+
+    /// The least displacement of the virtual joints that lets these coordinates be where they are asked to be.
+    pub(crate) fn relieved(&self, commands: &[(usize, f64)]) -> Result<Relief, Failure> {
+        let mut start = self.assembled(&[])?.coordinates;
+        commands.iter().for_each(|&(k, value)| start[k] = value);
+        let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+        let system = MechanismSystem::new(&self.file.mechanism, start)?;
+        Ok(relieve(&system, &commanded, ReliefSolver::LeastNorm)?)
+    }
+
+    /// An error of the core with the configurations that were found, in the units of the file.
+    fn unassembled(&self, error: Error) -> Failure {
+        let Error::NotAssembled(found) = &error else { return error.into() };
+        let mut text = format::explain::explain(&error);
+        for (i, branch) in found.branches.iter().enumerate() {
+            let values = report::by_name(&self.coordinates, &branch.coordinates).0.into_iter();
+            let listed: Vec<String> = values
+                .enumerate()
+                .map(|(k, (name, value))| {
+                    format!("{name} = {}", output::fixed(value, self.coordinates.decimals(k)))
+                })
+                .collect();
+            text.push_str(&format!("\n  {}: {}", i + 1, listed.join(", ")));
+        }
+        Failure::NotAssembled(text)
+    }
+
+    /// One line for each coordinate: name, value, unit.
+    pub(crate) fn table(&self, values: &[(String, f64)], first: usize) -> String {
+        let width = values.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(20);
+        let line = |(i, (name, value)): (usize, &(String, f64))| {
+            let (k, pad) = (first + i, width - name.chars().count());
+            let number = output::fixed(*value, self.coordinates.decimals(k));
+            format!("  {name}{}{number:>16} {}\n", " ".repeat(pad), self.coordinates.unit(k))
+        };
+        values.iter().enumerate().map(line).collect()
+    }
+}
