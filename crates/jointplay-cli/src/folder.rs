@@ -46,7 +46,15 @@ pub(crate) fn write_new(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), 
     std::fs::create_dir_all(folder).map_err(failed(folder))?;
     let file = partial(folder, path, bytes)?;
     readable(&file, path)?;
-    file.persist_noclobber(path).map_err(|error| failed(path)(error.error))?;
+    file.persist_noclobber(path).map_err(|error| {
+        let plain = match error.error.kind() {
+            std::io::ErrorKind::AlreadyExists => {
+                std::io::Error::new(error.error.kind(), "something of this name is there already")
+            }
+            _ => error.error,
+        };
+        failed(path)(plain)
+    })?;
     Ok(())
 }
 

@@ -41,6 +41,16 @@ pub(crate) struct SetArgs {
     pub(crate) set: Vec<Assignment>,
 }
 
+impl SetArgs {
+    pub(crate) fn refuse_without_file(&self) -> Result<(), Failure> {
+        if self.set.is_empty() {
+            Ok(())
+        } else {
+            Err(Failure::Misused("--set needs a mechanism file".to_owned()))
+        }
+    }
+}
+
 /// What every command about one mechanism has.
 #[derive(Args)]
 pub(crate) struct MechanismArgs {

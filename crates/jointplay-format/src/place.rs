@@ -5,7 +5,7 @@ use std::ops::Range;
 use serde::de::DeserializeOwned;
 
 /// Most names listed in a message.
-const MOST_LISTED: usize = 32;
+const MOST_LISTED: usize = 16;
 
 /// Where in a file something is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -68,17 +68,17 @@ fn copy(entry: &Entry, folder: &Path) -> Result<(), Failure> {
 fn list() -> String {
     let title = "what";
     let mut text = format!(
-        "{:<22}{title:<46}{:>8}{:>6}{:>13}{:>7}{:>10}\n",
+        "{:<26}{title:<40}{:>8}{:>6}{:>13}{:>6}{:>11}\n",
         "name", "freedoms", "rank", "first order", "real", "redundant"
     );
     for entry in catalogue::entries() {
         let expected = entry.expected();
         let cell = |value: Option<usize>| value.map_or("-".to_owned(), |value| value.to_string());
         let title = entry.title();
-        let pad = " ".repeat(46_usize.saturating_sub(title.chars().count()).max(1));
+        let pad = " ".repeat(40_usize.saturating_sub(title.chars().count()).max(1));
         let _ = writeln!(
             text,
-            "  {:<20}{title}{pad}{:>8}{:>6}{:>13}{:>7}{:>10}",
+            "  {:<24}{title}{pad}{:>8}{:>6}{:>13}{:>6}{:>11}",
             entry.name,
             cell(expected.freedoms),
             cell(expected.rank),

@@ -46,10 +46,10 @@ pub(crate) struct Mobility {
 impl Mobility {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let gpr = match &self.file {
-            None if !self.set.set.is_empty() => {
-                return Err(Failure::Misused("--set needs a mechanism file".to_owned()));
+            None => {
+                self.set.refuse_without_file()?;
+                self.answer.load()?
             }
-            None => self.answer.load()?,
             Some(path) => {
                 let source = Source::read(path)?;
                 if source.is_mechanism() {

@@ -10,6 +10,7 @@ mod manual;
 mod mobility;
 mod motion;
 mod pose_text;
+mod relief;
 mod sensitivity;
 mod simulate;
 mod simulate_text;

@@ -35,7 +35,7 @@ const PNG_WIDTH: u32 = 1800;
 Examples:
   jointplay move four-bar
   jointplay move four-bar --drive A=0:360:5 --out four-bar-motion
-  jointplay move hexapod --drive P1=0:5 --drive P2=0:-5 --format json
+  jointplay move hexapod --drive P1=0:0.02 --drive P2=0:-0.02:0.005 --format json
 
 Exit codes: 0 went to the end, 1 stopped on the way, 2 bad input or usage.")]
 pub(crate) struct Move {
@@ -99,7 +99,7 @@ impl Move {
             write(&input, &report, &driven, folder, names)?;
         }
         self.mechanism.print(&report, |report| self.text(&input, report, &driven))?;
-        report.message.map_or(Ok(()), |message| Err(Failure::Stopped(message)))
+        report.message.map_or(Ok(()), |message| Err(stopped(&input, &message)))
     }
 
     fn legs(&self, input: &Input, start: &DVector<f64>) -> Result<Vec<Leg>, Failure> {
@@ -170,9 +170,6 @@ impl Move {
             let mobility = there.instantaneous_mobility;
             let _ = writeln!(text, "  {}: mobility to first order {mobility}", at.join(", "));
         }
-        if report.stopped.is_some() && !input.file.mechanism.virtual_joints().is_empty() {
-            text.push_str("rigid links only: the file's virtual joints were held\n");
-        }
         if let Some(folder) = &self.out {
             let _ = writeln!(text, "3 files written into {}", folder.display());
         }
@@ -223,6 +220,16 @@ fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
     }
 }
 
+/// That a motion stopped; and what it left out, where that might help.
+fn stopped(input: &Input, message: &str) -> Failure {
+    let hint = if input.file.mechanism.virtual_joints().is_empty() {
+        ""
+    } else {
+        "\n  the file's virtual joints were held at rest; `jointplay sensitivity FILE --command JOINT=VALUE` lets them give way"
+    };
+    Failure::Stopped(format!("{message}{hint}"))
+}
+
 /// To the beginning of the way, then along it.
 fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Result<Motion, Failure> {
     let driven: Vec<usize> = legs.iter().map(|leg| leg.coordinate).collect();
@@ -241,7 +248,7 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
         let way = drive(&system, &to_begin, &free, STEPS)?;
         let told = report::motion(&input.file, &driven, held, &way);
         if let Some(message) = told.message {
-            return Err(Failure::Stopped(format!("on the way to FROM, {message}")));
+            return Err(stopped(input, &format!("on the way to FROM, {message}")));
         }
         if let Some(last) = way.waypoints.last() {
             system = system.at(last.coordinates.clone())?;

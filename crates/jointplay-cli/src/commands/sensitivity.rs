@@ -1,13 +1,16 @@
 //! `jointplay sensitivity`: how much play a tilt takes.
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use clap::Args;
 use jointplay::format::report::{self, SensitivityReport};
 use jointplay::spatial::Tilt;
 
+use super::relief;
 use crate::arguments::{AnswerArgs, ModelArgs, Rods, TiltArgs};
 use crate::failure::Failure;
+use crate::mechanism_input::{Assignment, Input, SetArgs, Source, assignment};
 use crate::output::{characteristic_length, fixed, limits, magnitude, three};
 
 /// How far the virtual joints move for a tilt, and what first order says of it
@@ -17,8 +20,19 @@ use crate::output::{characteristic_length, fixed, limits, magnitude, three};
 #[command(after_help = "\
 Examples:
   jointplay sensitivity --pitch-deg 1.5
-  jointplay sensitivity --q-mm 500,501,502 --virtualization polar --metric radius")]
+  jointplay sensitivity --q-mm 500,501,502 --virtualization polar --metric radius
+  jointplay sensitivity gpr-mechanism --command S1[1]=0.1
+
+Exit codes: 0 done, 1 no such pose or beyond a limit or clearance, 2 bad input or usage.")]
 pub(crate) struct SensitivityCommand {
+    /// Mechanism file (TOML) with virtual joints, or a name from `jointplay catalogue`; without it, the paper's robot
+    #[arg(value_name = "FILE", conflicts_with_all = ["robot", "q_mm", "yaw_deg", "pitch_deg", "height_mm", "ignore_limits", "virtualization", "solver", "metric"])]
+    file: Option<PathBuf>,
+    /// Joint coordinates of a mechanism that are to have these values, in the units of the file
+    #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment, requires = "file")]
+    command: Vec<Assignment>,
+    #[command(flatten)]
+    set: SetArgs,
     /// Rod lengths at the end of the motion, instead of a tilt
     #[arg(long, value_name = "Q1,Q2,Q3", value_parser = crate::arguments::rods, allow_hyphen_values = true, conflicts_with_all = ["yaw_deg", "pitch_deg", "height_mm"])]
     q_mm: Option<Rods>,
@@ -32,6 +46,11 @@ pub(crate) struct SensitivityCommand {
 
 impl SensitivityCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.file {
+            let input = Input::parse(&Source::read(path)?, &self.set.set)?;
+            return relief::run(&input, &self.command, &self.answer);
+        }
+        self.set.refuse_without_file()?;
         let gpr = self.answer.load()?;
         let (model, options) = (self.model.model(), self.model.options());
         let (rods, tilt) = match &self.q_mm {

@@ -40,7 +40,18 @@ fn every_command_that_a_document_shows_runs() {
 #[test]
 fn every_example_in_a_help_text_runs() {
     let desk = Desk::new();
-    for command in ["", "simulate", "forward", "inverse", "mobility", "sensitivity", "compare"] {
+    for command in [
+        "",
+        "simulate",
+        "forward",
+        "inverse",
+        "mobility",
+        "sensitivity",
+        "compare",
+        "assemble",
+        "move",
+        "catalogue",
+    ] {
         let help = desk.done(&format!("{command} --help"));
         let (_, examples) = help.split_once("Examples:").expect("every command has examples");
         for line in examples.lines().map(str::trim) {

@@ -5,5 +5,6 @@
 mod answers;
 mod desk;
 mod documents;
+mod mechanism;
 mod refusals;
 mod simulate;

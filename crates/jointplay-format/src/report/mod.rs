@@ -5,6 +5,7 @@ mod forward;
 mod mechanism;
 mod mobility;
 mod motion;
+mod relief;
 mod sensitivity;
 mod study;
 
@@ -23,6 +24,7 @@ pub use mechanism::{
 };
 pub use mobility::{MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};
+pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
 

@@ -1,0 +1,78 @@
+//! `jointplay sensitivity FILE`: how much play a command takes of any mechanism.
+
+use std::fmt::Write as _;
+
+use jointplay::constraint::System as _;
+use jointplay::format::report::{self, ReliefReport};
+use jointplay::mechanism::MechanismSystem;
+use jointplay::mobility::RANK_THRESHOLD;
+use jointplay::sensitivity::commanded_sensitivity;
+
+use crate::arguments::AnswerArgs;
+use crate::failure::Failure;
+use crate::mechanism_input::{Assignment, Input};
+use crate::output::{fixed, magnitude};
+
+/// Prints how far the virtual joints go for a command; not an answer of yes if one goes beyond its clearance.
+pub(super) fn run(
+    input: &Input,
+    command: &[Assignment],
+    answer: &AnswerArgs,
+) -> Result<(), Failure> {
+    if input.file.mechanism.virtual_joints().is_empty() {
+        let text = "this mechanism has no virtual joints; add [[virtual_joint]] tables where there is play";
+        return Err(Failure::Misused(text.to_owned()));
+    }
+    if command.is_empty() {
+        let text = "nothing is commanded; say --command JOINT=VALUE";
+        return Err(Failure::Misused(text.to_owned()));
+    }
+    let commands = input.commands(command)?;
+    let relief = input.relieved(&commands)?;
+    let system = MechanismSystem::new(&input.file.mechanism, relief.coordinates.clone())?;
+    let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+    let length = system.characteristic_length();
+    let sensitivity =
+        commanded_sensitivity(&system, &system.at_home(), &commanded, length, RANK_THRESHOLD)?;
+    let values = sensitivity.singular_values().as_slice();
+    let report = report::relief(&input.file, &relief, values, length);
+    answer.print(&report, |report| text(input, report))?;
+    let over: Vec<&str> =
+        report.virtual_joints.iter().filter(|one| one.over).map(|one| one.name.as_str()).collect();
+    if over.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::OverClearance(format!("beyond the clearance of {}", over.join(", "))))
+    }
+}
+
+fn text(input: &Input, report: &ReliefReport) -> String {
+    let mut text = format!("{}, with virtual joints, at\n", report.name);
+    text.push_str(&input.table(&report.coordinates.0, 0));
+    let _ = writeln!(text, "virtual joints             displacement       clearance");
+    for joint in &report.virtual_joints {
+        let unit = if joint.unit == "um" { "µm" } else { joint.unit };
+        let clearance =
+            joint.clearance.map_or("-".to_owned(), |value| format!("±{}", fixed(value, 3)));
+        let over = if joint.over { "  over" } else { "" };
+        let pad = " ".repeat(20_usize.saturating_sub(joint.name.chars().count()));
+        let _ = writeln!(
+            text,
+            "  {}{pad}{:>16} {:>15} {unit}{over}",
+            joint.name,
+            fixed(joint.displacement, 3),
+            clearance
+        );
+    }
+    let unit = if report.size_unit == "um" { "µm" } else { report.size_unit };
+    let _ = writeln!(text, "  all together      {:>18} {:>15} {unit}", fixed(report.size, 3), "");
+    let values: String =
+        report.singular_values.iter().map(|&value| format!(" {}", magnitude(value))).collect();
+    let _ = writeln!(
+        text,
+        "virtual joints per command, lengths in units of {} mm",
+        report.characteristic_length_mm
+    );
+    let _ = writeln!(text, "  singular values     {values}");
+    text
+}

@@ -1,0 +1,227 @@
+//! Mechanism files: what is answered, what is refused, what is written.
+
+use crate::desk::{Desk, Run};
+
+const HEAD: &str = r#"
+kind = "mechanism"
+name = "test"
+units = { length = "mm", angle = "deg" }
+base = "ground"
+"#;
+
+/// A joint of a file.
+fn joint(name: &str, kind: &str, links: [&str; 2], point: [f64; 3], axis: [f64; 3]) -> String {
+    format!(
+        "[[joint]]\nname = \"{name}\"\nkind = \"{kind}\"\nlinks = {links:?}\npoint = {point:?}\naxis = {axis:?}\n"
+    )
+}
+
+const Z: [f64; 3] = [0.0, 0.0, 1.0];
+
+fn refused(file: &str, line: &str, code: i32, message: &str) {
+    let desk = Desk::new();
+    desk.write("test.toml", file);
+    let run = desk.run(line);
+    assert_eq!(run.code, code, "{line}: {}{}", run.stdout, run.stderr);
+    assert!(run.stderr.contains(message), "{line}: {}", run.stderr);
+}
+
+#[test]
+fn what_people_read() {
+    let desk = Desk::new();
+    insta::with_settings!({ omit_expression => true }, {
+        for line in [
+            "assemble four-bar --at A=30 --branches 30",
+            "catalogue",
+            "move --help",
+        ] {
+            insta::assert_snapshot!(line.replace([' ', '=', '-'], "_"), desk.done(line), line);
+        }
+    });
+    // Round-off has its own mind about the values that are zero.
+    let bennett = desk.done("mobility bennett");
+    for part in [
+        "mobility of Bennett's linkage, at",
+        "of all joints          4",
+        "redundant              3",
+    ] {
+        assert!(bennett.contains(part), "{bennett}");
+    }
+}
+
+#[test]
+fn mobility_is_what_the_catalogue_says() {
+    let desk = Desk::new();
+    let found = desk.json("mobility four-bar --at A=30 --set coupler=0.25");
+    assert_eq!(found["kutzbach_mobility"], -2);
+    assert_eq!(found["instantaneous_mobility"], 1);
+    assert_eq!(found["finite_mobility"], 1);
+    assert_eq!(found["finite_mobility_bounds"], serde_json::json!([1, 1]));
+    assert_eq!((&found["rank"], &found["redundancy"]), (&3.into(), &3.into()));
+    assert_eq!((&found["joint_freedoms"], &found["loops"]), (&4.into(), &1.into()));
+    assert_eq!(found["coordinates"]["A"], 30.0);
+    assert_eq!(found["null_space"].as_array().unwrap().len(), 1);
+    assert_eq!(found["self_stress"].as_array().unwrap().len(), 3);
+    assert_eq!(found["characteristic_length_mm"], 100.0);
+    // The robot from a file, the same as by its flag.
+    let robot = desk.done("catalogue show gpr");
+    desk.write("robot.toml", &robot);
+    assert_eq!(desk.json("mobility robot.toml"), desk.json("mobility --robot robot.toml"));
+}
+
+#[test]
+fn virtual_joints_give_way_where_rigid_links_do_not_close() {
+    let desk = Desk::new();
+    let level = desk.json("mobility gpr-mechanism");
+    assert_eq!(
+        (&level["instantaneous_mobility"], &level["finite_mobility"]),
+        (&3.into(), &1.into())
+    );
+    assert_eq!(level.get("virtual_joints"), None);
+    let tilted = desk.json("mobility gpr-mechanism --at S1[1]=0.5");
+    let l1 = tilted["virtual_joints"]["l1"].as_f64().unwrap();
+    // Three sockets on a circle, balls over their rods: r (1/cos − 1) at the one that the tilt leads away.
+    let expected = 93.218 * (1.0 / 0.5_f64.to_radians().cos() - 1.0);
+    assert!((l1 - expected).abs() < 1e-7, "{l1} {expected}");
+    assert_eq!(tilted["instantaneous_mobility"], 1);
+    let play = desk.json("sensitivity gpr-mechanism --command S1[1]=0.5");
+    let um = play["virtual_joints"][0]["displacement"].as_f64().unwrap();
+    assert!((um - l1 * 1e3).abs() < 1e-4, "{um} {l1}");
+}
+
+#[test]
+fn play_beyond_the_clearance_is_a_no() {
+    let desk = Desk::new();
+    let text = desk.done("catalogue show gpr-mechanism");
+    desk.write(
+        "tight.toml",
+        &text.replace("slide = [1, 0, 0]", "slide = [1, 0, 0]\nclearance = 0.001"),
+    );
+    let Run { code, stdout, stderr } = desk.run("sensitivity tight.toml --command S1[1]=0.5");
+    assert_eq!(code, 1);
+    assert!(stdout.contains("±1.000 µm  over"), "{stdout}");
+    assert!(stderr.contains("beyond the clearance of l1"), "{stderr}");
+}
+
+#[test]
+fn a_motion_is_written_as_series_and_figure() {
+    let desk = Desk::new();
+    desk.done("move four-bar --drive A=0:360:10 --out way");
+    assert_eq!(
+        desk.names("way"),
+        ["four-bar-motion.csv", "four-bar-motion.png", "four-bar-motion.svg"]
+    );
+    let csv = desk.read("way/four-bar-motion.csv");
+    assert!(csv.starts_with("A_deg,B_deg,C_deg,D_deg\n"), "{csv}");
+    assert_eq!(csv.lines().count(), 38);
+    assert!(desk.read("way/four-bar-motion.svg").contains("A (deg)"));
+    // Again into the same folder, but not beside other people's files.
+    desk.done("move four-bar --out way");
+    desk.write("way/mine.txt", "mine");
+    assert_eq!(desk.run("move four-bar --out way").code, 2);
+    desk.done("move four-bar --out way --force");
+    let json = desk.json("move four-bar --drive A=:20:5");
+    assert_eq!(json["series"]["A_deg"], serde_json::json!([0.0, 5.0, 10.0, 15.0, 20.0]));
+    assert_eq!(json["stopped"], serde_json::Value::Null);
+}
+
+#[test]
+fn a_motion_that_stops_says_where() {
+    let desk = Desk::new();
+    // The rocker cannot follow all the way round.
+    let run = desk.run("move four-bar --drive D=0:180 --format json");
+    assert_eq!(run.code, 1);
+    let found: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(found["stopped"], "locked");
+    assert!(run.stderr.contains("stopped at D = "), "{}", run.stderr);
+    assert!(run.stderr.contains("a dead point"), "{}", run.stderr);
+}
+
+#[test]
+fn names_that_are_not_there() {
+    let refuse = |line, message| refused("", line, 2, message);
+    refuse(
+        "mobility four-bar --at AA=1",
+        "joint `AA` is not known (did you mean `A`?); known: A, B, C, D",
+    );
+    refuse("assemble 3-rps --at S1=1", "joint `S1` has 3 freedoms: say which, S1[0], S1[1], S1[2]");
+    refuse("assemble four-bar --at A", "is not NAME=VALUE");
+    refuse("assemble four-bar --at A=x", "is no number");
+    refuse("assemble four-bar --set couple=1", "couple");
+    refuse("move four-bar --drive A=1", "is not JOINT=FROM:TO");
+    refuse("move four-bar --drive A=0:1:0", "a step of 0 leads nowhere");
+    refuse("move four-bar --drive A=1:1", "FROM and TO are the same");
+    refuse("move four-bar --drive A=0:1 --drive A=0:2", "is said twice");
+    refuse("move griffis-duffy", "no joint of this mechanism is actuated");
+    refuse("move four-bar --drive A=0:360:1e-9", "at most 100000 steps");
+    refuse("mobility four-bar --q-mm 1,2,3", "--q-mm and --virtualization");
+    refuse("mobility gpr --at A=1", "--at and --set are for mechanism files");
+    refuse("mobility --set a=1", "--set needs a mechanism file");
+    refuse("sensitivity four-bar --command A=1", "no virtual joints");
+    refuse("sensitivity gpr-mechanism", "nothing is commanded");
+    refuse("catalogue show benett", "did you mean `bennett`?");
+    refuse("assemble missing.toml", "cannot read missing.toml");
+}
+
+#[test]
+fn files_that_make_no_mechanism() {
+    let line = "mobility test.toml";
+    let hinge = joint("a", "revolute", ["ground", "arm"], [0.0; 3], Z);
+    let dangling = joint("b", "revolute", ["x", "y"], [1.0, 0.0, 0.0], Z);
+    refused(&format!("{HEAD}{hinge}{dangling}"), line, 2, "is not connected to the base");
+    let own = joint("b", "revolute", ["arm", "arm"], [1.0, 0.0, 0.0], Z);
+    refused(&format!("{HEAD}{hinge}{own}"), line, 2, "to itself");
+    let no_axis = joint("a", "revolute", ["ground", "arm"], [0.0; 3], [0.0; 3]);
+    refused(&format!("{HEAD}{no_axis}"), line, 2, "is a direction, but all its numbers are 0");
+    refused("kind = \"mechanism\"", line, 2, "test.toml:");
+}
+
+#[test]
+fn two_joints_in_one_place() {
+    let desk = Desk::new();
+    let first = joint("a", "revolute", ["ground", "arm"], [0.0; 3], Z);
+    let second = joint("b", "revolute", ["ground", "arm"], [0.0; 3], Z);
+    desk.write("test.toml", &format!("{HEAD}{first}{second}"));
+    let found = desk.json("mobility test.toml");
+    assert_eq!(
+        (&found["instantaneous_mobility"], &found["finite_mobility"]),
+        (&1.into(), &1.into())
+    );
+    assert_eq!(found["redundancy"], 5);
+}
+
+#[test]
+fn links_that_do_not_fit_are_a_no() {
+    // Rods of 10 and 10 mm cannot reach over 50.
+    let hinge = joint("a", "revolute", ["ground", "one"], [0.0; 3], Z);
+    let frames = |name: &str, links: [&str; 2], from: f64, to: f64| {
+        format!(
+            "[[joint]]\nname = \"{name}\"\nkind = \"revolute\"\nlinks = {links:?}\nframes = [{{ point = [{from:?}, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }}, {{ point = [{to:?}, 0, 0], axis = [0, 0, 1], zero = [1, 0, 0] }}]\n"
+        )
+    };
+    let far = format!(
+        "{HEAD}{hinge}{}{}",
+        frames("b", ["one", "two"], 10.0, 0.0),
+        frames("c", ["two", "ground"], 10.0, 50.0)
+    );
+    refused(&far, "mobility test.toml", 1, "the loops cannot be closed: best mismatch");
+    refused(&far, "assemble test.toml", 1, "stays open by");
+    // A place that the crank cannot have with the others: closed nowhere.
+    refused("", "assemble four-bar --at D=170", 1, "cannot be closed");
+}
+
+#[test]
+fn a_copy_never_replaces() {
+    let desk = Desk::new();
+    desk.done("catalogue copy bennett mine");
+    assert_eq!(desk.names("mine"), ["bennett.toml"]);
+    assert_eq!(desk.read("mine/bennett.toml"), desk.done("catalogue show bennett"));
+    desk.write("mine/bennett.toml", "changed");
+    let again = desk.run("catalogue copy bennett mine");
+    assert_eq!(again.code, 2);
+    assert!(again.stderr.contains("there already"), "{}", again.stderr);
+    assert_eq!(desk.read("mine/bennett.toml"), "changed");
+    // A file of a name goes before the catalogue's.
+    desk.write("four-bar", "kind = \"mechanism\"");
+    assert_eq!(desk.run("mobility four-bar").code, 2);
+}
