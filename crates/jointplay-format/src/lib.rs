@@ -1,10 +1,12 @@
-//! Files and text of jointplay: robot files in; JSON, CSV and Parquet out.
+//! Files and text of jointplay: robot and mechanism files in; JSON, CSV and Parquet out.
 //!
 //! The one place that knows serde, millimetres and degrees; takes and gives text or bytes, and opens no file.
 //!
 //! | to… | use |
 //! | --- | --- |
 //! | read a robot file | [`robot::parse`] |
+//! | read or write a mechanism file | [`mechanism::parse`], [`mechanism::write`] |
+//! | tell which of them a file is | [`mechanism::kind_of`] |
 //! | read `FROM:TO:STEP` | [`steps::parse`] |
 //! | change units without changing decimals | [`units`] |
 //! | say an error of the core in mm and degrees | [`explain::explain`] |
