@@ -1,10 +1,12 @@
 //! Laws of mechanisms in general, and the robot described as one.
+#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
 
 use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
-    Carrier, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem, Play, ReliefSolver,
-    Stop, VirtualJoint, VirtualMotion, assemble, branches, close, drive, guess, relieve, suggest,
+    Carrier, Class, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem, Play,
+    ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble, branches, close, drive, guess,
+    link_motion, relieve, self_stresses, suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
@@ -476,10 +478,6 @@ fn where_the_robot_needs_play() {
     let names = |n: usize| -> Vec<&str> {
         found.sets[n].virtual_joints.iter().map(|joint| joint.name.as_str()).collect()
     };
-    for (n, set) in found.sets.iter().enumerate().take(12) {
-        println!("{:?} {:.3e} {} {:?}", names(n), set.size, set.symmetric, set.largest);
-    }
-    println!("{} {} {}", found.candidates, found.compared, found.cut_short);
     let radial = (0..found.sets.len()).find(|&n| {
         names(n) == ["s0", "s1", "s2"].map(|ball| format!("radial slide of platform at {ball}"))
     });
@@ -489,4 +487,31 @@ fn where_the_robot_needs_play() {
     let most = 1.5 * RADIUS * (1.0 - 2.0_f64.to_radians().cos());
     assert!(radial.largest.iter().all(|x| *x > 0.3 * most && *x < 1.01 * most));
     assert!(found.sets.iter().all(|set| set.virtual_joints.len() >= 3));
+}
+
+#[test]
+fn redundancy_in_words() {
+    let mechanism = four_bar();
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
+    assert_eq!(Class::of(&found), Class::OverconstrainedMovable);
+    let stresses = self_stresses(&system, &found.instantaneous).unwrap();
+    let mut words: Vec<&str> = stresses.iter().map(|stress| stress.words.as_str()).collect();
+    words.sort_unstable();
+    assert_eq!(words, ["force along z", "moment about x", "moment about y"]);
+    assert!(stresses.iter().all(|stress| stress.wrenches.len() == 4));
+    let coupler = link_motion(&system, &found.instantaneous, 2).unwrap();
+    assert_eq!((coupler.dimension, coupler.translations), (1, 0));
+    let (pitch, center) = coupler.screw.unwrap();
+    // The coupler turns about where the lines of crank and rocker meet: x = 0 and 4 (x − 3.5) + y = 0.
+    assert!(pitch.abs() < 1e-12);
+    assert!((center.xy() - jointplay_core::nalgebra::Vector2::new(0.0, 14.0)).norm() < 1e-9);
+    let mechanism = ring(
+        &[[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 0.0, 0.0]],
+        &[[0.0, 0.0, 1.0]; 4],
+    );
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let first = instantaneous_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
+    let coupler = link_motion(&system, &first, 2).unwrap();
+    assert_eq!((coupler.dimension, coupler.translations, coupler.screw), (1, 1, None));
 }

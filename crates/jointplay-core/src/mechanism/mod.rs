@@ -6,6 +6,7 @@
 mod assembly;
 mod closing;
 mod description;
+mod evidence;
 pub mod joint;
 mod kinematics;
 mod motion;
@@ -18,6 +19,7 @@ pub use closing::{CLOSED, Closure, close};
 pub use description::{
     Carrier, Joint, MAX_LINKS, Mechanism, MechanismError, Play, VirtualJoint, VirtualMotion,
 };
+pub use evidence::{Class, LinkMotion, SelfStress, link_motion, self_stresses};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive};

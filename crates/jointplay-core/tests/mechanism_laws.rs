@@ -1,0 +1,158 @@
+//! Laws that hold for every mechanism: numbering, tree, base and unit of length mean nothing.
+#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+
+use jointplay_core::mechanism::{Joint, JointKind, Mechanism, MechanismSystem, Play};
+use jointplay_core::mobility::{InstantaneousMobility, RANK_THRESHOLD, instantaneous_mobility};
+use jointplay_core::nalgebra::{DVector, Rotation3, Translation3, Vector3};
+use jointplay_core::spatial::Pose;
+use proptest::prelude::*;
+
+fn kind() -> impl Strategy<Value = JointKind> {
+    prop_oneof![
+        4 => Just(JointKind::Revolute),
+        2 => Just(JointKind::Prismatic),
+        1 => Just(JointKind::Helical { lead: 0.1 }),
+        1 => Just(JointKind::Cylindrical),
+        1 => Just(JointKind::Universal),
+        2 => Just(JointKind::Spherical),
+        1 => Just(JointKind::Planar),
+        1 => Just(JointKind::Floating),
+        1 => Just(JointKind::Fixed),
+    ]
+}
+
+fn pose() -> impl Strategy<Value = Pose> {
+    (prop::array::uniform3(-1.0..1.0_f64), prop::array::uniform3(-1.5..1.5_f64)).prop_map(
+        |(point, turn)| {
+            Pose::from_parts(
+                Translation3::from(Vector3::from(point)),
+                Rotation3::new(Vector3::from(turn)),
+            )
+        },
+    )
+}
+
+/// Joints along a chain of links, and a few that close loops; half of them parallel, so that redundancy is common.
+fn joints() -> impl Strategy<Value = (usize, Vec<Joint>)> {
+    (3..7_usize).prop_flat_map(|links| {
+        let extra = prop::collection::vec((0..links, 1..links), 1..4);
+        (extra, prop::collection::vec((kind(), pose(), any::<bool>(), any::<bool>()), links + 2))
+            .prop_map(move |(extra, made)| {
+                let ends = (1..links)
+                    .map(|k| [k - 1, k])
+                    .chain(extra.iter().map(|&(a, step)| [a, (a + step) % links]));
+                let joints =
+                    ends.zip(made).enumerate().map(|(k, (ends, (kind, place, flat, turned)))| {
+                        let upright = Pose::from_parts(place.translation, Rotation3::identity());
+                        Joint {
+                            name: format!("j{k}"),
+                            kind,
+                            links: if turned { [ends[1], ends[0]] } else { ends },
+                            frames: [if flat { upright } else { place }; 2],
+                            actuated: false,
+                            guess: Vec::new(),
+                            limits: Vec::new(),
+                            clearance: Play::default(),
+                            stiffness: Play::default(),
+                        }
+                    });
+                (links, joints.collect())
+            })
+    })
+}
+
+fn names(links: usize) -> Vec<String> {
+    (0..links).map(|k| format!("l{k}")).collect()
+}
+
+fn analysed(links: usize, joints: Vec<Joint>) -> InstantaneousMobility {
+    let mechanism = Mechanism::new("random", names(links), joints).unwrap();
+    let home = DVector::zeros(mechanism.joint_freedoms());
+    let system = MechanismSystem::new(&mechanism, home).unwrap();
+    instantaneous_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap()
+}
+
+fn same(a: &InstantaneousMobility, b: &InstantaneousMobility) -> Result<(), TestCaseError> {
+    // A random mechanism may have a singular value near the threshold; what counts is that the values agree.
+    let off = (&a.singular_values - &b.singular_values).amax();
+    let largest = a.singular_values.iter().copied().fold(1.0, f64::max);
+    prop_assert!(off < 1e-11 * largest, "{off}");
+    if a.smallest_counted().is_none_or(|least| least > 1e-9) {
+        prop_assert_eq!(a.rank, b.rank);
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(200))]
+
+    #[test]
+    fn numbering_and_tree_mean_nothing((links, joints) in joints(), turn in 0..20_usize) {
+        let first = analysed(links, joints.clone());
+        let mut other = joints;
+        let count = other.len();
+        other.rotate_left(turn % count);
+        // Another joint order is another spanning tree; another order of the links besides the base too.
+        for joint in &mut other {
+            joint.links = joint.links.map(|link| if link == 0 { 0 } else { links - link });
+        }
+        same(&first, &analysed(links, other))?;
+    }
+
+    #[test]
+    fn the_sense_of_a_joint_means_nothing((links, joints) in joints()) {
+        let first = analysed(links, joints.clone());
+        // Swapping the links of a universal joint swaps its axes; its screws at rest are the same.
+        let other = joints
+            .into_iter()
+            .map(|joint| Joint { links: [joint.links[1], joint.links[0]], ..joint })
+            .collect();
+        same(&first, &analysed(links, other))?;
+    }
+
+    #[test]
+    fn the_base_and_its_place_mean_nothing((links, joints) in joints(), by in pose()) {
+        let first = analysed(links, joints.clone());
+        let other: Vec<Joint> = joints
+            .into_iter()
+            .map(|joint| Joint {
+                // The last link becomes the base, and everything is moved.
+                links: joint.links.map(|link| (link + 1) % links),
+                frames: joint.frames.map(|frame| by * frame),
+                ..joint
+            })
+            .collect();
+        same(&first, &analysed(links, other))?;
+    }
+
+    #[test]
+    fn the_unit_of_length_means_nothing((links, joints) in joints()) {
+        let first = analysed(links, joints.clone());
+        let other = joints
+            .into_iter()
+            .map(|mut joint| {
+                joint.frames.iter_mut().for_each(|frame| frame.translation.vector *= 1000.0);
+                if let JointKind::Helical { lead } = &mut joint.kind {
+                    *lead *= 1000.0;
+                }
+                joint
+            })
+            .collect();
+        same(&first, &analysed(links, other))?;
+    }
+
+    #[test]
+    fn null_space_and_self_stress_are_what_they_say((links, joints) in joints()) {
+        let mechanism = Mechanism::new("random", names(links), joints).unwrap();
+        let system = MechanismSystem::new(&mechanism, DVector::zeros(mechanism.joint_freedoms())).unwrap();
+        let found = instantaneous_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
+        prop_assert_eq!(found.mobility + found.rank, mechanism.joint_freedoms());
+        prop_assert_eq!(found.redundancy + found.rank, 6 * mechanism.loops());
+        let counted = jointplay_core::mobility::kutzbach_mobility(
+            links,
+            &mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect::<Vec<_>>(),
+        );
+        // Counted = to first order − redundancy, always.
+        prop_assert_eq!(counted, found.mobility as i64 - found.redundancy as i64);
+    }
+}
