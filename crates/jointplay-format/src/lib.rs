@@ -6,6 +6,7 @@
 //! | --- | --- |
 //! | read a robot file | [`robot::parse`] |
 //! | read or write a mechanism file | [`mechanism::parse`], [`mechanism::write`] |
+//! | take over a model of MuJoCo | [`import::mjcf::parse`] |
 //! | tell which of them a file is | [`mechanism::kind_of`] |
 //! | read `FROM:TO:STEP` | [`steps::parse`] |
 //! | change units without changing decimals | [`units`] |
@@ -19,6 +20,7 @@
 //! ```
 
 pub mod explain;
+pub mod import;
 pub mod mechanism;
 pub mod place;
 pub mod report;
