@@ -16,7 +16,7 @@
 struct ReadmeCompiles;
 
 pub use jointplay_core::{
-    Error, Unconverged, constraint, gpr, linalg, mobility, nalgebra, sensitivity, spatial,
+    Error, Unconverged, constraint, gpr, linalg, mechanism, mobility, nalgebra, sensitivity, spatial,
     virtualization,
 };
 pub use jointplay_format as format;
