@@ -91,8 +91,7 @@ fn motion_of_every_mechanism_with_one_drive() {
         let whole = MechanismSystem::new(mechanism, start.clone()).unwrap();
         let driven = whole.kinematics().coordinates_of(driver).start;
         let closed = assemble(mechanism, &start, &[driven], 0).unwrap();
-        let free: Vec<usize> =
-            (0..mechanism.joint_freedoms()).filter(|&k| k != driven).collect();
+        let free: Vec<usize> = (0..mechanism.joint_freedoms()).filter(|&k| k != driven).collect();
         let last = steps.last().unwrap();
         let to = last.1.iter().find(|(drive, joint, _)| drive == joint).unwrap().2;
         let system = MechanismSystem::new(mechanism, closed.coordinates).unwrap();

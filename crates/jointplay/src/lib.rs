@@ -16,8 +16,8 @@
 struct ReadmeCompiles;
 
 pub use jointplay_core::{
-    Error, Unconverged, constraint, gpr, linalg, mechanism, mobility, nalgebra, sensitivity, spatial,
-    virtualization,
+    Error, Unconverged, constraint, gpr, linalg, mechanism, mobility, nalgebra, sensitivity,
+    spatial, virtualization,
 };
 pub use jointplay_format as format;
 pub use jointplay_plot as plot;
