@@ -1,11 +1,13 @@
-//! Files and text of jointplay: robot files in; JSON, CSV and Parquet out.
+//! Files and text of jointplay: robot and mechanism files in; JSON, CSV and Parquet out.
 //!
 //! The one place that knows serde, millimetres and degrees; takes and gives text or bytes, and opens no file.
 //!
 //! | to… | use |
 //! | --- | --- |
 //! | read a robot file | [`robot::parse`] |
-//! | read a mechanism file | [`mechanism::parse`] |
+//! | read or write a mechanism file | [`mechanism::parse`], [`mechanism::write`] |
+//! | take over a model of MuJoCo | [`import::mjcf::parse`] |
+//! | tell which of them a file is | [`mechanism::kind_of`] |
 //! | name its coordinates, in its units | [`coordinates::Coordinates`] |
 //! | list the files that come with the program | [`catalogue::entries`] |
 //! | read `FROM:TO:STEP` | [`steps::parse`] |
@@ -22,6 +24,7 @@
 pub mod catalogue;
 pub mod coordinates;
 pub mod explain;
+pub mod import;
 pub mod mechanism;
 pub mod place;
 pub mod report;

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::Error;
 use crate::constraint::{Configuration, System, scaled_jacobian, units};
-use crate::linalg::svd;
+use crate::linalg::{Svd, svd};
 
 /// Singular values up to this share of the largest count as zero.
 ///
@@ -37,6 +37,8 @@ pub struct InstantaneousMobility {
     pub null_space: DMatrix<f64>,
     /// (c, redundancy) orthonormal basis of the self-stresses: constraint forces in balance by themselves, scaled like the rows of J.
     pub self_stress: DMatrix<f64>,
+    /// All of it, for corrections.
+    pub(super) decomposition: Svd,
 }
 
 impl InstantaneousMobility {
@@ -131,6 +133,7 @@ fn analyse(
         characteristic_length,
         null_space: decomposition.null_space(rank),
         self_stress: decomposition.left_null_space(rank),
-        singular_values: decomposition.singular_values,
+        singular_values: decomposition.singular_values.clone(),
+        decomposition,
     })
 }

@@ -6,6 +6,7 @@ use super::InstantaneousMobility;
 use crate::Error;
 use crate::constraint::{Configuration, System, units};
 use crate::linalg::svd;
+use crate::random::Random;
 
 /// Entries of the quadrics up to this share of the largest second derivative count as zero.
 ///
@@ -53,10 +54,30 @@ pub(super) fn second_order<S: System + ?Sized>(
     let upper_bound = match (stopped, definite) {
         (0, _) => mobility,
         (_, true) => free,
-        // One quadric that is not identically zero takes at least one dimension.
+        // One quadric that is not identically zero takes at least one dimension; one that is no product of planes shares no component with another, so that the two take two.
+        (_, false) if has_irreducible_pair(&restricted, cut)? => mobility - 2,
         (_, false) => mobility - 1,
     };
     Ok(SecondOrder { quadrics, free, definite, upper_bound })
+}
+
+/// Whether two of the quadrics are independent and some combination of them is of rank 3 or more, which makes it irreducible over the complex numbers.
+///
+/// # Source
+/// Dimension of an intersection: [CoxLittleOShea], section 9.4
+fn has_irreducible_pair(quadrics: &[DMatrix<f64>], cut: f64) -> Result<bool, Error> {
+    let flat: Vec<DVector<f64>> =
+        quadrics.iter().map(|quadric| DVector::from_column_slice(quadric.as_slice())).collect();
+    let independent = svd(&DMatrix::from_columns(&flat))?;
+    if independent.singular_values.iter().filter(|&&value| value > cut).count() < 2 {
+        return Ok(false);
+    }
+    let mut random = Random(3);
+    let size = quadrics[0].nrows();
+    let mixed = quadrics
+        .iter()
+        .fold(DMatrix::zeros(size, size), |sum, quadric| sum + quadric * random.next());
+    Ok(svd(&mixed)?.singular_values.iter().filter(|&&value| value > cut).count() >= 3)
 }
 
 /// sᵀ Φ''[N a, N b] for each self-stress, by polarisation.

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use jointplay_core::mechanism::{Carrier, Joint, JointKind, Play, VirtualJoint, VirtualMotion};
+use jointplay_core::mechanism::{
+    Carrier, Joint, JointKind, Mechanism, Play, VirtualJoint, VirtualMotion,
+};
 use toml::Spanned;
 
 use super::file::{JointTable, Number, OneOrMany, PlayTable, VirtualJointTable};
@@ -93,10 +95,7 @@ fn kind(values: &Values, table: &JointTable) -> Result<JointKind, Error> {
 
 fn guess(values: &Values, table: &JointTable, kind: JointKind) -> Result<Vec<f64>, Error> {
     let Some(guess) = &table.guess else { return Ok(Vec::new()) };
-    let numbers: Vec<(&Number, _)> = match guess.get_ref() {
-        OneOrMany::One(number) => vec![(number, guess.span())],
-        OneOrMany::Many(list) => list.iter().map(|n| (n.get_ref(), n.span())).collect(),
-    };
+    let numbers = numbers(guess);
     let coordinates = kind.coordinates();
     if numbers.len() != coordinates.len() {
         return Err(values.wrong(guess.span(), count("guess", numbers.len(), kind)));
@@ -137,7 +136,7 @@ fn limits(values: &Values, table: &JointTable, kind: JointKind) -> Result<Vec<[f
     read.collect()
 }
 
-/// The numbers of an entry, with their places.
+/// The one or many numbers, with their places.
 fn numbers(entry: &Spanned<OneOrMany>) -> Vec<(&Number, std::ops::Range<usize>)> {
     match entry.get_ref() {
         OneOrMany::One(number) => vec![(number, entry.span())],
@@ -169,21 +168,20 @@ fn play(
 pub(super) fn virtual_joint(
     values: &Values,
     table: &VirtualJointTable,
-    joints: &[Joint],
+    mechanism: &Mechanism,
     indices: &BTreeMap<&str, usize>,
-    links: &Links,
 ) -> Result<VirtualJoint, Error> {
     let name = read::name(values.text, "name", &table.name)?;
     let wanted = table.joint.get_ref().as_str();
     let Some(&index) = indices.get(wanted) else {
-        let names = joints.iter().map(|joint| joint.name.as_str());
+        let names = mechanism.joints().iter().map(|joint| joint.name.as_str());
         return Err(values.wrong(table.joint.span(), unknown("joint", wanted, names)));
     };
-    let joint = &joints[index];
+    let joint = &mechanism.joints()[index];
     let carrier = match &table.on {
         None => Carrier::Second,
         Some(on) => {
-            let names = joint.links.map(|link| links.names[link].as_str());
+            let names = joint.links.map(|link| mechanism.links()[link].as_str());
             let carriers = [(names[0], Carrier::First), (names[1], Carrier::Second)];
             choice(values.text, "link of this joint", on, &carriers)?
         }

@@ -24,7 +24,7 @@
 
 mod expression;
 mod file;
-mod frame;
+pub(crate) mod frame;
 mod joint;
 mod parameters;
 mod problem;

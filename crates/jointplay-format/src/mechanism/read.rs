@@ -138,17 +138,16 @@ fn mechanism(values: &Values, file: &File) -> Result<Mechanism, Error> {
         let names = links.names[1..].iter().map(String::as_str);
         return Err(values.wrong(file.base.span(), unknown("base", &base, names)));
     }
-    let indices: BTreeMap<&str, usize> =
-        joints.iter().enumerate().map(|(index, joint)| (joint.name.as_str(), index)).collect();
+    let placed = |error| values.wrong(blame(file, &error), error);
+    let mechanism = Mechanism::new(title, links.names, joints).map_err(placed)?;
+    let names = mechanism.joints().iter().map(|joint| joint.name.as_str());
+    let indices: BTreeMap<&str, usize> = names.zip(0..).collect();
     let virtual_joints = file
         .virtual_joint
         .iter()
-        .map(|table| virtual_joint(values, table.get_ref(), &joints, &indices, &links));
+        .map(|table| virtual_joint(values, table.get_ref(), &mechanism, &indices));
     let virtual_joints = virtual_joints.collect::<Result<Vec<_>, _>>()?;
-    let placed = |error| values.wrong(blame(file, &error), error);
-    let mechanism = Mechanism::new(title, links.names, joints)
-        .and_then(|mechanism| mechanism.with_virtual_joints(virtual_joints))
-        .map_err(placed)?;
+    let mechanism = mechanism.with_virtual_joints(virtual_joints).map_err(placed)?;
     let length = file.characteristic_length.as_ref();
     let to_si = |length| values.length(length);
     match values.positive("characteristic_length", length, to_si)? {
@@ -208,4 +207,207 @@ fn prose(
         return Err(Error::at(text, prose.span(), Problem::Name { key, found }));
     }
     Ok(Some(found))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jointplay_core::mechanism::{Carrier, JointKind, VirtualMotion};
+    use nalgebra::Vector3;
+    use proptest::prelude::*;
+
+    const SAMPLE: &str = include_str!("sample.toml");
+
+    #[test]
+    fn a_file_is_read_into_si_units() {
+        let file = parse(SAMPLE).unwrap();
+        let [crank, cardan, screw, slider] = file.mechanism.joints() else { panic!() };
+        assert_eq!(file.mechanism.links(), ["ground", "arm", "cross", "nut"]);
+        assert_eq!(file.mechanism.characteristic_length(), Some(0.44));
+        assert_eq!(crank.frames[0].translation.vector, Vector3::new(0.11, 0.0, 0.0));
+        assert_eq!(crank.frames[0].rotation.matrix(), &nalgebra::Matrix3::identity());
+        assert!(crank.actuated && !cardan.actuated);
+        assert_eq!(crank.limits, [[-90.0, 90.0].map(f64::to_radians)]);
+        assert_eq!(crank.guess, [f64::to_radians(30.0)]);
+        assert_eq!(crank.clearance.linear, Some(2e-5));
+        assert_eq!(crank.clearance.angular, Some(f64::to_radians(0.1)));
+        assert_eq!(crank.stiffness.linear, Some(1e6));
+        assert_eq!(cardan.frames[1].rotation * Vector3::x(), Vector3::x());
+        assert_eq!(cardan.frames[1].rotation * Vector3::z(), Vector3::y());
+        assert_eq!(cardan.limits[1], [-2.0, 90.0].map(f64::to_radians));
+        assert_eq!(screw.kind, JointKind::Helical { lead: 0.005 / std::f64::consts::TAU });
+        assert_eq!(screw.frames[0].rotation * Vector3::z(), -Vector3::y());
+        assert_eq!(screw.frames[1].translation.vector, Vector3::zeros());
+        assert!((slider.frames[0].rotation.matrix().determinant() - 1.0).abs() < 1e-15);
+        let [v1, v2] = file.mechanism.virtual_joints() else { panic!() };
+        assert_eq!((v1.carrier, v1.clearance), (Carrier::First, Some(2e-5)));
+        assert_eq!(v2.clearance, Some(f64::to_radians(0.5)));
+        let point = Vector3::new(0.11, 0.0, 0.0);
+        assert_eq!(v2.motion, VirtualMotion::Turn { axis: Vector3::z_axis(), point });
+        assert_eq!(file.source.as_deref(), Some("[Nobody]"));
+        assert_eq!(file.expected.kutzbach, Some(-2));
+        let of = |name: &str, value| (name.to_owned(), value);
+        assert_eq!(file.parameters, [of("half", 110.0), of("a", 220.0), of("alpha", 90.0)]);
+    }
+
+    #[test]
+    fn parameters_can_be_replaced() {
+        let file = parse_with(SAMPLE, &[("a".to_owned(), 100.0)]).unwrap();
+        assert_eq!(file.parameters[0].1, 50.0);
+        let file = parse_with(SAMPLE, &[("half".to_owned(), 7.0)]).unwrap();
+        assert_eq!(file.mechanism.joints()[0].frames[0].translation.x, 0.007);
+        let error = parse_with(SAMPLE, &[("alhpa".to_owned(), 1.0)]).unwrap_err();
+        let message =
+            "parameter \"alhpa\" is not known (did you mean `alpha`?); known: a, alpha, half";
+        assert_eq!(error.to_string(), message);
+        assert!(parse_with(SAMPLE, &[("a".to_owned(), f64::NAN)]).is_err());
+    }
+
+    /// Replaces a piece of the sample, and reads the message and what stands above the carets.
+    #[track_caller]
+    fn refuse(from: &str, to: &str, blamed: &str, message: &str) {
+        assert!(SAMPLE.contains(from), "{from:?} is not in the file");
+        let error = parse(&SAMPLE.replacen(from, to, 1)).unwrap_err();
+        let shown = error.with_excerpt("x.toml");
+        assert!(error.to_string().contains(message), "{shown}");
+        let place = &error.place;
+        let found: String = place.text.chars().skip(place.column - 1).take(place.width).collect();
+        assert_eq!(found, blamed, "{shown}");
+    }
+
+    #[test]
+    fn wrong_words_are_refused_with_the_known_ones() {
+        refuse("axis = [0, 0, 2]", "axes = [0, 0, 2]", "axes", "did you mean `axis`?");
+        refuse("\"mechanism\"", "\"mechansim\"", "\"mechansim\"", "known: mechanism");
+        refuse("\"mm\"", "\"cm\"", "\"cm\"", "known: m, mm, um, in");
+        refuse("\"deg\"", "\"degree\"", "\"degree\"", "did you mean `deg`?");
+        refuse("\"revolute\"", "\"revolut\"", "\"revolut\"", "did you mean `revolute`?");
+        refuse("on = \"ground\"", "on = \"nut\"", "\"nut\"", "known: ground, arm");
+        refuse("joint = \"crank\"", "joint = \"krank\"", "\"krank\"", "did you mean `crank`?");
+        refuse("base = \"ground\"", "base = \"grund\"", "\"grund\"", "did you mean `ground`?");
+        refuse("\"Sample\"", "\"a\\u001b[31m\"", "\"a\\u001b[31m\"", "control characters");
+        refuse("\"Sample\"", "\" \"", "\" \"", "empty");
+        refuse("freedoms = 8", "freedoms = -8", "-8", "");
+    }
+
+    #[test]
+    fn wrong_formulas_are_refused_with_their_place() {
+        refuse("\"-a * cos(alpha)\"", "\"-a * cos(alhpa)\"", "alhpa", "did you mean `alpha`?");
+        refuse("\"-a * cos(alpha)\"", "\"-a * ?\"", "?", "column 6 of the expression");
+        refuse("\"a / 2\"", "\"b / 2\"", "b", "unknown name `b`; known here: a, alpha, half, pi");
+        refuse("a = 220", "a = \"2 * half\"", "\"2 * half\"", "in a circle: a → half → a");
+        refuse("a = 220", "a = \"a\"", "\"a\"", "a → a");
+        refuse("a = 220", "a = nan", "nan", "`a` is NaN");
+        refuse("a = 220", "a = 220\nsin = 1", "sin", "no parameter can be called \"sin\"");
+        refuse("lead = 5", "lead = \"1 / 0\"", "1 / 0", "gives inf");
+    }
+
+    #[test]
+    fn wrong_numbers_are_refused() {
+        refuse("[0, 0, 2]", "[0, 0, 0]", "[0, 0, 0]", "all its numbers are 0");
+        refuse("[0, 0, 2]", "[0, 2]", "[0, 2]", "has 2 entries, but needs 3");
+        refuse("[0, 0, 2]", "[0, 0, inf]", "inf", "`axis` is inf");
+        refuse("[0, 0, 2]", "[0, 0, true]", "true", "expected a number or an expression");
+        refuse("zero = [1, 0, 5]", "zero = [0, 0, 5]", "[0, 0, 5]", "parallel to the axis");
+        let tilted = "second_axis = [1, 1e-5, 0]";
+        refuse("second_axis = [1, 0, 0]", tilted, "[1, 1e-5, 0]", "is 89.999427° from the axis");
+        refuse("[-90, 90]", "[90, -90]", "[90, -90]", "reversed: least 90, most -90");
+        refuse("[-90, 90]", "[90]", "[90]", "pairs of least and greatest");
+        refuse("[[-1, 1], [-2, \"alpha\"]]", "[-1, 1]", "[-1, 1]", "needs 2 pairs, one for each");
+        refuse("[[-1, 1],", "[[1, 1],", "[1, 1]", "reversed");
+        refuse("guess = 30", "guess = [1, 2]", "[1, 2]", "needs 1 numbers");
+        refuse("linear = 0.02", "linear = -0.02", "-0.02", "`linear` is -0.02");
+        refuse("clearance = 0.5", "clearance = 0", "0", "has to be positive");
+        refuse("\"2 * a\"", "0", "0", "`characteristic_length` is 0");
+    }
+
+    #[test]
+    fn keys_that_miss_or_contradict_are_refused() {
+        refuse("axis = [1, 1, 1]", "", "\"slider\"", "\"slider\" needs `axis`");
+        refuse("point = [1, 2, 3]", "", "\"slider\"", "\"slider\" needs `point`");
+        refuse("lead = 5", "", "\"screw\"", "\"screw\" needs `lead`");
+        refuse("lead = 5", "lead = 5\npoint = [0, 0, 0]", "[0, 0, 0]", "`frames` places");
+        refuse("axis = [1, 1, 1]", "axis = [1, 1, 1]\nlead = 2", "2", "only helical joints");
+        refuse("second_axis = [1, 0, 0]", "", "\"cardan\"", "needs `second_axis`");
+        refuse("second_axis = [1, 0, 0]", "zero = [1, 0, 0]", "[1, 0, 0]", "`second_axis` instead");
+        let both = "turn = [0, 0, 1]\nslide = [1, 0, 0]";
+        refuse("turn = [0, 0, 1]", both, "[0, 0, 1]", "state two");
+        refuse("turn = [0, 0, 1]", "", "\"v2\"", "needs `slide` or `turn`");
+        let about = "slide = [1, 1, 0]\nabout = [0, 0, 1]";
+        refuse("slide = [1, 1, 0]", about, "[0, 0, 1]", "only a `turn`");
+        refuse("units =", "# units =", "", "missing key `units`");
+    }
+
+    #[test]
+    fn links_that_make_no_mechanism_are_refused() {
+        refuse("[\"arm\", \"cross\"]", "[\"arm\", \"arm\"]", "[\"arm\", \"arm\"]", "to itself");
+        refuse("name = \"v2\"", "name = \"crank\"", "\"crank\"", "used twice");
+        refuse("name = \"cardan\"", "name = \"crank\"", "\"crank\"", "used twice");
+        let apart = "[[joint]]\nname = \"apart\"\nkind = \"fixed\"\nlinks = [\"p\", \"q\"]\n";
+        let text = format!("{apart}\n[[virtual_joint]]");
+        refuse("[[virtual_joint]]", &text, "\"p\"", "\"p\" is not connected to the base");
+        refuse("[\"nut\", \"ground\"]", "[\"nut\"]", "[\"nut\"]", "has 1 entries, but needs 2");
+    }
+
+    #[test]
+    fn endless_files_are_refused() {
+        let error = parse(&format!("{SAMPLE}#{}", "x".repeat(MAX_BYTES))).unwrap_err();
+        assert!(error.to_string().contains("at most 4000000 are allowed"), "{error}");
+        let mut text = SAMPLE.replace("[[virtual_joint]]", "[[ignored]]");
+        text.truncate(text.find("[[ignored]]").unwrap());
+        for link in 0..10_000 {
+            text += &format!(
+                "[[joint]]\nname = \"j{link}\"\nkind = \"fixed\"\nlinks = [\"ground\", \"l{link}\"]\n"
+            );
+        }
+        let error = parse(&text).unwrap_err();
+        assert!(error.to_string().contains("at most 10000 are allowed"), "{error}");
+    }
+
+    #[test]
+    fn long_chains_of_parameters_are_resolved() {
+        let chain: String =
+            (0..20_000).map(|index| format!("p{index} = \"p{} + 1\"\n", index + 1)).collect();
+        let text = SAMPLE.replace("a = 220", &format!("a = 220\n{chain}p20000 = 0"));
+        let file = parse(&text).unwrap();
+        assert_eq!(file.parameters[2], ("p0".to_owned(), 20_000.0));
+    }
+
+    #[test]
+    fn the_kind_is_found() {
+        assert_eq!(kind_of(SAMPLE).as_deref(), Some("mechanism"));
+        assert_eq!(kind_of(crate::robot::PAPER).as_deref(), Some("gpr"));
+        assert_eq!(kind_of("kind = \"gpr\"\nname = = 3\n").as_deref(), Some("gpr"));
+        assert_eq!(kind_of("name = 3\n[a]\nkind = \"gpr\"\nb = ="), None);
+        let error = parse(crate::robot::PAPER).unwrap_err();
+        assert!(error.to_string().starts_with("kind \"gpr\" is not known"), "{error}");
+    }
+
+    #[test]
+    fn an_error_shows_the_line() {
+        let text = SAMPLE.replacen("\"half\", 0,", "\"hlaf\", 0,", 1);
+        let shown = parse(&text).unwrap_err().with_excerpt("my.toml");
+        let expected = "my.toml:22:11: unknown name `hlaf` (did you mean `half`?); known here: a, alpha, half, pi\n   |\n22 | point = [\"hlaf\", 0, \"-a * cos(alpha)\"]\n   |           ^^^^";
+        assert_eq!(shown, expected);
+    }
+
+    proptest! {
+        #[test]
+        fn no_mutated_text_panics(
+            cuts in prop::collection::vec((0..SAMPLE.len(), 0..30_usize, "[-\\[\\]\"={},.0-9a\n ]{0,3}"), 1..4)
+        ) {
+            let mut text = SAMPLE.to_owned();
+            for (start, length, replacement) in cuts {
+                let start = start.min(text.len());
+                let end = (start + length).min(text.len());
+                if text.is_char_boundary(start) && text.is_char_boundary(end) {
+                    text.replace_range(start..end, &replacement);
+                }
+            }
+            if let Err(error) = parse(&text) {
+                let _ = error.with_excerpt("x");
+            }
+            let _ = kind_of(&text);
+        }
+    }
 }

@@ -120,3 +120,77 @@ fn list(values: &[f64]) -> String {
 fn vector(vector: &Vector3<f64>) -> String {
     list(vector.as_slice())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mechanism::parse;
+
+    /// Writes a mechanism, reads it, and expects the same.
+    fn check(mechanism: &Mechanism) {
+        let text = write(mechanism, Some("here"));
+        let read = parse(&text).map_err(|error| error.with_excerpt("written")).unwrap();
+        assert_eq!(read.source.as_deref(), Some("here"));
+        let read = read.mechanism;
+        assert_eq!(read.name(), mechanism.name());
+        assert_eq!(read.links(), mechanism.links());
+        assert_eq!(read.characteristic_length(), mechanism.characteristic_length());
+        assert_eq!(read.joints().len(), mechanism.joints().len());
+        for (found, expected) in read.joints().iter().zip(mechanism.joints()) {
+            for (found, expected) in found.frames.iter().zip(&expected.frames) {
+                let off = found.to_homogeneous() - expected.to_homogeneous();
+                assert!(off.amax() < 1e-12, "{off}");
+            }
+            let mut found = found.clone();
+            found.frames = expected.frames;
+            if let (JointKind::Helical { lead: found }, JointKind::Helical { lead }) =
+                (&mut found.kind, expected.kind)
+            {
+                assert!((*found - lead).abs() <= 1e-15 * lead.abs());
+                *found = lead;
+            }
+            assert_eq!(&found, expected);
+        }
+        for (found, expected) in read.virtual_joints().iter().zip(mechanism.virtual_joints()) {
+            let axis = |motion| match motion {
+                VirtualMotion::Slide(axis) | VirtualMotion::Turn { axis, .. } => axis,
+            };
+            assert!((axis(found.motion).into_inner() - *axis(expected.motion)).amax() < 1e-15);
+            let (mut found, mut expected) = (found.clone(), expected.clone());
+            for joint in [&mut found, &mut expected] {
+                match &mut joint.motion {
+                    VirtualMotion::Slide(axis) | VirtualMotion::Turn { axis, .. } => {
+                        *axis = Vector3::x_axis();
+                    }
+                }
+            }
+            assert_eq!(found, expected);
+        }
+    }
+
+    #[test]
+    fn a_written_file_is_the_same_mechanism() {
+        check(&parse(include_str!("sample.toml")).unwrap().mechanism);
+    }
+
+    #[test]
+    fn the_whole_catalogue_is_read_and_written() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../robots");
+        let mut count = 0;
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let Ok(text) = std::fs::read_to_string(&path) else { continue };
+            if crate::mechanism::kind_of(&text).as_deref() != Some("mechanism") {
+                continue;
+            }
+            let file = parse(&text)
+                .map_err(|error| error.with_excerpt(&path.display().to_string()))
+                .unwrap_or_else(|message| panic!("{message}"));
+            let freedoms = file.expected.freedoms.unwrap_or(file.mechanism.joint_freedoms());
+            assert_eq!(file.mechanism.joint_freedoms(), freedoms, "{}", path.display());
+            check(&file.mechanism);
+            count += 1;
+        }
+        assert!(count > 0, "the catalogue is not where it should be");
+    }
+}

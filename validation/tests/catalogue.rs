@@ -1,0 +1,111 @@
+//! Every mechanism of `robots/` against the numbers that its file and an independent program say.
+//!
+//! Provenance: `validation/golden/README.md`.
+
+use std::collections::BTreeMap;
+
+use jointplay::format::mechanism::{MechanismFile, kind_of, parse};
+use jointplay::mechanism::{Drive, MechanismSystem, assemble, drive, guess};
+use jointplay::mobility::{RANK_THRESHOLD, finite_mobility, kutzbach_mobility};
+use jointplay_validation::golden;
+
+/// All mechanism files by name.
+fn catalogue() -> BTreeMap<String, MechanismFile> {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../robots");
+    let mut files = BTreeMap::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        if kind_of(&text).as_deref() == Some("mechanism") {
+            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            let file = parse(&text).unwrap_or_else(|e| panic!("{}", e.with_excerpt(&name)));
+            files.insert(name, file);
+        }
+    }
+    files
+}
+
+#[test]
+fn mobility_of_every_mechanism() {
+    let files = catalogue();
+    let rows = golden("mechanisms.csv");
+    assert_eq!(rows.len(), files.len());
+    let mut wrong = Vec::new();
+    for row in &rows {
+        let name = row.text("name");
+        let MechanismFile { mechanism, expected, .. } = &files[name];
+        let closed = match assemble(mechanism, &guess(mechanism), &[], 0) {
+            Ok(closed) => closed,
+            Err(error) => {
+                wrong.push(format!("{name}: {error}"));
+                continue;
+            }
+        };
+        let system = MechanismSystem::new(mechanism, closed.coordinates).unwrap();
+        let started = std::time::Instant::now();
+        let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
+        eprintln!("{name}: {:?}", started.elapsed());
+        let first = &found.instantaneous;
+        let freedoms: Vec<usize> =
+            mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
+        let counted = kutzbach_mobility(mechanism.links().len(), &freedoms);
+        let ours = [
+            ("freedoms", Some(mechanism.joint_freedoms()), expected.freedoms),
+            ("rank", Some(first.rank), expected.rank),
+            ("instantaneous", Some(first.mobility), expected.instantaneous),
+            ("finite", found.mobility, expected.finite),
+            ("redundancy", Some(first.redundancy), expected.redundancy),
+        ];
+        for (what, ours, in_file) in ours {
+            let program = row.text(what).parse::<usize>().ok();
+            if ours != in_file || ours != program {
+                wrong.push(format!("{name}: {what} {ours:?}, file {in_file:?}, program {program:?}; {:?} {} {} {:?}", first.singular_values.as_slice(), found.lower_bound, found.upper_bound, found.neighbours));
+            }
+        }
+        if expected.kutzbach != Some(counted) {
+            wrong.push(format!("{name}: counted {counted}, file {:?}", expected.kutzbach));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn motion_of_every_mechanism_with_one_drive() {
+    let files = catalogue();
+    let rows = golden("mechanism_drive.csv");
+    let mut by_step: BTreeMap<(String, usize), Vec<(String, String, f64)>> = BTreeMap::new();
+    for row in &rows {
+        let key = (row.text("name").to_owned(), row.text("step").parse().unwrap());
+        by_step.entry(key).or_default().push((
+            row.text("drive").to_owned(),
+            row.text("joint").to_owned(),
+            row.text("coordinate").parse().unwrap(),
+        ));
+    }
+    assert!(by_step.len() >= 60);
+    for name in by_step.keys().map(|key| key.0.clone()).collect::<std::collections::BTreeSet<_>>() {
+        let mechanism = &files[&name].mechanism;
+        let start = guess(mechanism);
+        let steps: Vec<_> = by_step.iter().filter(|(key, _)| key.0 == name).collect();
+        let driver = mechanism.joint(&steps[0].1[0].0).unwrap();
+        let whole = MechanismSystem::new(mechanism, start.clone()).unwrap();
+        let driven = whole.kinematics().coordinates_of(driver).start;
+        let closed = assemble(mechanism, &start, &[driven], 0).unwrap();
+        let free: Vec<usize> = (0..mechanism.joint_freedoms()).filter(|&k| k != driven).collect();
+        let last = steps.last().unwrap();
+        let to = last.1.iter().find(|(drive, joint, _)| drive == joint).unwrap().2;
+        let system = MechanismSystem::new(mechanism, closed.coordinates).unwrap();
+        let motion =
+            drive(&system, &[Drive { coordinate: driven, to }], &free, steps.len() - 1).unwrap();
+        assert_eq!(motion.stopped, None, "{name}");
+        for (waypoint, (key, expected)) in motion.waypoints.iter().zip(&steps) {
+            for (_, joint, value) in *expected {
+                let k = whole.kinematics().coordinates_of(mechanism.joint(joint).unwrap()).start;
+                let off = waypoint.coordinates[k] - value;
+                // A passive turn may be counted from another full turn.
+                let turns = (off / std::f64::consts::TAU).round() * std::f64::consts::TAU;
+                assert!((off - turns).abs() < 1e-9, "{key:?} {joint}: {off}");
+            }
+        }
+    }
+}
