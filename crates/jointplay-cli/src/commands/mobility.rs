@@ -157,7 +157,7 @@ impl Facts<'_> {
             "singular values, lengths in units of {} mm",
             self.characteristic_length_mm
         );
-        singular_values(text, &self.singular_values, self.rank);
+        singular_values(text, self.singular_values, self.rank);
         let _ = writeln!(text, "  threshold            {:.3e}", self.threshold);
     }
 }
