@@ -4,7 +4,8 @@ use nalgebra::{DMatrix, DVector, Unit, Vector3};
 
 use super::relief::{Reduced, reduced};
 use super::{
-    Carrier, Mechanism, MechanismSystem, Relief, ReliefSolver, VirtualJoint, VirtualMotion, relieve,
+    Carrier, Mechanism, MechanismSystem, Relief, ReliefSolver, VirtualJoint, VirtualMotion, close,
+    relieve,
 };
 use crate::Error;
 use crate::linalg::svd;
@@ -12,10 +13,12 @@ use crate::spatial::Pose;
 
 /// Sets of virtual joints looked at before the search is cut short.
 const MAX_SETS: usize = 50_000;
-/// Sets tried with the whole kinematics, best first by the linear estimate.
-const MAX_TRIED: usize = 60;
+/// Sets of one size tried with the whole kinematics, best first by the linear estimate.
+const MAX_TRIED: usize = 40;
 /// A set that leaves more than this share of what is asked, by the linear estimate, is not tried.
 const LEFT_OPEN: f64 = 0.1;
+/// Corrections tried to see whether a command needs play at all.
+const MAX_CORRECTIONS: usize = 100;
 /// Columns below this share of the largest do nothing.
 const NO_EFFECT: f64 = 1e-9;
 
@@ -35,7 +38,9 @@ pub struct Suggestion {
 /// What a search for virtual joints found.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suggestions {
-    /// Sets, those of fewest virtual joints first, then those that have to move least.
+    /// Whether any play is needed at all: `false` where the links alone allow every command.
+    pub needed: bool,
+    /// Sets, those that have to move least first; none holds another that is enough.
     pub sets: Vec<Suggestion>,
     /// Places and directions that were considered.
     pub candidates: usize,
@@ -65,6 +70,16 @@ pub fn suggest(
 ) -> Result<Suggestions, Error> {
     let f = mechanism.joint_freedoms();
     super::system::check(home, f)?;
+    if possible_without_play(mechanism, home, commanded, commands)? {
+        let sets = Vec::new();
+        return Ok(Suggestions {
+            needed: false,
+            sets,
+            candidates: 0,
+            compared: 0,
+            cut_short: false,
+        });
+    }
     let candidates = candidates(mechanism, home)?;
     let all: Vec<VirtualJoint> = candidates.iter().map(|c| c.joint.clone()).collect();
     let relieved = with(mechanism, &all);
@@ -88,12 +103,21 @@ pub fn suggest(
             estimated.push((size, set));
         }
     }
+    // Small sets first, so that a set is seen to hold one that is enough; of one size the best by the estimate.
     estimated.sort_by(|a, b| {
-        let key = |(_, set): &(f64, Set)| (!set.symmetric, set.members.len());
+        let key = |(_, set): &(f64, Set)| (set.members.len(), !set.symmetric);
         key(a).cmp(&key(b)).then(a.0.total_cmp(&b.0))
     });
     let mut found: Vec<(Vec<usize>, Suggestion)> = Vec::new();
-    for (_, set) in estimated.into_iter().take(MAX_TRIED) {
+    let (mut of_size, mut tries) = (0, 0);
+    for (_, set) in estimated {
+        if set.members.len() != of_size {
+            (of_size, tries) = (set.members.len(), 0);
+        }
+        tries += 1;
+        if tries > MAX_TRIED {
+            continue;
+        }
         let smaller = |(members, _): &(Vec<usize>, Suggestion)| {
             members.iter().all(|member| set.members.contains(member))
         };
@@ -110,10 +134,26 @@ pub fn suggest(
         }
     }
     let mut sets: Vec<Suggestion> = found.into_iter().map(|(_, suggestion)| suggestion).collect();
-    sets.sort_by(|a, b| {
-        a.virtual_joints.len().cmp(&b.virtual_joints.len()).then(a.size.total_cmp(&b.size))
-    });
-    Ok(Suggestions { sets, candidates: all.len(), compared, cut_short })
+    sets.sort_by(|a, b| a.size.total_cmp(&b.size));
+    Ok(Suggestions { needed: true, sets, candidates: all.len(), compared, cut_short })
+}
+
+fn possible_without_play(
+    mechanism: &Mechanism,
+    home: &DVector<f64>,
+    commanded: &[usize],
+    commands: &[DVector<f64>],
+) -> Result<bool, Error> {
+    let bare = with(mechanism, &[]);
+    let free: Vec<usize> = (0..home.len()).filter(|k| !commanded.contains(k)).collect();
+    for command in commands {
+        let start = commanded_start(home, commanded, command, 0)?;
+        let closed = close(&MechanismSystem::new(&bare, start)?, &free, MAX_CORRECTIONS)?;
+        if !closed.is_closed() {
+            return Ok(false);
+        }
+    }
+    Ok(true)
 }
 
 /// A place and direction, and which others are alike.
