@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use jointplay::format::report::{self, MechanismMobilityReport, MobilityReport};
+use jointplay::format::report::{self, LinkMotionReport, MechanismMobilityReport, MobilityReport};
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
 use jointplay::mechanism::MechanismSystem;
@@ -90,7 +90,8 @@ impl Mobility {
         let system = MechanismSystem::new(&input.file.mechanism, posed.values.clone())?;
         let finite = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
         let relief = posed.relief.as_ref();
-        let report = report::mechanism_mobility(&input.file, &posed.values, relief, &finite);
+        let report =
+            report::mechanism_mobility(&input.file, &system, &posed.values, relief, &finite)?;
         self.answer.print(&report, |report| mechanism_text(&input, report))
     }
 
@@ -185,7 +186,35 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     let _ = writeln!(text, "  of all joints        {:>3}", report.joint_freedoms);
     let _ = writeln!(text, "  loops                {:>3}", report.loops);
     facts!(report).write(&mut text);
+    let _ = writeln!(text, "{}", report.class);
+    for carried in &report.carried_twice {
+        let _ =
+            writeln!(text, "  carried twice: {}, by {}", carried.what, carried.joints.join(", "));
+    }
+    let _ = writeln!(text, "links, to first order");
+    for (link, motion) in &report.link_motions.0 {
+        let _ = writeln!(text, "  {link:<20} {}", motion_words(motion));
+    }
     text
+}
+
+fn motion_words(motion: &LinkMotionReport) -> String {
+    let LinkMotionReport { dimension, translations, pitch_mm_per_rad, axis_point_mm } = motion;
+    match (dimension, pitch_mm_per_rad, axis_point_mm) {
+        (0, ..) => "does not move".to_owned(),
+        (1, Some(pitch), Some(point)) => {
+            // Advances that are round-off of the mechanism's own size are none.
+            let turns =
+                if pitch.abs() < 1e-9 * point.iter().fold(1.0, |most: f64, x| most.max(x.abs())) {
+                    "turns about an axis".to_owned()
+                } else {
+                    format!("screws with an advance of {pitch:.6} mm/rad about an axis")
+                };
+            format!("{turns} through ({}) mm", point.map(|x| format!("{x:.4}")).join(", "))
+        }
+        (1, ..) => "slides".to_owned(),
+        _ => format!("in {dimension} ways, {translations} of them translations"),
+    }
 }
 
 /// Values that count, then a bar, then those that do not.

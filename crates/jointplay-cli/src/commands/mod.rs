@@ -14,6 +14,7 @@ mod relief;
 mod sensitivity;
 mod simulate;
 mod simulate_text;
+mod suggest;
 
 use clap::Subcommand;
 
@@ -29,6 +30,7 @@ pub(crate) enum Command {
     Compare(compare::Compare),
     Assemble(assemble::Assemble),
     Move(motion::Move),
+    Suggest(suggest::Suggest),
     Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
     Manual(manual::Manual),
@@ -45,6 +47,7 @@ impl Command {
             Self::Compare(command) => command.run(),
             Self::Assemble(command) => command.run(),
             Self::Move(command) => command.run(),
+            Self::Suggest(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Manual(command) => command.run(),
@@ -61,6 +64,7 @@ impl Command {
             Self::Compare(command) => command.answer.json(),
             Self::Assemble(command) => command.mechanism.json(),
             Self::Move(command) => command.mechanism.json(),
+            Self::Suggest(command) => command.mechanism.json(),
             Self::Simulate(_) | Self::Catalogue(_) | Self::Completions(_) | Self::Manual(_) => {
                 false
             }

@@ -225,3 +225,35 @@ fn a_copy_never_replaces() {
     desk.write("four-bar", "kind = \"mechanism\"");
     assert_eq!(desk.run("mobility four-bar").code, 2);
 }
+
+#[test]
+fn the_paper_s_slides_are_suggested_first() {
+    let desk = Desk::new();
+    let text = desk.done("suggest gpr-mechanism --format json");
+    let report: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(report["play_needed"], true);
+    let best = &report["sets"][0];
+    assert_eq!(best["symmetric"], true);
+    for (k, joint) in ["S1", "S2", "S3"].into_iter().enumerate() {
+        let slide = &best["virtual_joints"][k];
+        assert_eq!(slide["name"], format!("radial slide of platform at {joint}"));
+        assert_eq!((&slide["motion"], &slide["unit"]), (&"slide".into(), &"um".into()));
+    }
+    let told = desk.done("suggest gpr-mechanism");
+    assert!(told.contains("1. by 0.07766 mm, alike"), "{told}");
+    assert!(desk.done("suggest 3-rps").contains("none: its links alone allow this"));
+    let other = desk.run("suggest parallelogram --command A1=5,A2=4 --command A1=5");
+    assert_eq!(other.code, 2);
+    assert!(other.stderr.contains("has to name the same joints"), "{}", other.stderr);
+    let none = desk.run("suggest 3-crr");
+    assert_eq!(none.code, 2);
+    assert!(none.stderr.contains("no actuated joint"), "{}", none.stderr);
+}
+
+#[test]
+fn redundancy_is_told_in_words() {
+    let told = Desk::new().done("mobility four-bar");
+    for words in ["overconstrained and movable", "carried twice: moment about x, by A, B, C, D"] {
+        assert!(told.contains(words), "{told}");
+    }
+}

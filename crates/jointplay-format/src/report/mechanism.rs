@@ -1,6 +1,9 @@
 //! Any mechanism: closed configurations and what can move there.
 
-use jointplay_core::mechanism::{Closure, Relief};
+use jointplay_core::Error;
+use jointplay_core::mechanism::{
+    Class, Closure, MechanismSystem, Relief, link_motion, self_stresses,
+};
 use jointplay_core::mobility::{FiniteMobility, kutzbach_mobility};
 use nalgebra::DVector;
 use serde::ser::{Serialize, Serializer};
@@ -127,6 +130,12 @@ pub struct MechanismMobilityReport {
     pub rank: usize,
     /// Constraints that say nothing new.
     pub redundancy: usize,
+    /// What class of mechanism this makes it, in words.
+    pub class: &'static str,
+    /// What is carried twice: one entry for each redundant constraint.
+    pub carried_twice: Vec<CarriedTwiceReport>,
+    /// How each link but the base moves to first order.
+    pub link_motions: ByName<LinkMotionReport>,
     /// Singular values of the scaled constraint Jacobian, largest first.
     pub singular_values: Vec<f64>,
     /// Values at or below it count as zero.
@@ -139,23 +148,69 @@ pub struct MechanismMobilityReport {
     pub self_stress: Vec<Vec<f64>>,
 }
 
+/// A constraint that says nothing new, as the wrench that the mechanism can carry in itself.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct CarriedTwiceReport {
+    /// In words: `moment about x`.
+    pub what: String,
+    /// The joints that carry it.
+    pub joints: Vec<String>,
+}
+
+/// How a link moves to first order.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct LinkMotionReport {
+    /// In how many independent ways.
+    pub dimension: usize,
+    /// How many of them are translations.
+    pub translations: usize,
+    /// For one way that is no translation: advance for a radian [mm/rad].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch_mm_per_rad: Option<f64>,
+    /// And a point of its axis, in the base frame [mm].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis_point_mm: Option<[f64; 3]>,
+}
+
 /// Tells what of a mechanism can move.
+///
+/// # Errors
+/// As [`link_motion`] and [`self_stresses`].
 ///
 /// # Arguments
 /// * `values` – (f + M) the configuration [m, rad]
 /// * `relief` – if virtual joints had to give way
-#[must_use]
 pub fn mechanism_mobility(
     file: &MechanismFile,
+    system: &MechanismSystem<'_>,
     values: &DVector<f64>,
     relief: Option<&Relief>,
     finite: &FiniteMobility,
-) -> MechanismMobilityReport {
+) -> Result<MechanismMobilityReport, Error> {
     let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
     let freedoms: Vec<usize> =
         mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
     let first = &finite.instantaneous;
-    MechanismMobilityReport {
+    let carried_twice = self_stresses(system, first)?.into_iter().map(|stress| {
+        let joints = stress.wrenches.iter().map(|(j, ..)| mechanism.joints()[*j].name.clone());
+        CarriedTwiceReport { what: stress.words, joints: joints.collect() }
+    });
+    let mut link_motions = Vec::new();
+    for (l, link) in mechanism.links().iter().enumerate().skip(1) {
+        let found = link_motion(system, first, l)?;
+        link_motions.push((
+            link.clone(),
+            LinkMotionReport {
+                dimension: found.dimension,
+                translations: found.translations,
+                pitch_mm_per_rad: found.screw.map(|(pitch, _)| mm(pitch)),
+                axis_point_mm: found
+                    .screw
+                    .map(|(_, point)| [mm(point.x), mm(point.y), mm(point.z)]),
+            },
+        ));
+    }
+    Ok(MechanismMobilityReport {
         name: mechanism.name().to_owned(),
         units: UnitsReport::of(&coordinates),
         coordinates: by_name(&coordinates, values),
@@ -168,12 +223,15 @@ pub fn mechanism_mobility(
         finite_mobility_bounds: [finite.lower_bound, finite.upper_bound],
         rank: first.rank,
         redundancy: first.redundancy,
+        class: Class::of(finite).words(),
+        carried_twice: carried_twice.collect(),
+        link_motions: ByName(link_motions),
         singular_values: first.singular_values.iter().copied().collect(),
         threshold: first.threshold,
         characteristic_length_mm: mm(first.characteristic_length),
         null_space: columns(&first.null_space),
         self_stress: columns(&first.self_stress),
-    }
+    })
 }
 
 /// Displacements of the virtual joints by name, in the units of the file.

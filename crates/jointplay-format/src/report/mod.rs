@@ -8,6 +8,7 @@ mod motion;
 mod relief;
 mod sensitivity;
 mod study;
+mod suggest;
 
 use jointplay_core::gpr::BrokenLimit;
 use jointplay_core::virtualization::{Motion, VirtualJoint};
@@ -19,14 +20,15 @@ use crate::units::{deg, mm};
 pub use compare::{CompareReport, ModelReport, compare};
 pub use forward::{ForwardReport, PlatformReport, forward};
 pub use mechanism::{
-    AssemblyReport, ByName, ConfigurationReport, MechanismMobilityReport, UnitsReport, assembly,
-    by_name, configuration, mechanism_mobility,
+    AssemblyReport, ByName, CarriedTwiceReport, ConfigurationReport, LinkMotionReport,
+    MechanismMobilityReport, UnitsReport, assembly, by_name, configuration, mechanism_mobility,
 };
 pub use mobility::{MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};
 pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
+pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 
 /// Displacements of virtual joints grouped by symbol, such as `l_mm` → three lengths; written as a map.
 #[derive(Debug, Clone, PartialEq)]

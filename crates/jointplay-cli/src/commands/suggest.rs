@@ -1,0 +1,158 @@
+//! `jointplay suggest`: where a mechanism would have to have play.
+
+use std::fmt::Write as _;
+
+use clap::Args;
+use jointplay::format::report::{self, SuggestReport};
+use jointplay::mechanism::suggest;
+use jointplay::nalgebra::DVector;
+
+use crate::failure::Failure;
+use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};
+use crate::output::fixed;
+
+/// Sets told in text; JSON has all.
+const TOLD: usize = 10;
+/// What each motor is driven by where nothing is commanded: turns, and slides as a share of the characteristic length.
+const SMALL_TURN: f64 = 0.05;
+
+/// Find where a mechanism would have to have play to make a motion possible
+///
+/// Virtual joints are tried at every joint, in every direction that it lacks; sets are ranked by how far they have to move.
+/// Without a command, each motor of the file is driven a little by itself.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay suggest gpr-mechanism
+  jointplay suggest gpr-mechanism --format json
+  jointplay suggest parallelogram --command A1=5,A2=4.9 --command A1=-5,A2=-5.1")]
+pub(crate) struct Suggest {
+    #[command(flatten)]
+    pub(crate) mechanism: MechanismArgs,
+    /// Joints that are to go to these values, in the units of the file; may be said again for further commands to the same joints
+    #[arg(long, value_name = "JOINT=VALUE,…", value_parser = assignments)]
+    command: Vec<Assignments>,
+}
+
+/// One command.
+#[derive(Clone, Debug)]
+struct Assignments(Vec<Assignment>);
+
+fn assignments(text: &str) -> Result<Assignments, String> {
+    text.split(',').map(assignment).collect::<Result<_, _>>().map(Assignments)
+}
+
+impl Suggest {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let mut input = self.mechanism.load()?;
+        // What play the file already imagines is no part of the question.
+        let bare = input.file.mechanism.clone().with_virtual_joints(Vec::new());
+        input.file.mechanism = bare.expect("no virtual joints are always in order");
+        let home = input.assembled(&[])?.coordinates;
+        let (commanded, commands) = self.commands(&input, &home)?;
+        let found = suggest(&input.file.mechanism, &home, &commanded, &commands)?;
+        let coordinates = &input.coordinates;
+        let names = commanded.iter().map(|&k| coordinates.all()[k].name.clone()).collect();
+        let in_units = |command: &DVector<f64>| {
+            let values = commanded.iter().zip(command.iter());
+            values.map(|(&k, &value)| coordinates.from_si(k, value)).collect()
+        };
+        let told = commands.iter().map(in_units).collect();
+        let report = report::suggestions(&input.file.mechanism, names, told, &found);
+        self.mechanism.print(&report, text)
+    }
+
+    /// Indices of the commanded coordinates, and their values in each command [m, rad].
+    fn commands(
+        &self,
+        input: &Input,
+        home: &DVector<f64>,
+    ) -> Result<(Vec<usize>, Vec<DVector<f64>>), Failure> {
+        let Some((first, others)) = self.command.split_first() else {
+            return small_steps(input, home);
+        };
+        let first = input.commands(&first.0)?;
+        let commanded: Vec<usize> = first.iter().map(|&(k, _)| k).collect();
+        let mut commands = vec![DVector::from_iterator(first.len(), first.iter().map(|c| c.1))];
+        for other in others {
+            let other = input.commands(&other.0)?;
+            let value = |k: &usize| other.iter().find(|(name, _)| name == k).map(|c| c.1);
+            match commanded.iter().map(value).collect::<Option<Vec<f64>>>() {
+                Some(values) if other.len() == commanded.len() => {
+                    commands.push(DVector::from_vec(values));
+                }
+                _ => {
+                    let text = "every --command has to name the same joints";
+                    return Err(Failure::Misused(text.to_owned()));
+                }
+            }
+        }
+        Ok((commanded, commands))
+    }
+}
+
+/// Each motor driven a little, the others held.
+fn small_steps(
+    input: &Input,
+    home: &DVector<f64>,
+) -> Result<(Vec<usize>, Vec<DVector<f64>>), Failure> {
+    let system = jointplay::mechanism::MechanismSystem::new(&input.file.mechanism, home.clone())?;
+    let joints = input.file.mechanism.joints().iter().enumerate();
+    let motors: Vec<usize> = joints
+        .filter(|(_, joint)| joint.actuated)
+        .flat_map(|(j, _)| system.kinematics().coordinates_of(j))
+        .collect();
+    if motors.is_empty() {
+        let text = "the file has no actuated joint; say which joints are commanded by --command";
+        return Err(Failure::Misused(text.to_owned()));
+    }
+    let length = jointplay::constraint::System::characteristic_length(&system);
+    let at_home = DVector::from_iterator(motors.len(), motors.iter().map(|&k| home[k]));
+    let commands = motors.iter().enumerate().map(|(n, &k)| {
+        let mut command = at_home.clone();
+        command[n] += SMALL_TURN * system.kinematics().dimensions()[k].unit(length);
+        command
+    });
+    let commands = commands.collect();
+    Ok((motors, commands))
+}
+
+fn text(report: &SuggestReport) -> String {
+    let mut text = format!("where {} would need play\n", report.name);
+    for command in &report.commands {
+        let values: Vec<String> = report
+            .commanded
+            .iter()
+            .zip(command)
+            .map(|(name, value)| format!("{name} = {}", fixed(*value, 4)))
+            .collect();
+        let _ = writeln!(text, "  commanded {}", values.join(", "));
+    }
+    if !report.play_needed {
+        text.push_str("none: its links alone allow this\n");
+        return text;
+    }
+    let _ = writeln!(
+        text,
+        "{} places and directions, {} sets compared{}; least displacement first",
+        report.candidates,
+        report.sets_compared,
+        if report.cut_short { " (stopped at the limit)" } else { "" }
+    );
+    if report.sets.is_empty() {
+        text.push_str("no set that was tried makes this possible\n");
+    }
+    for (n, set) in report.sets.iter().take(TOLD).enumerate() {
+        let alike = if set.symmetric { ", alike" } else { "" };
+        let _ = writeln!(text, "{}. by {} mm{alike}", n + 1, fixed(set.size_mm, 5));
+        for joint in &set.virtual_joints {
+            let unit = if joint.unit == "um" { "µm" } else { "mrad" };
+            let _ = writeln!(text, "   {:<44}{:>12} {unit}", joint.name, fixed(joint.largest, 3));
+        }
+    }
+    if report.sets.len() > TOLD {
+        let more = report.sets.len() - TOLD;
+        let _ = writeln!(text, "and {more} more: --format json has all");
+    }
+    text
+}
