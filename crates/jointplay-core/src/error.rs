@@ -122,6 +122,18 @@ pub enum Error {
     /// The iteration for the virtual joints did not converge.
     #[error(transparent)]
     NotConverged(#[from] Box<Unconverged>),
+    /// A mechanism that dense algebra would work on for hours.
+    #[error(
+        "the mechanism has {found} {what}, but at most {allowed} are analysed: its matrices are dense, and their cost grows with the cube"
+    )]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many may be.
+        allowed: usize,
+    },
     /// The loops of a mechanism could not be closed.
     #[error(transparent)]
     NotAssembled(#[from] Box<crate::mechanism::Unassembled>),

@@ -515,3 +515,12 @@ fn redundancy_in_words() {
     let coupler = link_motion(&system, &first, 2).unwrap();
     assert_eq!((coupler.dimension, coupler.translations, coupler.screw), (1, 1, None));
 }
+
+#[test]
+fn what_dense_algebra_cannot_do_is_refused() {
+    let count = 700;
+    let points: Vec<[f64; 3]> = (0..count).map(|k| [f64::from(k), f64::from(k % 7), 0.0]).collect();
+    let mechanism = ring(&points, &vec![[0.0, 0.0, 1.0]; points.len()]);
+    let error = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap_err();
+    assert_eq!(error, Error::TooLarge { what: "coordinates", found: 700, allowed: 240 });
+}

@@ -25,4 +25,4 @@ pub use kinematics::Kinematics;
 pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive};
 pub use relief::{Relief, ReliefSolver, relieve, virtual_weights};
 pub use suggest::{Suggestion, Suggestions, suggest};
-pub use system::MechanismSystem;
+pub use system::{MAX_DENSE, MechanismSystem};

@@ -7,6 +7,9 @@ use super::kinematics::{Kinematics, Placed, bracket, carried, minus};
 use crate::Error;
 use crate::constraint::{Configuration, Dimension, System};
 
+/// Most joint and virtual coordinates, or closure equations, of a mechanism that is analysed.
+pub const MAX_DENSE: usize = 240;
+
 /// The loop closures of a mechanism, in coordinates that count from a home configuration.
 ///
 /// ```text
@@ -37,8 +40,17 @@ impl<'a> MechanismSystem<'a> {
     /// * `home` – (f + M) coordinates of the joints, then of the virtual joints [m, rad]
     ///
     /// # Errors
-    /// [`Error::WrongLength`], [`Error::NotFinite`].
+    /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::TooLarge`] beyond [`MAX_DENSE`].
     pub fn new(mechanism: &'a Mechanism, home: DVector<f64>) -> Result<Self, Error> {
+        let sizes = [
+            ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),
+            ("closure equations", 6 * mechanism.loops()),
+        ];
+        for (what, found) in sizes {
+            if found > MAX_DENSE {
+                return Err(Error::TooLarge { what, found, allowed: MAX_DENSE });
+            }
+        }
         let kinematics = Kinematics::new(mechanism);
         check(&home, kinematics.dimensions().len())?;
         let (reference, spread) = middle(&kinematics, &home);

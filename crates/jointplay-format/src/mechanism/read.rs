@@ -15,7 +15,7 @@ use super::problem::{Error, Problem};
 use super::values::{LengthUnit, Units, Values, choice, unknown};
 use crate::place;
 
-/// Longest text that is read [bytes], so that a wrong file ends in a message and not in hours of work.
+/// Longest text that is read in bytes, so that a wrong file ends in a message and not in hours of work.
 pub const MAX_BYTES: usize = 4_000_000;
 
 /// A mechanism as read.
