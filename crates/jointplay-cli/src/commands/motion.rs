@@ -28,7 +28,7 @@ const PNG_WIDTH: u32 = 1800;
 /// Drive joints of a mechanism along a way, all others following
 ///
 /// The mechanism is closed from the guesses of its file, driven to FROM and then, step by step, to TO.
-/// Without --drive, the first actuated joint goes over its limits, or 30° or a tenth of the characteristic length either way.
+/// Without --drive, the first actuated joint goes over its limits, or 20° or a tenth of the characteristic length either way.
 /// If only actuated joints are driven, the other actuated joints hold still; else all others follow.
 #[derive(Args)]
 #[command(after_help = "\
@@ -193,7 +193,7 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
         return Ok(Leg { coordinate, from: Some(from), to, step: None });
     }
     let reach = match named[coordinate].quantity {
-        Coordinate::Turn => 30_f64.to_radians(),
+        Coordinate::Turn => 20_f64.to_radians(),
         Coordinate::Slide => {
             MechanismSystem::new(mechanism, start.clone())?.characteristic_length() / 10.0
         }
