@@ -69,9 +69,8 @@ def build():
     print("building", flush=True)
     site = next(VENV.glob("lib/python*/site-packages"))
     prefix = site / "cmeel.prefix"
-    manifest = HERE / "jointplay" / "Cargo.toml"
     missing = {}
-    made = run(["cargo", "build", "--release", "--manifest-path", manifest, "--message-format", "json"])
+    made = run(["cargo", "build", "--release", "-p", "jointplay-bench", "--message-format", "json"], cwd=HERE.parent)
     if made.returncode != 0:
         sys.exit(f"jointplay does not build:\n{made.stderr}")
     artifacts = [json.loads(line) for line in made.stdout.splitlines() if line.startswith("{")]
@@ -91,7 +90,7 @@ def build():
     mujoco = [f"-I{site}/mujoco/include", *site.glob("mujoco/libmujoco.so*"), f"-Wl,-rpath,{site}/mujoco"]
     for name, flags in [("pinocchio", pinocchio), ("mujoco", mujoco)]:
         source, out = HERE / "peers" / f"{name}.cpp", BUILD / name
-        inputs = [source, HERE / "peers" / "worker.hpp", HERE / "requirements.txt"]
+        inputs = [source, *(HERE / "peers").glob("*.hpp"), HERE / "requirements.txt"]
         if out.exists() and all(out.stat().st_mtime > path.stat().st_mtime for path in inputs):
             continue
         done = run([*compiler, source, "-o", out, *flags])
@@ -101,8 +100,8 @@ def build():
     return missing
 
 
-def run(command):
-    return subprocess.run([str(word) for word in command], capture_output=True, text=True)
+def run(command, cwd=None):
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, cwd=cwd)
 
 
 def link(path, target):

@@ -36,6 +36,8 @@ def main(build, out, rounds, only):
     if "linkages" in only:
         document = {**circumstances(missing), "rounds": rounds, "work": linkages(build, folder, rounds)}
         report.linkages(out, document)
+    if "words" in only:
+        report.words(out, {**circumstances(missing), "work": words(build, folder.parent / "words")})
 
 
 def gpr(build, folder, rounds):
@@ -44,8 +46,10 @@ def gpr(build, folder, rounds):
     work = told.Gpr.read(path)
     path.with_suffix(".xml").write_text(mjcf.gpr(work))
     commands = {
-        "jointplay, the robot's equations": [build / "jointplay", "gpr", "closed-form"],
-        "jointplay, any mechanism": [build / "jointplay", "gpr", "general"],
+        "jointplay, own equations": [build / "jointplay", "gpr", "own", "newton"],
+        "jointplay, own equations, least": [build / "jointplay", "gpr", "own", "least-norm"],
+        "jointplay, any mechanism": [build / "jointplay", "gpr", "general", "newton"],
+        "jointplay, any mechanism, least": [build / "jointplay", "gpr", "general", "least-norm"],
         "Pinocchio, C++": [build / "pinocchio", "gpr", path],
         "MuJoCo, C": [build / "mujoco", "gpr", path],
         "Pinocchio, Python": peer("pinocchio", "gpr", path),
@@ -54,7 +58,7 @@ def gpr(build, folder, rounds):
         "Exudyn, static": peer("exudyn", "gpr", path),
         "SciPy": peer("scipy", "gpr", path),
     }
-    reference = workers.Worker([build / "jointplay", "gpr", "least-norm"])
+    reference = workers.Worker([build / "jointplay", "gpr", "own", "least-norm"])
     reference.time()
     least = reference.answers(folder / "answers.txt")
     reference.close()
@@ -89,6 +93,24 @@ def linkages(build, folder, rounds):
         loops = len(work.cuts)
         works[name] = {"positions": len(work.guesses), "loops": loops, "results": results}
     return works
+
+
+def words(build, folder):
+    """What each program says of mechanisms, by program."""
+    subprocess.run([build / "jointplay", "words", folder], check=True)
+    said = {"jointplay": json.loads((folder / "jointplay.json").read_text())}
+    for name in ["pinocchio", "mujoco", "drake", "exudyn"]:
+        note(f"asking {name}")
+        try:
+            done = subprocess.run(
+                [sys.executable, HERE / "words.py", name, folder], capture_output=True, text=True, timeout=300
+            )
+            answers = [line for line in done.stdout.splitlines() if line.startswith("answer ")]
+            lines = done.stderr.strip().splitlines() or [f"ended with {done.returncode}"]
+            said[name] = json.loads(answers[0].removeprefix("answer ")) if answers else {"failed": lines[-1][:300]}
+        except subprocess.TimeoutExpired:
+            said[name] = {"failed": "no answer in five minutes"}
+    return said
 
 
 def peer(name, *words):

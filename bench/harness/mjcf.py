@@ -28,8 +28,12 @@ def gpr(work):
     return "\n".join([*lines, "</body>", "</worldbody></mujoco>"])
 
 
-def linkage(work, equality=""):
-    """The tree of bodies; the loops stay open, for whoever closes them."""
+def linkage(work, inside=None, after=""):
+    """The tree of bodies; the loops stay open, for whoever closes them.
+
+    `inside` has more to say of bodies by their index, −1 for the world; `after` follows the bodies.
+    """
+    inside = inside or {}
     children = {parent: [] for parent in range(-1, len(work.bodies))}
     for index, body in enumerate(work.bodies):
         children[body.parent].append(index)
@@ -41,13 +45,14 @@ def linkage(work, equality=""):
         body = work.bodies[index]
         kind = {"R": "hinge", "P": "slide", "S": "ball"}[body.kind]
         axis = "" if body.kind == "S" else ' axis="0 0 1"'
-        inside = "\n".join(write(child) for child in children[index])
+        hanging = "\n".join(write(child) for child in children[index])
         return (
             f'<body name="body{index}" pos="{words(body.point)}" quat="{words(quaternion(body.rotation))}">'
-            f'{INERTIA}<joint name="joint{index}" type="{kind}"{axis}/>\n{inside}</body>'
+            f'{INERTIA}<joint name="joint{index}" type="{kind}"{axis}/>'
+            f"{inside.get(index, '')}\n{hanging}</body>"
         )
 
     tree = "\n".join(write(child) for child in children[-1])
     if order != sorted(order):
         raise ValueError("bodies have to be told depth first")
-    return f"{HEAD}\n{tree}\n</worldbody>{equality}</mujoco>"
+    return f"{HEAD}\n{inside.get(-1, '')}{tree}\n</worldbody>{after}</mujoco>"

@@ -104,10 +104,7 @@ class Linkage:
     def read(cls, path):
         told = Numbers(path)
         body_count, cut_count = told.count(), told.count()
-        bodies = [
-            Body(told.count(), told.word(), told.word() == "1", *told.frame())
-            for _ in range(body_count)
-        ]
+        bodies = [Body(told.count(), told.word(), told.word() == "1", *told.frame()) for _ in range(body_count)]
         cuts = []
         for _ in range(cut_count):
             kind, *where = told.word(), told.count(), told.count()

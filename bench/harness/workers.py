@@ -2,6 +2,7 @@
 
 import ctypes
 import subprocess
+import tempfile
 import time
 from pathlib import Path
 
@@ -17,11 +18,14 @@ class Failed(Exception):
 class Worker:
     def __init__(self, command):
         # Errors go to a file, so that a chatty worker cannot fill a pipe and stall.
-        self.errors = Path(f"/tmp/bench-worker-{time.monotonic_ns()}.txt")
-        with self.errors.open("w") as errors:
-            self.process = subprocess.Popen(
-                [str(word) for word in command], stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=errors, text=True
-            )
+        self.errors = tempfile.TemporaryFile("w+")
+        self.process = subprocess.Popen(
+            [str(word) for word in command],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self.errors,
+            text=True,
+        )
         said = self._answer("ready")
         self.stride = int(said[0]) if said else 1
         self.repeats = 1
@@ -33,7 +37,8 @@ class Worker:
             if words[:1] == [expected]:
                 return words[1:]
         code = self.process.wait()
-        lines = [line.strip() for line in self.errors.read_text().splitlines() if line.strip()]
+        self.errors.seek(0)
+        lines = [line.strip() for line in self.errors if line.strip()]
         raise Failed(f"ended with {code}: {lines[-1][:300] if lines else 'it said nothing'}")
 
     def _ask(self, line):
@@ -73,7 +78,7 @@ class Worker:
     def close(self):
         self.process.stdin.close()
         self.process.wait(timeout=60)
-        self.errors.unlink(missing_ok=True)
+        self.errors.close()
 
 
 def compare(commands, rounds, folder, note):

@@ -18,7 +18,6 @@ from pydrake.multibody.tree import (
     PrismaticJoint,
     QuaternionFloatingJoint,
     RevoluteJoint,
-    RigidBody,
     SpatialInertia,
 )
 from pydrake.solvers import SnoptSolver
@@ -121,8 +120,8 @@ def snopt(path):
             ik.AddPositionConstraint(socket.body_frame(), np.zeros(3), world, ball, ball)
         weights = 1 / work.compliance
         program.AddQuadraticErrorCost(np.diag(weights / weights.max()), np.zeros(6), q[starts])
-        program.SetSolverOption(solver.id(), "Major feasibility tolerance", 1e-12)
-        program.SetSolverOption(solver.id(), "Minor feasibility tolerance", 1e-12)
+        program.SetSolverOption(solver.id(), "Major feasibility tolerance", 1e-13)
+        program.SetSolverOption(solver.id(), "Minor feasibility tolerance", 1e-13)
         result = solver.Solve(program, rest)
         found = result.GetSolution(q)
         found[floating : floating + 4] /= np.linalg.norm(found[floating : floating + 4])
@@ -137,9 +136,9 @@ def snopt(path):
     return every, STRIDE
 
 
-def linkage(path):
-    work = told.Linkage.read(path)
-    plant = MultibodyPlant(0.0)
+def tree(work, time_step):
+    """The open tree of a mechanism: plant, bodies and joints, not yet finalized."""
+    plant = MultibodyPlant(time_step)
     bodies, joints = [], []
     world = plant.world_frame()
     for index, one in enumerate(work.bodies):
@@ -153,6 +152,31 @@ def linkage(path):
         else:
             joint = BallRpyJoint(f"joint{index}", frame, bodies[-1].body_frame())
         joints.append(plant.AddJoint(joint))
+    return plant, bodies, joints
+
+
+def positions(work, plant, joints, values):
+    """Positions of the plant; balls are turned about x, then y, then z, in fixed axes."""
+    q, at = np.empty(plant.num_positions()), 0
+    for one, joint in zip(work.bodies, joints):
+        own, first = values[at : at + one.width], joint.position_start()
+        at += one.width
+        if one.kind == "S":
+            r = told.ball(own)
+            q[first : first + 3] = (
+                np.arctan2(r[2, 1], r[2, 2]),
+                np.arctan2(-r[2, 0], np.hypot(r[2, 1], r[2, 2])),
+                np.arctan2(r[1, 0], r[0, 0]),
+            )
+        else:
+            q[first] = own[0]
+    return q
+
+
+def linkage(path):
+    work = told.Linkage.read(path)
+    plant, bodies, joints = tree(work, time_step=0.0)
+    world = plant.world_frame()
     sides = []
     for index, cut in enumerate(work.cuts):
         pair = []
@@ -169,23 +193,6 @@ def linkage(path):
         for k in range(joint.velocity_start(), joint.velocity_start() + joint.num_velocities())
     ]
 
-    def positions(guess):
-        """Balls are turned about x, then y, then z, in fixed axes."""
-        q, at = np.empty(plant.num_positions()), 0
-        for one, joint in zip(work.bodies, joints):
-            own, first = guess[at : at + one.width], joint.position_start()
-            at += one.width
-            if one.kind == "S":
-                r = told.ball(own)
-                q[first : first + 3] = (
-                    np.arctan2(r[2, 1], r[2, 2]),
-                    np.arctan2(-r[2, 0], np.hypot(r[2, 1], r[2, 2])),
-                    np.arctan2(r[1, 0], r[0, 0]),
-                )
-            else:
-                q[first] = own[0]
-        return q
-
     def tell(q):
         values = []
         for one, joint in zip(work.bodies, joints):
@@ -200,7 +207,7 @@ def linkage(path):
                 values.append(q[first])
         return values
 
-    starts = [positions(guess) for guess in work.guesses]
+    starts = [positions(work, plant, joints, guess) for guess in work.guesses]
 
     def one(q):
         for _ in range(told.ITERATIONS):

@@ -104,7 +104,9 @@ def gpr(path):
     balls = []
     for socket in sockets:
         ball = mbs.AddMarker(items.MarkerBodyPosition(bodyNumber=ground, localPosition=[0, 0, 0]))
-        own = mbs.AddMarker(items.MarkerKinematicTreeRigid(objectNumber=body, linkNumber=socket, localPosition=[0, 0, 0]))
+        own = mbs.AddMarker(
+            items.MarkerKinematicTreeRigid(objectNumber=body, linkNumber=socket, localPosition=[0, 0, 0])
+        )
         mbs.AddObject(items.ObjectJointSpherical(markerNumbers=[ball, own]))
         balls.append(ball)
     mbs.Assemble()
@@ -131,10 +133,9 @@ def turn_y(angle):
     return told.turn(angle)[np.ix_([1, 2, 0], [1, 2, 0])]
 
 
-def linkage(path):
-    work = told.Linkage.read(path)
+def closed_tree(work, held):
+    """System and drives of a mechanism, its loops closed by joints; drives hold their coordinates if asked to."""
     tree, links = Tree(), []
-    driven = []
     for one in work.bodies:
         parent = -1 if one.parent < 0 else links[one.parent]
         if one.kind == "S":
@@ -143,65 +144,71 @@ def linkage(path):
             parent = tree.add(parent, TURNS[1])
             links.append(tree.add(parent, TURNS[2]))
         else:
-            kind = Z if one.kind == "R" else SLIDES[2]
-            links.append(tree.add(parent, kind, one.rotation, one.point))
-            if one.driven:
-                driven.append(links[-1])
+            links.append(tree.add(parent, Z if one.kind == "R" else SLIDES[2], one.rotation, one.point))
     mbs, node, body = tree.build([0.0] * len(tree.types))
     ground = mbs.AddObject(items.ObjectGround())
-    fixed = mbs.AddNode(items.NodePointGround())
-    fixed_marker = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=fixed, coordinate=0))
+    fixed = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=mbs.AddNode(items.NodePointGround()), coordinate=0))
     drives = []
-    for link in driven:
-        own = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=link))
-        drives.append(mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[fixed_marker, own], offset=0.0)))
+    for one, link in zip(work.bodies, links):
+        if one.driven and held:
+            own = mbs.AddMarker(items.MarkerNodeCoordinate(nodeNumber=node, coordinate=link))
+            drives.append(
+                (mbs.AddObject(items.ObjectConnectorCoordinate(markerNumbers=[fixed, own], offset=0.0)), link)
+            )
     for cut in work.cuts:
         markers = []
         for where, (rotation, point) in zip(cut.bodies, cut.frames):
-            frame = np.eye(4)
-            frame[:3, :3], frame[:3, 3] = rotation, point
+            place = {"localHT": np.block([[rotation, point[:, None]], [np.zeros((1, 3)), np.ones((1, 1))]])}
             if where < 0:
-                markers.append(mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, localHT=frame)))
+                markers.append(mbs.AddMarker(items.MarkerBodyRigid(bodyNumber=ground, **place)))
             else:
-                markers.append(
-                    mbs.AddMarker(items.MarkerKinematicTreeRigid(objectNumber=body, linkNumber=links[where], localHT=frame))
-                )
+                on = {"objectNumber": body, "linkNumber": links[where]}
+                markers.append(mbs.AddMarker(items.MarkerKinematicTreeRigid(**on, **place)))
         axes = [1, 1, 1, 1, 1, 0] if cut.kind == "R" else [1, 1, 1, 0, 0, 0]
         mbs.AddObject(items.ObjectJointGeneric(markerNumbers=markers, constrainedAxes=axes))
     mbs.Assemble()
+    return mbs, drives
+
+
+def coordinates(work, values):
+    """Coordinates of the tree, a ball's as three turns."""
+    q, at = [], 0
+    for one in work.bodies:
+        own = values[at : at + one.width]
+        at += one.width
+        if one.kind == "S":
+            r = told.ball(own)
+            q += [np.arctan2(-r[1, 2], r[2, 2]), np.arcsin(r[0, 2]), np.arctan2(-r[0, 1], r[0, 0])]
+        else:
+            q.append(own[0])
+    return np.array(q)
+
+
+def values(work, q):
+    """Coordinates as they are told, a ball's as a quaternion."""
+    told_values, at = [], 0
+    for one in work.bodies:
+        if one.kind == "S":
+            x, y, z = q[at : at + 3]
+            told_values.extend(told.quaternion(turn_x(x) @ turn_y(y) @ told.turn(z)))
+            at += 3
+        else:
+            told_values.append(q[at])
+            at += 1
+    return np.array(told_values)
+
+
+def linkage(path):
+    work = told.Linkage.read(path)
+    mbs, drives = closed_tree(work, held=True)
     told_to, solver = settings(work.gap), exu.MainSolverStatic()
-
-    def start(guess):
-        q, at = [], 0
-        for one in work.bodies:
-            own = guess[at : at + one.width]
-            at += one.width
-            if one.kind == "S":
-                r = told.ball(own)
-                q += [np.arctan2(-r[1, 2], r[2, 2]), np.arcsin(r[0, 2]), np.arctan2(-r[0, 1], r[0, 0])]
-            else:
-                q.append(own[0])
-        return np.array(q)
-
-    starts = [start(guess) for guess in work.guesses]
-
-    def tell(q):
-        values, at = [], 0
-        for one in work.bodies:
-            if one.kind == "S":
-                x, y, z = q[at : at + 3]
-                values.extend(told.quaternion(turn_x(x) @ turn_y(y) @ told.turn(z)))
-                at += 3
-            else:
-                values.append(q[at])
-                at += 1
-        return values
+    starts = [coordinates(work, guess) for guess in work.guesses]
 
     def one(q):
-        for drive, link in zip(drives, driven):
+        for drive, link in drives:
             mbs.SetObjectParameter(drive, "offset", q[link])
         found = solved(mbs, told_to, solver, q)
-        return None if found is None else tell(found)
+        return None if found is None else values(work, found)
 
     return lambda: [one(q) for q in starts]
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "newton.hpp"
 #include "worker.hpp"
 
 using Eigen::MatrixXd;
@@ -147,9 +148,7 @@ class Linkage : public Work {
       }
       mj_comPos(m, d);
       fill(true);
-      // Rows may be redundant and spins idle: pivots tell.
-      decomposition_.compute(jacobian_);
-      passive_ = decomposition_.solve(gap_);
+      newton_.solve(jacobian_, gap_, passive_);
       for (size_t k = 0; k < free_.size(); ++k) step_[free_[k]] = -passive_[k];
       mj_integratePos(m, d->qpos, step_.data(), 1.0);
     }
@@ -228,7 +227,7 @@ class Linkage : public Work {
   VectorXd gap_, step_, passive_;
   MatrixXd jacobian_;
   Jacobian linear_, angular_;
-  Eigen::ColPivHouseholderQR<MatrixXd> decomposition_;
+  NewtonStep newton_;
 };
 
 int main(int count, char** words) {

@@ -11,6 +11,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 
+#include "newton.hpp"
 #include "worker.hpp"
 
 namespace pin = pinocchio;
@@ -179,9 +180,7 @@ class Linkage : public Work {
       }
       pin::computeJointJacobians(model_, data_);
       fill(true);
-      // Rows may be redundant and spins idle: pivots tell.
-      decomposition_.compute(jacobian_);
-      passive_ = decomposition_.solve(gap_);
+      newton_.solve(jacobian_, gap_, passive_);
       for (size_t k = 0; k < free_.size(); ++k) step_[free_[k]] = -passive_[k];
       pin::integrate(model_, q_, step_, next_);
       q_.swap(next_);
@@ -259,7 +258,7 @@ class Linkage : public Work {
   VectorXd q_, next_, step_, gap_;
   MatrixXd jacobian_;
   VectorXd passive_;
-  Eigen::ColPivHouseholderQR<MatrixXd> decomposition_;
+  NewtonStep newton_;
 };
 
 int main(int count, char** words) { return serve<Gpr, Linkage>(count, words); }

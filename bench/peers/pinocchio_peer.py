@@ -84,7 +84,10 @@ def linkage(path):
             moving.append(
                 np.array(
                     [
-                        any(joint and model.idx_vs[joint] <= k < model.idx_vs[joint] + model.nvs[joint] for joint in chain)
+                        any(
+                            joint and model.idx_vs[joint] <= k < model.idx_vs[joint] + model.nvs[joint]
+                            for joint in chain
+                        )
                         for k in free
                     ]
                 )

@@ -15,22 +15,22 @@ use jointplay::virtualization::{Metric, Polar, SolveOptions, Solver};
 use crate::Work;
 
 /// Height of the platform plane on the base axis [m].
-pub const HEIGHT: f64 = 0.5;
+pub(crate) const HEIGHT: f64 = 0.5;
 /// ρ of the metric in which virtual joints are least [m].
 const METRIC: f64 = 1e-3;
 /// What counts as solved: the largest gap between a socket and its ball [m].
 const GAP: f64 = 1e-12;
 /// Coordinates of the rods in the graph.
-pub const RODS: [usize; 3] = [0, 1, 2];
+pub(crate) const RODS: [usize; 3] = [0, 1, 2];
 
 /// The robot of the catalogue.
-pub fn robot() -> Gpr {
+pub(crate) fn robot() -> Gpr {
     let entry = catalogue::find("gpr").expect("the catalogue has the robot");
     robot::parse(entry.text).expect("catalogue files can be read").gpr
 }
 
 /// Rods of every tilt: 360 azimuths, 20 pitches either side of level, none at it.
-pub fn rods() -> Vec<[f64; 3]> {
+pub(crate) fn rods() -> Vec<[f64; 3]> {
     let gpr = robot();
     let pitches = (-20..=20).filter(|&step| step != 0);
     (0..360)
@@ -46,7 +46,7 @@ pub fn rods() -> Vec<[f64; 3]> {
 }
 
 /// The work as text: sockets, metric, height, then the rods of each pose.
-pub fn text() -> String {
+pub(crate) fn text() -> String {
     let gpr = robot();
     let rods = rods();
     let mut text = String::new();
@@ -72,15 +72,15 @@ fn told((pose, virtual_joints): &Answer) -> Vec<f64> {
 }
 
 /// The robot's own equations.
-pub struct ClosedForm {
+pub(crate) struct Own {
     gpr: Gpr,
     rods: Vec<[f64; 3]>,
     options: SolveOptions,
     answers: Vec<Option<Answer>>,
 }
 
-impl ClosedForm {
-    pub fn new(solver: Solver) -> Self {
+impl Own {
+    pub(crate) fn new(solver: Solver) -> Self {
         let gpr = robot();
         let side = gpr.platform().mean_radius() * 3_f64.sqrt();
         let options = SolveOptions {
@@ -93,7 +93,7 @@ impl ClosedForm {
     }
 }
 
-impl Work for ClosedForm {
+impl Work for Own {
     fn solve(&mut self) -> usize {
         self.answers.clear();
         self.answers.extend(self.rods.iter().map(|&rods| {
@@ -111,14 +111,17 @@ impl Work for ClosedForm {
 }
 
 /// The same robot as a graph of links and joints, which knows nothing of its equations.
-pub struct General {
+pub(crate) struct General {
     mechanism: Mechanism,
+    rest: DVector<f64>,
+    solver: PositionSolver,
+    relief: ReliefSolver,
     rods: Vec<[f64; 3]>,
     answers: Vec<Option<DVector<f64>>>,
 }
 
 /// The graph, with a turn about the platform's middle and then a radial slide at each ball.
-pub fn graph() -> Mechanism {
+pub(crate) fn graph() -> Mechanism {
     let entry = catalogue::find("gpr-mechanism").expect("the catalogue has the graph");
     let mechanism = file::parse(entry.text).expect("catalogue files can be read").mechanism;
     let gpr = robot();
@@ -152,22 +155,22 @@ pub fn graph() -> Mechanism {
 }
 
 impl General {
-    pub fn new() -> Self {
-        Self { mechanism: graph(), rods: rods(), answers: Vec::new() }
+    pub(crate) fn new(relief: ReliefSolver) -> Self {
+        let mechanism = graph();
+        let rest = DVector::zeros(mechanism.joint_freedoms() + mechanism.virtual_joints().len());
+        let system = MechanismSystem::new(&mechanism, rest.clone()).expect("a small mechanism");
+        let solver = PositionSolver::new(&system, &RODS).expect("rods are no balls");
+        Self { mechanism, rest, solver, relief, rods: rods(), answers: Vec::new() }
     }
 }
 
 impl Work for General {
     fn solve(&mut self) -> usize {
-        let mechanism = &self.mechanism;
-        let rest = DVector::zeros(mechanism.joint_freedoms() + mechanism.virtual_joints().len());
-        let system = MechanismSystem::new(mechanism, rest.clone()).expect("a small mechanism");
-        let mut solver = PositionSolver::new(&system, &RODS).expect("rods are no balls");
         self.answers.clear();
         self.answers.extend(self.rods.iter().map(|rods| {
-            let mut coordinates = rest.clone();
+            let mut coordinates = self.rest.clone();
             RODS.iter().zip(rods).for_each(|(&k, rod)| coordinates[k] = rod - HEIGHT);
-            solver.solve(coordinates.as_mut_slice(), ReliefSolver::Newton).ok()?;
+            self.solver.solve(coordinates.as_mut_slice(), self.relief).ok()?;
             Some(coordinates)
         }));
         self.answers.iter().flatten().count()

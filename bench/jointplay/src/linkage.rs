@@ -14,10 +14,10 @@ use crate::tree::Tree;
 /// Positions along the drive.
 const STEPS: usize = 200;
 /// What counts as solved: the largest gap of a point [m], and of the direction of an axis.
-const GAP: f64 = 1e-12;
+const GAP: f64 = 1e-13;
 
 /// Mechanisms that every program can be told, and how far their drives go either way [m or rad].
-pub const MECHANISMS: [(&str, f64); 6] = [
+pub(crate) const MECHANISMS: [(&str, f64); 6] = [
     ("four-bar", 0.6),
     ("bennett", 0.5),
     ("sarrus", 0.3),
@@ -27,16 +27,17 @@ pub const MECHANISMS: [(&str, f64); 6] = [
 ];
 
 /// A mechanism, the values of its drives, and the configurations that they lead to.
-pub struct Linkage {
+pub(crate) struct Linkage {
     mechanism: Mechanism,
     driven: Vec<usize>,
+    solver: PositionSolver,
     /// Where each position is searched from: the one before, with the drives moved on.
     guesses: Vec<DVector<f64>>,
     answers: Vec<Option<DVector<f64>>>,
 }
 
 impl Linkage {
-    pub fn new(name: &str) -> Option<Self> {
+    pub(crate) fn new(name: &str) -> Option<Self> {
         let (_, reach) = MECHANISMS.into_iter().find(|(known, _)| *known == name)?;
         let mechanism = file::parse(catalogue::find(name)?.text).ok()?.mechanism;
         let kinematics = Kinematics::new(&mechanism);
@@ -56,24 +57,23 @@ impl Linkage {
             guesses.push(here.clone());
             here = assemble(&mechanism, &here, &driven, 0).expect("it closes").coordinates;
         }
-        Some(Self { mechanism, driven, guesses, answers: Vec::new() })
+        let system = MechanismSystem::new(&mechanism, guesses[0].clone()).ok()?;
+        let solver = PositionSolver::new(&system, &driven).ok()?;
+        Some(Self { mechanism, driven, solver, guesses, answers: Vec::new() })
     }
 
     /// The work as text.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         Tree::of(&self.mechanism).text(&self.driven, GAP, &self.guesses)
     }
 }
 
 impl Work for Linkage {
     fn solve(&mut self) -> usize {
-        let first = self.guesses[0].clone();
-        let system = MechanismSystem::new(&self.mechanism, first).expect("a small mechanism");
-        let mut solver = PositionSolver::new(&system, &self.driven).expect("drives are no balls");
         self.answers.clear();
         self.answers.extend(self.guesses.iter().map(|guess| {
             let mut coordinates = guess.clone();
-            solver.solve(coordinates.as_mut_slice(), ReliefSolver::Newton).ok()?;
+            self.solver.solve(coordinates.as_mut_slice(), ReliefSolver::Newton).ok()?;
             Some(coordinates)
         }));
         self.answers.iter().flatten().count()

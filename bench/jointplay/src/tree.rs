@@ -11,7 +11,7 @@ use jointplay::spatial::Pose;
 ///
 /// A body's frame is that of the joint it hangs on; joints move about or along z, balls about their centre.
 /// A universal joint is two turns with a body between them; where it closes a loop, the second turn closes it.
-pub struct Tree {
+pub(crate) struct Tree {
     bodies: Vec<Body>,
     cuts: Vec<Cut>,
 }
@@ -39,7 +39,7 @@ struct Cut {
 type Placed = Option<(isize, Pose)>;
 
 impl Tree {
-    pub fn of(mechanism: &Mechanism) -> Self {
+    pub(crate) fn of(mechanism: &Mechanism) -> Self {
         let kinematics = Kinematics::new(mechanism);
         let mut placed: Vec<Placed> = vec![None; mechanism.links().len()];
         placed[0] = Some((-1, Pose::identity()));
@@ -113,7 +113,7 @@ impl Tree {
     }
 
     /// Coordinates of the bodies in turn: a number for a turn or slide, a quaternion (w, x, y, z) for a ball.
-    pub fn values(&self, coordinates: &DVector<f64>) -> Vec<f64> {
+    pub(crate) fn values(&self, coordinates: &DVector<f64>) -> Vec<f64> {
         let mut values = Vec::new();
         for &Body { kind, coordinate, sense, .. } in &self.bodies {
             if kind == 'S' {
@@ -128,7 +128,12 @@ impl Tree {
     }
 
     /// Counts; a line for each body and each cut; what counts as closed; a line for each configuration.
-    pub fn text(&self, driven: &[usize], gap: f64, configurations: &[DVector<f64>]) -> String {
+    pub(crate) fn text(
+        &self,
+        driven: &[usize],
+        gap: f64,
+        configurations: &[DVector<f64>],
+    ) -> String {
         let mut lines = vec![format!("{} {}", self.bodies.len(), self.cuts.len())];
         for Body { parent, kind, in_parent, coordinate, .. } in &self.bodies {
             let driven = u8::from(driven.contains(coordinate));

@@ -21,8 +21,11 @@ const MECHANISMS: [&str; 7] =
 /// How far the platform is asked to lean.
 const TILT: Tilt = Tilt { yaw: 0.0, pitch: 2.0 * std::f64::consts::PI / 180.0 };
 
+/// How far it is asked to rise [m].
+const RISE: f64 = 0.01;
+
 /// Writes a file for each mechanism and configuration, and all that jointplay says of them.
-pub fn write(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
+pub(crate) fn write(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     std::fs::create_dir_all(folder)?;
     let mut said = Vec::new();
     let mut tell = |name: &str, mechanism: &Mechanism, at: &DVector<f64>| {
@@ -43,14 +46,20 @@ pub fn write(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let (fitted, tilted) = fitted(rods)?;
     tell("gpr-tilted", &fitted, &tilted)?;
 
-    // The rigid robot, asked to lean: rods at the tilt's lengths, everything else where it was.
-    let mut asked = level;
-    asked.rows_mut(0, 3).copy_from_slice(&rods);
-    let text = Tree::of(&rigid).text(&gpr::RODS, 1e-12, std::slice::from_ref(&asked));
-    std::fs::write(folder.join("gpr-asked.txt"), text)?;
-    let answer = assemble(&rigid, &asked, &gpr::RODS, 20);
-    let answer = answer.map_or_else(|error| error.to_string(), |_| "it leans".to_owned());
-    let whole = json!({ "mechanisms": said, "asked_to_lean": answer });
+    // The rigid robot, asked to rise and to lean: rods at those lengths, everything else where it was.
+    let mut asked = serde_json::Map::new();
+    for (name, lengths) in [("rise", [RISE; 3]), ("lean", rods)] {
+        let mut start = level.clone();
+        start.rows_mut(0, 3).copy_from_slice(&lengths);
+        let text = Tree::of(&rigid).text(&gpr::RODS, 1e-12, std::slice::from_ref(&start));
+        std::fs::write(folder.join(format!("gpr-asked-to-{name}.txt")), text)?;
+        let answer = match assemble(&rigid, &start, &gpr::RODS, 20) {
+            Ok(closed) => format!("closed, mismatch {:.0e}", closed.residual),
+            Err(error) => format!("error: {error}"),
+        };
+        asked.insert(name.to_owned(), answer.into());
+    }
+    let whole = json!({ "mechanisms": said, "asked_to": asked });
     std::fs::write(folder.join("jointplay.json"), serde_json::to_string_pretty(&whole)?)?;
     Ok(())
 }
