@@ -5,6 +5,7 @@ mod catalogue;
 mod compare;
 mod completions;
 mod forward;
+mod import;
 mod inverse;
 mod manual;
 mod mobility;
@@ -31,6 +32,7 @@ pub(crate) enum Command {
     Assemble(assemble::Assemble),
     Move(motion::Move),
     Suggest(suggest::Suggest),
+    Import(import::Import),
     Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
     Manual(manual::Manual),
@@ -48,6 +50,7 @@ impl Command {
             Self::Assemble(command) => command.run(),
             Self::Move(command) => command.run(),
             Self::Suggest(command) => command.run(),
+            Self::Import(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Manual(command) => command.run(),
@@ -65,9 +68,11 @@ impl Command {
             Self::Assemble(command) => command.mechanism.json(),
             Self::Move(command) => command.mechanism.json(),
             Self::Suggest(command) => command.mechanism.json(),
-            Self::Simulate(_) | Self::Catalogue(_) | Self::Completions(_) | Self::Manual(_) => {
-                false
-            }
+            Self::Simulate(_)
+            | Self::Import(_)
+            | Self::Catalogue(_)
+            | Self::Completions(_)
+            | Self::Manual(_) => false,
         }
     }
 }

@@ -22,6 +22,12 @@ pub enum Problem {
         /// How many may be.
         allowed: usize,
     },
+    /// Elements inside elements without end.
+    #[error("elements stand inside one another more than {allowed} deep")]
+    TooDeep {
+        /// How deep they may stand.
+        allowed: usize,
+    },
     /// Something that would change the mechanism if it were passed over.
     #[error("{what} cannot be taken over: {advice}")]
     Unsupported {

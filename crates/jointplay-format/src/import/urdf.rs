@@ -128,11 +128,13 @@ fn joint<'a>(
     if std::mem::replace(&mut is_carried[links[1]], true) {
         let advice =
             Advice("URDF is a tree; a loop is closed by a joint in a file of loops beside it");
-        let what = format!("link {:?}, which another joint carries already,", draft.link_name(links[1]));
+        let what =
+            format!("link {:?}, which another joint carries already,", draft.link_name(links[1]));
         return Err(xml.unsupported(child.unwrap_or(node), what, advice));
     }
     let [origin, axis, limit] = parts;
-    let parent_from_child = origin.map_or(Ok(Pose::identity()), |origin| place_of(draft, origin))?;
+    let parent_from_child =
+        origin.map_or(Ok(Pose::identity()), |origin| place_of(draft, origin))?;
     let has_axis = matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
     let xyz = axis.filter(|_| has_axis).and_then(|axis| attribute(axis, "xyz"));
     let z = match xyz {
@@ -185,4 +187,134 @@ fn place_of<'a>(draft: &Draft<'a>, origin: Node<'a, 'a>) -> Result<Pose, Error> 
     let (xyz, rpy) = (vector("xyz")?, vector("rpy")?);
     let rotation = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z);
     Ok(Pose::from_parts(Translation3::from(xyz), rotation))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::testing;
+
+    const ARM: &str = r#"<robot name="arm">
+  <link name="hand"><visual/></link>
+  <link name="base"/>
+  <joint name="wrist" type="revolute">
+    <origin xyz="0 0 1" rpy="0 0 0.5"/>
+    <parent link="base"/>
+    <child link="hand"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="5" velocity="1"/>
+    <dynamics damping="1"/>
+  </joint>
+  <transmission name="t"><joint name="wrist"/></transmission>
+</robot>"#;
+
+    #[test]
+    fn the_root_link_is_the_base() {
+        let model = testing::read(ARM);
+        assert_eq!(model.mechanism.links(), ["base", "hand"]);
+        let [wrist] = model.mechanism.joints() else { panic!() };
+        assert!(wrist.actuated);
+        assert_eq!(wrist.limits, [[-1.0, 1.0]]);
+        assert_eq!(wrist.frames[1].rotation * Vector3::z(), Vector3::y());
+        assert_eq!(wrist.frames[0].translation.vector, Vector3::z());
+        let ignored = [
+            "1 × dynamics of a joint",
+            "1 × effort of limit",
+            "1 × velocity of limit",
+            "1 × visual",
+        ];
+        assert_eq!(model.ignored, ignored);
+    }
+
+    #[test]
+    fn every_kind_of_joint_is_taken_over() {
+        for (kind, expected) in [
+            ("revolute", JointKind::Revolute),
+            ("continuous", JointKind::Revolute),
+            ("prismatic", JointKind::Prismatic),
+            ("fixed", JointKind::Fixed),
+            ("floating", JointKind::Floating),
+            ("planar", JointKind::Planar),
+            ("spherical", JointKind::Spherical),
+        ] {
+            let model = testing::read(&ARM.replace("\"revolute\"", &format!("{kind:?}")));
+            let wrist = &model.mechanism.joints()[0];
+            assert_eq!(wrist.kind, expected);
+            let has_limits = matches!(kind, "revolute" | "prismatic");
+            assert_eq!(wrist.limits.len(), usize::from(has_limits), "{kind}");
+            let listed = format!("1 × limit of a {kind} joint");
+            assert_eq!(model.ignored.contains(&listed), !has_limits, "{:?}", model.ignored);
+        }
+    }
+
+    #[test]
+    fn joints_with_a_command_are_actuated() {
+        let control = "<ros2_control><joint name=\"wrist\"><command_interface name=\"position\"/></joint></ros2_control>";
+        let transmission = "<transmission name=\"t\"><joint name=\"wrist\"/></transmission>";
+        let is_actuated = |text: &str| testing::read(text).mechanism.joints()[0].actuated;
+        assert!(is_actuated(&ARM.replace(transmission, control)));
+        assert!(!is_actuated(&ARM.replace(transmission, &control.replace("command", "state"))));
+        assert!(is_actuated(&ARM.replace("<joint name=\"wrist\"/>", "<joint>wrist</joint>")));
+    }
+
+    #[test]
+    fn what_would_change_the_mechanism_is_refused() {
+        let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
+        refuse("\"revolute\"", "\"hinge\"", "hinge", "revolute, continuous");
+        refuse(
+            "<dynamics damping=\"1\"/>",
+            "<mimic joint=\"x\"/>",
+            "<mimic joint=\"x\"/>",
+            "couples joints",
+        );
+        refuse("<dynamics damping=\"1\"/>", "<axes/>", "<axes/>", "<axes> of a joint cannot");
+        refuse("<dynamics damping=\"1\"/>", "<axis/>", "<axis/>", "a second <axis>");
+        refuse("\"0 1 0\"", "\"0 0 0\"", "0 0 0", "a direction that is not 0");
+        refuse("\"0 1 0\"", "\"0 1\"", "0 1", "3 numbers");
+        refuse("\"0 0 0.5\"", "\"0 0 nan\"", "0 0 nan", "3 numbers");
+        refuse(
+            "<parent link=\"base\"/>",
+            "<parent link=\"bass\"/>",
+            "bass",
+            "did you mean `base`?",
+        );
+        refuse("<parent link=\"base\"/>", "<parent/>", "<parent/>", "`parent` needs `link`");
+        refuse(
+            "<parent link=\"base\"/>",
+            "",
+            "<joint name=\"wrist\" type=\"revolute\">",
+            "needs `parent`",
+        );
+        refuse(
+            "<parent link=\"base\"/>",
+            "<parent link=\"hand\"/>",
+            "<joint name=\"wrist\" type=\"revolute\">",
+            "to itself",
+        );
+        refuse(
+            "<link name=\"base\"/>",
+            "<link name=\"base\"/><link name=\"x\"/>",
+            "<link name=\"x\"/>",
+            "not connected to the base",
+        );
+        refuse(
+            "<link name=\"base\"/>",
+            "<link name=\"hand\"/>",
+            "<robot name=\"arm\">",
+            "without a root link",
+        );
+        refuse(
+            "<joint name=\"wrist\"/>",
+            "<joint name=\"west\"/>",
+            "west",
+            "joint \"west\" is not known",
+        );
+        let second = "<joint name=\"b\" type=\"fixed\"><parent link=\"base\"/><child link=\"hand\"/></joint><transmission";
+        refuse("<transmission", second, "<child link=\"hand\"/>", "a file of loops beside it");
+        let space =
+            "<robot name=\"arm\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:arm/>";
+        refuse("<robot name=\"arm\">", space, "<xacro:arm/>", "xacro FILE > robot.urdf");
+        let space = "<robot name=\"arm\" xmlns:drake=\"d\"><drake:joint/>";
+        refuse("<robot name=\"arm\">", space, "<drake:joint/>", "a joint of a dialect");
+    }
 }

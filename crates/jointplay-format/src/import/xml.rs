@@ -11,9 +11,15 @@ use crate::place::nearest;
 /// Longest value that a message repeats, in characters.
 const MOST_QUOTED: usize = 60;
 
+/// Longest name, in bytes: names of models inside models are strung together, and would grow without bound.
+pub(super) const LONGEST_NAME: usize = 1000;
+
+/// Most elements inside one another; a chain of that many links is no robot.
+const DEEPEST: usize = 1000;
+
 /// The element tree of a text.
 pub(super) fn document(text: &str) -> Result<Document<'_>, Error> {
-    Document::parse(text).map_err(|error| {
+    let document = Document::parse(text).map_err(|error| {
         let at = error.pos();
         let (row, column) = (at.row.max(1) as usize, at.col.max(1) as usize);
         let lines = text.split_inclusive('\n').take(row);
@@ -25,7 +31,30 @@ pub(super) fn document(text: &str) -> Result<Document<'_>, Error> {
         let plain = message.rsplit_once(" at ").map_or(message.as_str(), |(plain, _)| plain);
         let place = before + within;
         Error::at(text, place..place, Problem::Xml(format!("not well-formed XML: {plain}")))
-    })
+    })?;
+    check_depth(text, document.root())?;
+    Ok(document)
+}
+
+fn check_depth(text: &str, root: Node) -> Result<(), Error> {
+    let (mut node, mut depth) = (root, 0);
+    loop {
+        if depth > DEEPEST {
+            let problem = Problem::TooDeep { allowed: DEEPEST };
+            return Err(Error::at(text, node.range(), problem));
+        }
+        if let Some(child) = node.first_child() {
+            (node, depth) = (child, depth + 1);
+            continue;
+        }
+        while node.next_sibling().is_none() {
+            match node.parent() {
+                Some(parent) => (node, depth) = (parent, depth - 1),
+                None => return Ok(()),
+            }
+        }
+        node = node.next_sibling().expect("just seen");
+    }
 }
 
 /// Elements of a name among the children of an element.
@@ -68,9 +97,9 @@ pub(super) fn attribute<'a>(node: Node<'a, 'a>, name: &str) -> Option<Value<'a>>
 
 /// The text of an element.
 pub(super) fn content<'a>(node: Node<'a, 'a>) -> Value<'a> {
-    let text = node.children().find(|child| {
-        child.is_text() && child.text().is_some_and(|text| !text.trim().is_empty())
-    });
+    let text = node
+        .children()
+        .find(|child| child.is_text() && child.text().is_some_and(|text| !text.trim().is_empty()));
     let (text, span) = match text {
         Some(child) => {
             let text = child.text().unwrap_or_default();
@@ -154,6 +183,9 @@ impl<'a> Xml<'a> {
     pub(super) fn printable(&self, value: &Value<'a>) -> Result<&'a str, Error> {
         if value.text.is_empty() || value.text.chars().any(char::is_control) {
             return Err(self.unusable(value, "a name, not empty and without control characters"));
+        }
+        if value.text.len() > LONGEST_NAME {
+            return Err(self.unusable(value, "a name of at most 1000 bytes"));
         }
         Ok(value.text)
     }

@@ -54,7 +54,14 @@ impl<'a> Reader<'a> {
                 }
                 let [(link_1, frame_1), (link_2, frame_2)] =
                     [self.site_of(&first)?, self.site_of(&second)?];
-                ([link_1, link_2], [frame_1, frame_2])
+                let mut frames = [frame_1, frame_2];
+                if kind == JointKind::Spherical {
+                    // A connect joins points: how its sites are turned says nothing, and must not count as a turn.
+                    let [world_from_1, world_from_2] =
+                        [link_1, link_2].map(|link| self.world_from_link[link].rotation);
+                    frames[1].rotation = world_from_2.inverse() * world_from_1 * frame_1.rotation;
+                }
+                ([link_1, link_2], frames)
             }
             (Some(_), None) => return Err(xml.missing(node, "site2")),
             (None, Some(_)) => return Err(xml.missing(node, "site1")),

@@ -29,7 +29,9 @@ impl<'a> Defaults<'a> {
         section: Node<'a, 'a>,
     ) -> Result<(), Error> {
         if let Some(class) = attribute(section, "class").filter(|class| class.text != MAIN) {
-            return Err(draft.xml.unusable(&class, "main, as the outermost class is always called"));
+            return Err(draft
+                .xml
+                .unusable(&class, "main, as the outermost class is always called"));
         }
         let before = self.classes.get(MAIN).cloned().unwrap_or_default();
         let mut open = vec![(section, MAIN, before)];

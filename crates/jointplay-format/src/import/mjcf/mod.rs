@@ -236,9 +236,11 @@ impl<'a> Reader<'a> {
             match joints.get(index) {
                 Some(item) => self.joint(item, [from, to], before)?,
                 None => {
-                    let name = self.draft.fresh(format!("joint {}", self.draft.descriptions.len() + 1));
+                    let name =
+                        self.draft.fresh(format!("joint {}", self.draft.descriptions.len() + 1));
                     let frames = [before, Pose::identity()];
-                    self.draft.add_joint(bare(name, JointKind::Fixed, [from, to], frames), place(node))?;
+                    self.draft
+                        .add_joint(bare(name, JointKind::Fixed, [from, to], frames), place(node))?;
                 }
             }
             (from, before) = (to, Pose::identity());
@@ -253,12 +255,7 @@ impl<'a> Reader<'a> {
     ///
     /// # Arguments
     /// * `before` – the body's place on the joint's first link, in the reference configuration [m]
-    fn joint(
-        &mut self,
-        item: &Item<'a>,
-        links: [usize; 2],
-        before: Pose,
-    ) -> Result<(), Error> {
+    fn joint(&mut self, item: &Item<'a>, links: [usize; 2], before: Pose) -> Result<(), Error> {
         let (node, xml) = (item.node, self.draft.xml);
         let is_free = node.tag_name().name() == "freejoint";
         let class = self.defaults.class_of(xml, node, item.class)?;
@@ -308,7 +305,8 @@ impl<'a> Reader<'a> {
                 Some(limited) if limited.text != "auto" => xml.truth(&limited)?,
                 _ if self.autolimits => least < most,
                 _ => {
-                    let advice = Advice("without `autolimits`, a joint has to say whether it is `limited`");
+                    let advice =
+                        Advice("without `autolimits`, a joint has to say whether it is `limited`");
                     return Err(xml.unsupported(node, "a range alone", advice));
                 }
             };
@@ -357,4 +355,193 @@ impl<'a> Reader<'a> {
 /// A displacement without a turn.
 fn shift(by: Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(by), nalgebra::Rotation3::identity())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::testing;
+
+    const FOUR_BAR: &str = r#"<mujoco model="four-bar">
+  <compiler angle="degree"/>
+  <option timestep="0.001"/>
+  <default><geom rgba="1 0 0 1"/><default class="d"><joint damping="1"/></default></default>
+  <worldbody>
+    <geom type="plane"/>
+    <body name="crank" pos="0 0 0" euler="0 0 90" childclass="d">
+      <joint name="a" axis="0 0 2" range="-90 90" armature="1"/>
+      <geom/>
+      <body name="coupler" pos="1 0 0" euler="0 0 -90">
+        <joint name="b" axis="0 0 1"/>
+        <joint name="b2" type="slide" axis="1 0 0"/>
+        <site name="tip" pos="1 0 0"/>
+      </body>
+    </body>
+    <body name="rocker" pos="2 0 0">
+      <joint name="d" axis="0 0 1"/>
+      <site name="top" pos="0 1 0"/>
+    </body>
+  </worldbody>
+  <equality>
+    <connect name="c" body1="coupler" body2="rocker" anchor="2 0 0" solref="0.01 1"/>
+    <weld site1="tip" site2="top" active="false"/>
+  </equality>
+  <actuator><motor joint="a"/><motor site="tip"/></actuator>
+</mujoco>"#;
+
+    #[test]
+    fn a_loop_is_closed_by_connect() {
+        let model = testing::read(FOUR_BAR);
+        let mechanism = &model.mechanism;
+        assert_eq!(mechanism.links(), ["world", "crank", "coupler, part 1", "coupler", "rocker"]);
+        assert_eq!(mechanism.loops(), 1);
+        let [a, b, b2, d, c] = mechanism.joints() else { panic!() };
+        assert!(a.actuated && !b.actuated && !d.actuated);
+        assert_eq!(a.limits, [[-90.0, 90.0].map(f64::to_radians)]);
+        assert!((a.frames[0].rotation * Vector3::x() - Vector3::y()).norm() < 1e-15);
+        assert_eq!(b.frames[0].translation.vector, Vector3::x());
+        assert!((b2.frames[0].rotation * Vector3::z() - Vector3::x()).norm() < 1e-15);
+        assert_eq!(c.kind, JointKind::Spherical);
+        // The coupler is parallel to the ground and one above it, and so is the anchor over the rocker.
+        assert!((c.frames[1].translation.vector - Vector3::y()).norm() < 1e-15);
+        let ignored = [
+            "1 × armature of joint",
+            "1 × damping of joint",
+            "1 × default of geom",
+            "2 × geom",
+            "1 × inactive weld",
+            "1 × motor that drives no joint",
+            "1 × option",
+            "2 × site",
+            "1 × solref of connect",
+        ];
+        assert_eq!(model.ignored, ignored);
+    }
+
+    /// The joint of a body, from its element.
+    #[track_caller]
+    fn joint(element: &str) -> jointplay_core::mechanism::Joint {
+        let text = format!("<mujoco><worldbody><body>{element}</body></worldbody></mujoco>");
+        testing::read(&text).mechanism.joints()[0].clone()
+    }
+
+    #[test]
+    fn every_kind_of_joint_is_taken_over() {
+        for (element, kind) in [
+            ("<joint/>", JointKind::Revolute),
+            ("<joint type=\"hinge\"/>", JointKind::Revolute),
+            ("<joint type=\"slide\"/>", JointKind::Prismatic),
+            ("<joint type=\"ball\" range=\"0 30\"/>", JointKind::Spherical),
+            ("<joint type=\"free\"/>", JointKind::Floating),
+            ("<freejoint/>", JointKind::Floating),
+            ("", JointKind::Fixed),
+        ] {
+            assert_eq!(joint(element).kind, kind, "{element}");
+        }
+    }
+
+    #[test]
+    fn limits_are_those_of_mujoco() {
+        let limits =
+            |attributes: &str| joint(&format!("<joint type=\"slide\" {attributes}/>")).limits;
+        assert_eq!(limits("range=\"1 2\""), [[1.0, 2.0]]);
+        assert_eq!(limits("range=\"1 2\" limited=\"auto\""), [[1.0, 2.0]]);
+        assert!(limits("range=\"1 2\" limited=\"false\"").is_empty());
+        assert!(limits("range=\"0 0\"").is_empty());
+        // A joint that starts off its zero keeps its own coordinates.
+        let joint = joint("<joint type=\"slide\" ref=\"0.5\" range=\"0 1\"/>");
+        assert_eq!((joint.limits, joint.guess), (vec![[0.0, 1.0]], vec![0.5]));
+        assert_eq!(joint.frames[1].translation.vector, Vector3::z() * 0.5);
+    }
+
+    #[test]
+    fn names_made_up_keep_away_from_those_given() {
+        let text = "<mujoco><worldbody><body/><body name=\"body 1\"/></worldbody></mujoco>";
+        assert_eq!(testing::read(text).mechanism.links(), ["world", "body 1 (2)", "body 1"]);
+    }
+
+    #[test]
+    fn what_would_change_the_mechanism_is_refused() {
+        let refuse =
+            |from, to, blamed, message| testing::refuse(FOUR_BAR, from, to, blamed, message);
+        let option = "<option timestep=\"0.001\"/>";
+        refuse("\"0 0 2\"", "\"0 0 0\"", "0 0 0", "a direction that is not 0");
+        refuse(
+            "\"2 0 0\" sol",
+            "\"2 0\" sol",
+            "2 0",
+            "`anchor` is \"2 0\", but has to be 3 numbers",
+        );
+        refuse(
+            " anchor=\"2 0 0\"",
+            "",
+            "<connect name=\"c\" body1=\"coupler\" body2=\"rocker\" solref=\"0.01 1\"/>",
+            "`connect` needs `anchor`",
+        );
+        refuse("body2=\"rocker\"", "body2=\"roker\"", "roker", "did you mean `rocker`?");
+        refuse(option, "<include file=\"a\"/>", "<include file=\"a\"/>", "mj_saveLastXML");
+        refuse(
+            "<geom/>",
+            "<replicate count=\"2\"/>",
+            "<replicate count=\"2\"/>",
+            "<replicate> cannot",
+        );
+        refuse("<geom/>", "<gem/>", "<gem/>", "no such element");
+        refuse(option, "<options/>", "<options/>", "no such section");
+        refuse("\"slide\"", "\"screw\"", "screw", "hinge, slide, ball or free");
+        refuse("name=\"d\"", "name=\"a\"", "<joint name=\"a\" axis=\"0 0 1\"/>", "used twice");
+        refuse(
+            "\"rocker\" pos",
+            "\"crank\" pos",
+            "<body name=\"crank\" pos=\"2 0 0\">",
+            "used twice",
+        );
+        refuse("name=\"d\"", "name=\"\"", "", "a name, not empty");
+        refuse("\"degree\"", "\"grad\"", "grad", "degree or radian");
+        refuse("angle=\"degree\"", "eulerseq=\"xyw\"", "xyw", "3 letters of x, y, z, X, Y, Z");
+        refuse("angle=\"degree\"", "eulerseq=\"xy\"", "xy", "3 letters");
+        refuse("angle=\"degree\"", "coordinate=\"global\"", "global", "MuJoCo 2.3.3");
+        refuse(
+            "angle=\"degree\"",
+            "autolimits=\"false\"",
+            "<joint name=\"a\" axis=\"0 0 2\" range=\"-90 90\" armature=\"1\"/>",
+            "a range alone",
+        );
+        refuse("\"-90 90\"", "\"90 -90\" limited=\"true\"", "90 -90", "the least before");
+        refuse("euler=\"0 0 90\"", "euler=\"0 0 90\" quat=\"1 0 0 0\"", "0 0 90", "left out");
+        refuse("euler=\"0 0 90\"", "quat=\"0 0 0 0\"", "0 0 0 0", "a quaternion that is not 0");
+        refuse("euler=\"0 0 90\"", "xyaxes=\"1 0 0 -2 0 0\"", "1 0 0 -2 0 0", "not parallel");
+        refuse("childclass=\"d\"", "childclass=\"e\"", "e", "default class \"e\" is not known");
+        refuse(
+            "<default class=\"d\">",
+            "<default>",
+            "<default><joint damping=\"1\"/></default>",
+            "`default` needs `class`",
+        );
+        refuse(
+            "active=\"false\"",
+            "torquescale=\"0\"",
+            "<weld site1=\"tip\" site2=\"top\" torquescale=\"0\"/>",
+            "a connect says so",
+        );
+        refuse(
+            "site2=\"top\" active=\"false\"",
+            "",
+            "<weld site1=\"tip\" />",
+            "`weld` needs `site2`",
+        );
+        refuse(
+            "site2=\"top\" active=\"false\"",
+            "site2=\"tap\"",
+            "tap",
+            "site \"tap\" is not known",
+        );
+        refuse(
+            "<weld site1=\"tip\" site2=\"top\" active=\"false\"/>",
+            "<joint joint1=\"a\"/>",
+            "<joint joint1=\"a\"/>",
+            "active=\"false\" to go without",
+        );
+        refuse("motor joint=\"a\"", "motor joint=\"z\"", "z", "joint \"z\" is not known");
+    }
 }

@@ -8,7 +8,7 @@ use roxmltree::Node;
 
 use super::pose;
 use crate::import::problem::{Error, Problem};
-use crate::import::xml::{Value, Xml, attribute, child, elements, place};
+use crate::import::xml::{LONGEST_NAME, Value, Xml, attribute, child, elements, place};
 
 /// The frame of the world.
 pub(super) const WORLD: usize = 0;
@@ -75,6 +75,11 @@ impl<'a> Frames<'a> {
         node: Node<'a, 'a>,
     ) -> Result<usize, Error> {
         let name = self.full_name(scope, self.xml.needed_name(node)?);
+        if name.len() > LONGEST_NAME {
+            let value = attribute(node, "name").expect("it was just read");
+            let expected = "at most 1000 bytes long, together with those of the models around it";
+            return Err(self.xml.unusable(&value, expected));
+        }
         let index = self.frames.len();
         if self.by_name.contains_key(&name) {
             if kind != Kind::Joint || self.version >= UNIQUE_NAMES {

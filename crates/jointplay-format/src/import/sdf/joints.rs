@@ -10,9 +10,7 @@ use roxmltree::Node;
 use super::Reader;
 use crate::import::draft::bare;
 use crate::import::problem::Error;
-use crate::import::xml::{
-    Advice, Value, attribute, child, children, content, elements, place,
-};
+use crate::import::xml::{Advice, Value, attribute, child, children, content, elements, place};
 use crate::mechanism::frame::{pose, some_perpendicular};
 
 /// How far from perpendicular the axes of a universal joint may be [rad].
@@ -34,7 +32,8 @@ impl<'a> Reader<'a> {
             "universal" | "revolute2" => JointKind::Universal,
             "fixed" => JointKind::Fixed,
             _ => {
-                let expected = "revolute, continuous, prismatic, screw, ball, universal, revolute2 or fixed";
+                let expected =
+                    "revolute, continuous, prismatic, screw, ball, universal, revolute2 or fixed";
                 return Err(xml.unusable(&value, expected));
             }
         };
@@ -66,8 +65,11 @@ impl<'a> Reader<'a> {
         let links = ends.map(|end| self.link_of_frame[end].expect("every end is a link"));
         let name = self.shown(frame).to_owned();
         let mut joint = bare(name, kind, links, frames);
-        let limits: Option<Vec<_>> =
-            axes.into_iter().flatten().map(|name| self.limits(node, name)).collect::<Result<_, _>>()?;
+        let limits: Option<Vec<_>> = axes
+            .into_iter()
+            .flatten()
+            .map(|name| self.limits(node, name))
+            .collect::<Result<_, _>>()?;
         let takes_limits = !matches!(kind, JointKind::Helical { .. }) && value.text != "continuous";
         match limits {
             Some(limits) if takes_limits => joint.limits = limits,

@@ -58,13 +58,8 @@ struct Reader<'a> {
 pub(super) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {
     let version = version(draft.xml, root)?;
     let frames = Frames::new(draft.xml, version);
-    let mut reader = Reader {
-        draft,
-        frames,
-        joints: Vec::new(),
-        link_of_frame: Vec::new(),
-        only_model: None,
-    };
+    let mut reader =
+        Reader { draft, frames, joints: Vec::new(), link_of_frame: Vec::new(), only_model: None };
     let mut top = None;
     for node in children(root) {
         match node.tag_name().name() {
@@ -121,7 +116,11 @@ impl<'a> Reader<'a> {
                     _ if inner.tag_name().namespace().is_some() => self.draft.ignore(name),
                     "model" => {
                         let is_static = self.is_static(inner, is_static)?;
-                        models.push((inner, self.frames.add(scope, Kind::Model, inner)?, is_static));
+                        models.push((
+                            inner,
+                            self.frames.add(scope, Kind::Model, inner)?,
+                            is_static,
+                        ));
                     }
                     "link" if !in_world => {
                         self.frames.add(scope, Kind::Link { is_static }, inner)?;
@@ -178,9 +177,9 @@ impl<'a> Reader<'a> {
         self.link_of_frame = vec![None; self.frames.len()];
         let names_world = |&joint: &usize| {
             let node = self.frames.node(joint);
-            ["parent", "child"].iter().any(|end| {
-                elements(node, end).any(|end| content(end).text == "world")
-            })
+            ["parent", "child"]
+                .iter()
+                .any(|end| elements(node, end).any(|end| content(end).text == "world"))
         };
         let has_static = frames.iter().any(|&frame| self.frames.is_static(frame));
         let has_world = is_world || has_static || self.joints.iter().any(names_world);
@@ -193,7 +192,9 @@ impl<'a> Reader<'a> {
             order.retain(|&frame| frame != base);
             order.insert(0, base);
             let name = self.shown(base).to_owned();
-            self.draft.remark(format!("nothing holds the model to the world: its link {name:?} is the base"));
+            self.draft.remark(format!(
+                "nothing holds the model to the world: its link {name:?} is the base"
+            ));
         }
         for frame in order {
             let span = place(self.frames.node(frame));
@@ -285,4 +286,234 @@ fn pose<'a>(xml: Xml<'a>, node: Node<'a, 'a>) -> Result<Pose, Error> {
         }
     };
     Ok(Pose::from_parts(Translation3::from(point), rotation))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::testing;
+    use nalgebra::Vector3;
+    use std::f64::consts::TAU;
+
+    const ARM: &str = r#"<sdf version="1.9">
+  <model name="arm">
+    <plugin name="p" filename="f"/>
+    <link name="foot"/>
+    <frame name="hip" attached_to="foot"><pose>0 0 1 0 0 0</pose></frame>
+    <link name="leg">
+      <pose relative_to="hip">0 0 0 0 0 0</pose>
+      <collision name="c"/>
+    </link>
+    <joint name="knee" type="revolute">
+      <parent>foot</parent>
+      <child>leg</child>
+      <axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>
+    </joint>
+  </model>
+</sdf>"#;
+
+    #[test]
+    fn a_model_that_nothing_holds_stands_on_its_canonical_link() {
+        let model = testing::read(ARM);
+        assert_eq!(model.mechanism.links(), ["foot", "leg"]);
+        let [knee] = model.mechanism.joints() else { panic!() };
+        assert_eq!(knee.limits, [[-1.0, 1.0]]);
+        assert_eq!(knee.frames[0].translation.vector, Vector3::z());
+        assert_eq!(knee.frames[1].rotation * Vector3::z(), Vector3::y());
+        let base = "nothing holds the model to the world: its link \"foot\" is the base";
+        assert_eq!(model.ignored, [base, "1 × collision", "1 × plugin"]);
+        let other = ARM.replace("name=\"arm\"", "name=\"arm\" canonical_link=\"leg\"");
+        assert_eq!(testing::read(&other).mechanism.links(), ["leg", "foot"]);
+    }
+
+    #[test]
+    fn in_a_world_it_floats() {
+        let text =
+            ARM.replace("<model", "<world name=\"w\"><gravity>0 0 1</gravity><model").replace(
+                "</model>",
+                "</model><model name=\"t\"><static>1</static><link name=\"l\"/></model></world>",
+            );
+        let model = testing::read(&text);
+        assert_eq!(model.mechanism.links(), ["world", "arm::foot", "arm::leg", "t::l"]);
+        let kinds: Vec<_> = model
+            .mechanism
+            .joints()
+            .iter()
+            .map(|joint| (joint.name.as_str(), joint.kind.name(), joint.links))
+            .collect();
+        let expected = [
+            ("t::l is static", "fixed", [0, 3]),
+            ("arm::knee", "revolute", [1, 2]),
+            ("arm::foot floats", "floating", [0, 1]),
+        ];
+        assert_eq!(kinds, expected);
+        let floats = "nothing holds link \"arm::foot\": it floats";
+        assert_eq!(model.ignored, [floats, "1 × collision", "1 × gravity", "1 × plugin"]);
+    }
+
+    /// The joint of the arm, its type and elements replaced.
+    #[track_caller]
+    fn knee(kind: &str, elements: &str) -> Imported {
+        let start = ARM.find("<axis>").unwrap();
+        let end = ARM.find("</axis>").unwrap() + "</axis>".len();
+        let text = format!("{}{elements}{}", &ARM[..start], &ARM[end..]);
+        testing::read(&text.replace("\"revolute\"", &format!("{kind:?}")))
+    }
+
+    #[test]
+    fn every_kind_of_joint_is_taken_over() {
+        let (x, y) = ("<axis><xyz>1 0 0</xyz></axis>", "<axis2><xyz>0 1 0</xyz></axis2>");
+        let helical = |lead| JointKind::Helical { lead };
+        for (kind, elements, expected) in [
+            ("revolute", x.to_owned(), JointKind::Revolute),
+            ("continuous", x.to_owned(), JointKind::Revolute),
+            ("prismatic", x.to_owned(), JointKind::Prismatic),
+            ("ball", String::new(), JointKind::Spherical),
+            ("fixed", String::new(), JointKind::Fixed),
+            ("universal", format!("{x}{y}"), JointKind::Universal),
+            ("revolute2", format!("{x}{y}"), JointKind::Universal),
+            (
+                "screw",
+                format!("{x}<screw_thread_pitch>0.3</screw_thread_pitch>"),
+                helical(0.3 / TAU),
+            ),
+            ("screw", format!("{x}<thread_pitch>4</thread_pitch>"), helical(-0.25)),
+        ] {
+            let joint = knee(kind, &elements).mechanism.joints()[0].clone();
+            assert_eq!(joint.kind, expected, "{elements}");
+            let z = joint.frames[0].rotation * Vector3::z();
+            let axis = if elements.is_empty() { Vector3::z() } else { Vector3::x() };
+            assert_eq!(z, axis, "{kind}");
+        }
+    }
+
+    #[test]
+    fn limits_are_taken_where_both_sides_are_said() {
+        let limit = |kind: &str, lower: &str, upper: &str| {
+            let limit = format!("<limit><lower>{lower}</lower><upper>{upper}</upper></limit>");
+            let model = knee(
+                kind,
+                &format!("<axis>{limit}</axis><screw_thread_pitch>1</screw_thread_pitch>"),
+            );
+            let listed = model.ignored.into_iter().find(|what| what.contains("limit"));
+            (model.mechanism.joints()[0].limits.clone(), listed.unwrap_or_default())
+        };
+        assert_eq!(limit("prismatic", "-2", "3"), (vec![[-2.0, 3.0]], String::new()));
+        assert_eq!(limit("revolute", "-inf", "inf"), (vec![], String::new()));
+        assert_eq!(limit("revolute", "-1e16", "1e16"), (vec![], String::new()));
+        assert_eq!(limit("revolute", "-1e16", "1"), (vec![], "1 × limit on one side".to_owned()));
+        let reversed = "1 × limit whose lower is not below its upper";
+        assert_eq!(limit("revolute", "0", "0"), (vec![], reversed.to_owned()));
+        assert_eq!(limit("screw", "0", "1"), (vec![], "1 × limit of a screw joint".to_owned()));
+    }
+
+    #[test]
+    fn older_versions_let_a_joint_have_the_name_of_a_link_and_its_axis_that_of_the_model() {
+        let old = ARM.replace("\"1.9\"", "\"1.6\"").replace("\"knee\"", "\"leg\"");
+        let old = old.replace(
+            "<pose relative_to=\"hip\">0 0 0 0 0 0<",
+            "<pose>0 0 0 0 0 1.57079632679489662<",
+        );
+        let axis = |text: &str| {
+            let joint = testing::read(text).mechanism.joints()[0].clone();
+            (joint.frames[0].rotation * Vector3::z()).map(|entry| (entry * 1e9).round() / 1e9)
+        };
+        assert_eq!(axis(&old), -Vector3::x());
+        let in_model = "<use_parent_model_frame>true</use_parent_model_frame></axis>";
+        assert_eq!(axis(&old.replace("</axis>", in_model)), Vector3::y());
+    }
+
+    #[test]
+    fn what_would_change_the_mechanism_is_refused() {
+        let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
+        let plugin = "<plugin name=\"p\" filename=\"f\"/>";
+        refuse("\"1.9\"", "\"1.4\"", "1.4", "a version from 1.5 to 1.12");
+        refuse(" version=\"1.9\"", "", "<sdf>", "`sdf` needs `version`");
+        refuse(
+            "</model>",
+            "</model><model name=\"b\"/>",
+            "<model name=\"b\"/>",
+            "a second <model>",
+        );
+        refuse(
+            plugin,
+            "<include><uri>u</uri></include>",
+            "<include><uri>u</uri></include>",
+            "gz sdf -p",
+        );
+        refuse(plugin, "<plugins/>", "<plugins/>", "<plugins> in model cannot be taken over");
+        refuse("\"revolute\"", "\"gearbox\"", "gearbox", "revolute, continuous");
+        refuse(
+            "\"revolute\"",
+            "\"universal\"",
+            "<joint name=\"knee\" type=\"universal\">",
+            "needs `axis2`",
+        );
+        refuse(
+            "\"revolute\"",
+            "\"screw\"",
+            "<joint name=\"knee\" type=\"screw\">",
+            "needs `screw_thread_pitch`",
+        );
+        refuse("</axis>", "<mimic joint=\"x\"/></axis>", "<mimic joint=\"x\"/>", "couples joints");
+        refuse(
+            "</axis>",
+            "</axis><gearbox_ratio>2</gearbox_ratio>",
+            "<gearbox_ratio>2</gearbox_ratio>",
+            "of a joint cannot",
+        );
+        refuse("<xyz>0 1 0", "<xyz>0 0 0", "0 0 0", "a direction that is not 0");
+        refuse("<xyz>", "<xyz expressed_in=\"hp\">", "hp", "frame \"hp\" is not known");
+        refuse("<parent>foot", "<parent>food", "food", "did you mean `foot`?");
+        refuse(
+            "<parent>foot</parent>",
+            "",
+            "<joint name=\"knee\" type=\"revolute\">",
+            "needs `parent`",
+        );
+        refuse(
+            "<parent>foot",
+            "<parent>leg",
+            "<joint name=\"knee\" type=\"revolute\">",
+            "to itself",
+        );
+        refuse("\"knee\"", "\"leg\"", "<joint name=\"leg\" type=\"revolute\">", "used twice");
+        refuse("0 0 1 0 0 0", "0 0 1 0 0", "0 0 1 0 0", "6 numbers: x y z roll pitch yaw");
+        refuse("<pose>", "<pose frame=\"a\">", "a", "say relative_to instead");
+        refuse("<pose>", "<pose rotation_format=\"q\">", "q", "euler_rpy or quat_xyzw");
+        refuse(
+            "<pose>",
+            "<pose relative_to=\"leg\">",
+            "<frame name=\"hip\" attached_to=\"foot\"><pose relative_to=\"leg\">0 0 1 0 0 0</pose></frame>",
+            "in a circle",
+        );
+        let circle = "<frame name=\"a\" attached_to=\"b\"><pose relative_to=\"foot\"/></frame><frame name=\"b\" attached_to=\"a\"><pose relative_to=\"foot\"/></frame>";
+        let text = ARM.replace(plugin, circle);
+        testing::refuse(
+            &text,
+            "<parent>foot",
+            "<parent>a",
+            &circle[..circle.find("<frame name=\"b\"").unwrap()],
+            "the link of \"arm::a\" depends on itself",
+        );
+        refuse(
+            " relative_to=\"hip\">0 0",
+            " relative_to=\"hip\" degrees=\"no\">0 0",
+            "no",
+            "true or false",
+        );
+    }
+
+    #[test]
+    fn axes_of_a_universal_joint_are_at_a_right_angle() {
+        let text = ARM.replace("\"revolute\"", "\"universal\"");
+        let axis2 = "</axis><axis2><xyz>0 1 1</xyz></axis2>";
+        testing::refuse(
+            &text,
+            "</axis>",
+            axis2,
+            "<joint name=\"knee\" type=\"universal\">",
+            "two revolute joints",
+        );
+    }
 }
