@@ -29,7 +29,7 @@ pub struct Place {
 impl Place {
     /// The place of a span of bytes; the first line of it, where it has several.
     pub(crate) fn of(text: &str, span: Range<usize>) -> Self {
-        let start = span.start.min(text.len());
+        let start = text.floor_char_boundary(span.start);
         let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
         let line = text[line_start..].lines().next().unwrap_or_default();
         let within = text.get(start..span.end.min(line_start + line.len())).unwrap_or_default();

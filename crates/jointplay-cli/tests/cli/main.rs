@@ -5,6 +5,7 @@
 mod answers;
 mod desk;
 mod documents;
+mod import;
 mod mechanism;
 mod refusals;
 mod simulate;

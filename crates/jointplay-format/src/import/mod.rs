@@ -177,6 +177,12 @@ mod tests {
     }
 
     #[test]
+    fn places_are_right_beside_entities_and_other_line_ends() {
+        let sdf = "<sdf version=\"1.9\"><model name=\"m\">\r\n<link name=\"l\"><pose>&#32;\u{2003}\u{2003}1 &lt; 3\r\n</pose></link></model></sdf>";
+        testing::refuse(sdf, "", "", "&#32;\u{2003}\u{2003}1 &lt; 3", "`pose` is \"1 < 3\"");
+    }
+
+    #[test]
     fn endless_names_are_refused() {
         let name = "n".repeat(1001);
         let text = format!("<robot name=\"{name}\"><link name=\"a\"/></robot>");

@@ -12,7 +12,7 @@ use roxmltree::Node;
 
 use super::draft::{Draft, bare};
 use super::problem::Error;
-use super::xml::{Advice, Value, attribute, children, content, elements, place};
+use super::xml::{Advice, Value, attribute, children, content, elements, is_foreign, place};
 use super::{Dialect, Imported};
 use crate::mechanism::frame::{pose, some_perpendicular};
 
@@ -21,13 +21,13 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
     let name = xml.needed_name(root)?;
     for node in children(root) {
         let tag = node.tag_name();
-        match (tag.namespace(), tag.name()) {
-            (None, "link" | "joint" | "transmission" | "ros2_control") => {}
-            (Some(space), _) if space.contains("xacro") => {
+        match (is_foreign(node), tag.name()) {
+            (false, "link" | "joint" | "transmission" | "ros2_control") => {}
+            (true, _) if tag.namespace().is_some_and(|space| space.contains("xacro")) => {
                 let advice = Advice("expand the file first: xacro FILE > robot.urdf");
                 return Err(xml.unsupported(node, "a macro of xacro", advice));
             }
-            (Some(_), "joint") => {
+            (true, "joint") => {
                 let advice = Advice("only URDF's own joints are known");
                 return Err(xml.unsupported(node, "a joint of a dialect", advice));
             }
@@ -245,6 +245,12 @@ mod tests {
             let listed = format!("1 × limit of a {kind} joint");
             assert_eq!(model.ignored.contains(&listed), !has_limits, "{:?}", model.ignored);
         }
+    }
+
+    #[test]
+    fn a_namespace_of_all_elements_is_no_dialect() {
+        let all = ARM.replace("<robot", "<robot xmlns=\"http://www.ros.org\"");
+        assert_eq!(testing::read(&all).mechanism, testing::read(ARM).mechanism);
     }
 
     #[test]

@@ -57,12 +57,17 @@ fn check_depth(text: &str, root: Node) -> Result<(), Error> {
     }
 }
 
-/// Elements of a name among the children of an element.
+/// Whether an element is of another vocabulary than the model, by its namespace.
+pub(super) fn is_foreign(node: Node) -> bool {
+    node.tag_name().namespace() != node.document().root_element().tag_name().namespace()
+}
+
+/// The model's own elements of a name among the children of an element.
 pub(super) fn elements<'a>(
     node: Node<'a, 'a>,
     name: &'a str,
 ) -> impl Iterator<Item = Node<'a, 'a>> {
-    children(node).filter(move |child| child.tag_name().name() == name)
+    children(node).filter(move |child| child.tag_name().name() == name && !is_foreign(*child))
 }
 
 /// All elements among the children of an element.
@@ -102,9 +107,10 @@ pub(super) fn content<'a>(node: Node<'a, 'a>) -> Value<'a> {
         .find(|child| child.is_text() && child.text().is_some_and(|text| !text.trim().is_empty()));
     let (text, span) = match text {
         Some(child) => {
-            let text = child.text().unwrap_or_default();
-            let start = child.range().start + (text.len() - text.trim_start().len());
-            (text.trim(), start..start + text.trim().len())
+            let (text, range) = (child.text().unwrap_or_default(), child.range());
+            let source = &child.document().input_text()[range.clone()];
+            let start = range.start + (source.len() - source.trim_start().len());
+            (text.trim(), start..range.start + source.trim_end().len())
         }
         None => ("", place(node)),
     };

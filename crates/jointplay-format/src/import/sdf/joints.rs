@@ -10,7 +10,9 @@ use roxmltree::Node;
 use super::Reader;
 use crate::import::draft::bare;
 use crate::import::problem::Error;
-use crate::import::xml::{Advice, Value, attribute, child, children, content, elements, place};
+use crate::import::xml::{
+    Advice, Value, attribute, child, children, content, elements, is_foreign, place,
+};
 use crate::mechanism::frame::{pose, some_perpendicular};
 
 /// How far from perpendicular the axes of a universal joint may be [rad].
@@ -90,13 +92,13 @@ impl<'a> Reader<'a> {
         for part in children(joint) {
             let name = part.tag_name().name();
             match name {
-                _ if part.tag_name().namespace().is_some() => ignored.push(name.to_owned()),
+                _ if is_foreign(part) => ignored.push(name.to_owned()),
                 "parent" | "child" | "pose" | "thread_pitch" | "screw_thread_pitch" => {}
                 "axis" | "axis2" => {
                     for inner in children(part) {
                         let inner_name = inner.tag_name().name();
                         match inner_name {
-                            _ if inner.tag_name().namespace().is_some() => {
+                            _ if is_foreign(inner) => {
                                 ignored.push(inner_name.to_owned());
                             }
                             "xyz" | "use_parent_model_frame" => {}

@@ -13,7 +13,7 @@ use roxmltree::Node;
 
 use super::draft::{Draft, bare};
 use super::problem::Error;
-use super::xml::{Advice, Xml, attribute, child, children, content, elements, place};
+use super::xml::{Advice, Xml, attribute, child, children, content, elements, is_foreign, place};
 use super::{Dialect, Imported};
 use frames::{Frames, Kind, WORLD};
 
@@ -113,7 +113,11 @@ impl<'a> Reader<'a> {
                 let name = inner.tag_name().name();
                 let in_world = scope == WORLD;
                 match name {
-                    _ if inner.tag_name().namespace().is_some() => self.draft.ignore(name),
+                    "joint" if is_foreign(inner) => {
+                        let advice = Advice("only SDF's own joints are known");
+                        return Err(xml.unsupported(inner, "a joint of a dialect", advice));
+                    }
+                    _ if is_foreign(inner) => self.draft.ignore(name),
                     "model" => {
                         let is_static = self.is_static(inner, is_static)?;
                         models.push((
@@ -487,6 +491,8 @@ mod tests {
             "<frame name=\"hip\" attached_to=\"foot\"><pose relative_to=\"leg\">0 0 1 0 0 0</pose></frame>",
             "in a circle",
         );
+        let foreign = "<d:joint xmlns:d=\"drake\"/>";
+        refuse(plugin, foreign, foreign, "a joint of a dialect");
         let circle = "<frame name=\"a\" attached_to=\"b\"><pose relative_to=\"foot\"/></frame><frame name=\"b\" attached_to=\"a\"><pose relative_to=\"foot\"/></frame>";
         let text = ARM.replace(plugin, circle);
         testing::refuse(
