@@ -39,18 +39,29 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
     let children_of_joints = joints.iter().filter_map(|joint| elements(*joint, "child").next());
     let carried: BTreeSet<&str> =
         children_of_joints.filter_map(|child| child.attribute("link")).map(str::trim).collect();
-    let is_root = |link: &Node| link.attribute("name").is_some_and(|n| !carried.contains(n.trim()));
-    let Some(base) = links.iter().position(is_root) else {
-        let advice = Advice("URDF is a tree with one link that no joint carries");
-        return Err(xml.unsupported(root, "a robot without a root link", advice));
-    };
-    // The base first, the others in the order of the file.
-    let others = links.iter().enumerate().filter(|&(index, _)| index != base);
-    for link in std::iter::once(&links[base]).chain(others.map(|(_, link)| link)) {
-        draft.add_link(xml.needed_name(*link)?, place(*link))?;
-        children(*link).for_each(|part| draft.ignore(part.tag_name().name()));
+    let is_root =
+        |link: &&Node| link.attribute("name").is_some_and(|n| !carried.contains(n.trim()));
+    // Some dialects hang a robot on a world that they do not list among the links.
+    let is_world = |name: Option<&str>| name.map(str::trim) == Some("world");
+    let lists_world = links.iter().any(|link| is_world(link.attribute("name")));
+    let mut parents = joints.iter().flat_map(|joint| elements(*joint, "parent"));
+    let world = parents.find(|parent| !lists_world && is_world(parent.attribute("link")));
+    let base = links.iter().find(is_root).copied();
+    match (world, base) {
+        (Some(world), _) => {
+            draft.add_link("world", place(world))?;
+        }
+        (None, Some(base)) => add_link(&mut draft, base)?,
+        (None, None) => {
+            let advice = Advice("URDF is a tree with one link that no joint carries");
+            return Err(xml.unsupported(root, "a robot without a root link", advice));
+        }
     }
-    let mut is_carried = vec![false; links.len()];
+    // After the base in the order of the file.
+    for link in links.into_iter().filter(|&link| world.is_some() || Some(link) != base) {
+        add_link(&mut draft, link)?;
+    }
+    let mut is_carried = vec![false; draft.links()];
     for node in joints {
         joint(&mut draft, node, &mut is_carried)?;
     }
@@ -72,6 +83,12 @@ pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Impor
         }
     }
     draft.finish(name, Dialect::Urdf)
+}
+
+fn add_link<'a>(draft: &mut Draft<'a>, link: Node<'a, 'a>) -> Result<(), Error> {
+    draft.add_link(draft.xml.needed_name(link)?, place(link))?;
+    children(link).for_each(|part| draft.ignore(part.tag_name().name()));
+    Ok(())
 }
 
 fn joint<'a>(
@@ -245,6 +262,15 @@ mod tests {
             let listed = format!("1 × limit of a {kind} joint");
             assert_eq!(model.ignored.contains(&listed), !has_limits, "{:?}", model.ignored);
         }
+    }
+
+    #[test]
+    fn a_world_that_is_not_listed_is_the_base() {
+        let hung = "<joint name=\"hung\" type=\"fixed\"><parent link=\"world\"/><child link=\"base\"/></joint>";
+        let text = ARM.replace("<transmission", &format!("{hung}<transmission"));
+        assert_eq!(testing::read(&text).mechanism.links(), ["world", "hand", "base"]);
+        let listed = text.replace("<transmission", "<link name=\"world\"/><transmission");
+        assert_eq!(testing::read(&listed).mechanism.links(), ["world", "hand", "base"]);
     }
 
     #[test]

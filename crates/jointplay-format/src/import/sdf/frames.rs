@@ -42,6 +42,8 @@ struct Frame<'a> {
     attached_to: usize,
     /// [m]
     world_from: Pose,
+    /// The link, or the world, with which it moves; `None` where attachments go in a circle.
+    link: Option<usize>,
 }
 
 pub(super) struct Frames<'a> {
@@ -63,6 +65,7 @@ impl<'a> Frames<'a> {
             placed_by: None,
             attached_to: WORLD,
             world_from: Pose::identity(),
+            link: Some(WORLD),
         };
         Self { xml, version, frames: vec![world], by_name: BTreeMap::new() }
     }
@@ -98,6 +101,7 @@ impl<'a> Frames<'a> {
             placed_by: None,
             attached_to: index,
             world_from: Pose::identity(),
+            link: None,
         });
         Ok(index)
     }
@@ -227,6 +231,7 @@ impl<'a> Frames<'a> {
             self.frames[index].attached_to = attached_to;
             self.frames[index].relative_to = relative_to.unwrap_or(beside);
         }
+        self.attach_all();
         self.place_all()
     }
 
@@ -278,14 +283,26 @@ impl<'a> Frames<'a> {
 
     /// The link, or the world, with which a frame moves.
     pub(super) fn link_of(&self, frame: usize) -> Result<usize, Error> {
-        let mut at = frame;
-        for _ in 0..=self.len() {
-            match self.frames[at].kind {
-                Kind::World | Kind::Link { .. } => return Ok(at),
-                _ => at = self.frames[at].attached_to,
+        self.frames[frame].link.ok_or_else(|| self.circle("the link of", frame))
+    }
+
+    fn attach_all(&mut self) {
+        let mut is_seen = vec![false; self.len()];
+        is_seen[WORLD] = true;
+        for index in 1..self.len() {
+            let (mut way, mut frame) = (Vec::new(), index);
+            while !std::mem::replace(&mut is_seen[frame], true) {
+                way.push(frame);
+                if let Kind::Link { .. } = self.frames[frame].kind {
+                    self.frames[frame].link = Some(frame);
+                    break;
+                }
+                frame = self.frames[frame].attached_to;
             }
+            // Of a circle no link is known yet, and none will be.
+            let link = self.frames[frame].link;
+            way.into_iter().for_each(|frame| self.frames[frame].link = link);
         }
-        Err(self.circle("the link of", frame))
     }
 
     fn circle(&self, what: &'static str, frame: usize) -> Error {
