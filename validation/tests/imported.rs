@@ -2,6 +2,8 @@
 //!
 //! Provenance and the reason for the tolerance: `validation/golden/README.md`.
 
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
@@ -77,7 +79,8 @@ fn links_and_closures_stand_where_other_programs_put_them() {
                 .iter()
                 .filter(|row| row.text("model") == name && row.text("sample") == sample);
             for row in given {
-                let joint = open.joint(row.text("joint")).expect(row.text("joint"));
+                let joint = open.joint(row.text("joint"));
+                let joint = joint.unwrap_or_else(|| panic!("no joint {}", row.text("joint")));
                 let index: usize = row.text("index").parse().unwrap();
                 values[kinematics.coordinates_of(joint).start + index] =
                     row.number("value").unwrap();
@@ -93,7 +96,8 @@ fn links_and_closures_stand_where_other_programs_put_them() {
                     let link = open.link(&mechanism.links()[joint.links[side]]).unwrap();
                     check(row, &(poses[link] * joint.frames[side]));
                 } else {
-                    check(row, &poses[open.link(what).expect(what)]);
+                    let link = open.link(what).unwrap_or_else(|| panic!("no link {what}"));
+                    check(row, &poses[link]);
                     links += 1;
                 }
             }
