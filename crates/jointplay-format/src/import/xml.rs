@@ -75,7 +75,7 @@ pub(super) fn children<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 
     node.children().filter(Node::is_element)
 }
 
-/// The first line of an element.
+/// Where an element stands; messages show its first line.
 pub(super) fn place(node: Node) -> Range<usize> {
     node.range()
 }
