@@ -109,6 +109,7 @@ mod tests {
     use crate::import::parse;
     use jointplay_core::mechanism::JointKind;
     use nalgebra::Vector3;
+    use proptest::prelude::*;
 
     /// Two cranks that stand beside each other, turned in their drawing.
     const CRANKS: &str = r#"<robot name="cranks">
@@ -203,5 +204,25 @@ axis = [0, 0, 1]
         let closed = with_loops(&chain, LOOPS).unwrap();
         let again = with_loops(&closed, LOOPS).unwrap_err();
         assert!(again.to_string().contains("has 1 loops already"), "{again}");
+    }
+
+    proptest! {
+        #[test]
+        fn no_mutated_text_panics(
+            cuts in prop::collection::vec((0..LOOPS.len(), 0..30_usize, "[-\\[\\]\"={},.0-9a\n ]{0,3}"), 1..4)
+        ) {
+            let mut text = LOOPS.to_owned();
+            for (start, length, replacement) in cuts {
+                let start = start.min(text.len());
+                let end = (start + length).min(text.len());
+                if text.is_char_boundary(start) && text.is_char_boundary(end) {
+                    text.replace_range(start..end, &replacement);
+                }
+            }
+            let chain = parse(CRANKS).unwrap().mechanism;
+            if let Err(error) = with_loops(&chain, &text) {
+                let _ = error.with_excerpt("x");
+            }
+        }
     }
 }
