@@ -86,6 +86,15 @@ pub enum Error {
         /// Greatest size that can be drawn [px].
         max: f64,
     },
+    /// The coordinates are not a configuration of the mechanism.
+    #[error(transparent)]
+    Coordinates(#[from] jointplay_core::Error),
+    /// A joint is where numbers end.
+    #[error("joint {joint:?} is too far off to be drawn: its place is beyond the range of numbers")]
+    Unplaced {
+        /// The joint.
+        joint: String,
+    },
     /// The figure could not be painted as PNG.
     #[error("the figure could not be painted as PNG: {reason}")]
     Paint {
