@@ -88,7 +88,7 @@ pub enum Error {
     },
     /// The coordinates are not a configuration of the mechanism.
     #[error(transparent)]
-    Coordinates(#[from] jointplay_core::Error),
+    Coordinates(Box<jointplay_core::Error>),
     /// A joint is where numbers end.
     #[error("joint {joint:?} is too far off to be drawn: its place is beyond the range of numbers")]
     Unplaced {
@@ -101,4 +101,10 @@ pub enum Error {
         /// What the painter said.
         reason: String,
     },
+}
+
+impl From<jointplay_core::Error> for Error {
+    fn from(error: jointplay_core::Error) -> Self {
+        Self::Coordinates(Box::new(error))
+    }
 }

@@ -6,13 +6,17 @@ use super::paint::{Camera, Plate};
 /// What is nearer to a plate than this lies on it, in sizes.
 const ON: f64 = 1e-3;
 
+/// Depths nearer to each other than this count as equal, in sizes.
+const EQUAL: f64 = 1e-6;
+
 /// Elements from far to near.
 ///
 /// Small things go by their depth.
 /// A plate may reach from far to near: it is drawn after all that is behind its plane where they overlap, and before all that is in front of it.
 /// A base that cuts through the mechanism is a mere sign of what is fixed, and goes behind everything.
 pub(super) fn far_to_near(mut items: Vec<Item>, plates: Vec<Plate>, camera: &Camera) -> String {
-    items.sort_by(|a, b| a.depth.total_cmp(&b.depth));
+    // What is equally near but for round-off keeps its order, so that every machine draws the same.
+    items.sort_by_key(|item| (item.depth / EQUAL).round() as i64);
     let behind: Vec<Vec<bool>> = plates
         .iter()
         .map(|plate| {

@@ -38,7 +38,9 @@ pub(super) fn draw(picture: &MechanismPicture<'_>, scene: &Scene, ghost: Option<
         0.5 * (top + bottom) + 0.5 * (low.1 + high.1) * scale,
     );
     let camera = Camera::new(view, scale, middle);
-    let mut svg = Svg::new(page, bottom + FOOT, &picture.title);
+    // Readers who do not see the picture are told what it is of, also where no title is shown.
+    let about = if title.is_empty() { picture.mechanism.name() } else { &picture.title };
+    let mut svg = Svg::new(page, bottom + FOOT, about);
     svg.elements(
         "<defs><pattern id=\"base\" width=\"6\" height=\"6\" patternUnits=\"userSpaceOnUse\">\
          <path d=\"M-1 7L7 -1M-1 1L1 -1M5 7L7 5\" stroke=\"#8c8c8c\" stroke-width=\"1\"/></pattern></defs>\n",

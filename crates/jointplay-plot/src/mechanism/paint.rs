@@ -93,15 +93,15 @@ fn straight<'a>(body: &Body, joints: &'a [Placed]) -> Option<[&'a Placed; 2]> {
     let (mut far, mut pair) = (-1.0, None);
     for (i, &a) in body.joints.iter().enumerate() {
         for &b in &body.joints[i + 1..] {
-            let apart = (joints[a].at - joints[b].at).norm();
+            let apart = (joints[a].end - joints[b].end).norm();
             if apart > far {
                 (far, pair) = (apart, Some([&joints[a], &joints[b]]));
             }
         }
     }
     let [a, b] = pair?;
-    let along = (b.at - a.at).try_normalize(STRAIGHT)?;
-    let off = |&j: &usize| (joints[j].at - a.at).cross(&along).norm();
+    let along = (b.end - a.end).try_normalize(STRAIGHT)?;
+    let off = |&j: &usize| (joints[j].end - a.end).cross(&along).norm();
     body.joints.iter().all(|j| off(j) < STRAIGHT).then_some([a, b])
 }
 
@@ -113,14 +113,14 @@ fn bars(scene: &Scene) -> Vec<Bar> {
             let joint = &scene.joints[only];
             let out = joint.frames[usize::from(!body.base)] * Vector3::x();
             let sign = if body.base { -1.0 } else { 1.0 };
-            let to = joint.at + out * (sign * 7.0 * scene.radius);
-            bars.push(Bar { link, points: vec![joint.at, to] });
+            let to = joint.end + out * (sign * 7.0 * scene.radius);
+            bars.push(Bar { link, points: vec![joint.end, to] });
         } else if let [a, b] = body.joints[..]
             && let Some(points) = arc(&scene.joints[a], &scene.joints[b])
         {
             bars.push(Bar { link, points });
         } else if let Some([a, b]) = straight(body, &scene.joints) {
-            bars.push(Bar { link, points: vec![a.at, b.at] });
+            bars.push(Bar { link, points: vec![a.end, b.end] });
         }
     }
     bars
@@ -132,7 +132,7 @@ fn arc(a: &Placed, b: &Placed) -> Option<Vec<Vector3<f64>>> {
     if !(a.on_sphere && b.on_sphere && together) {
         return None;
     }
-    let (from, to) = (a.at - a.origin, b.at - b.origin);
+    let (from, to) = (a.end - a.origin, b.end - b.origin);
     let angle = from.angle(&to);
     let sin = angle.sin();
     if sin.abs() < 1e-3 {
@@ -184,7 +184,8 @@ fn pieces(
     }
     // Joints on the way lie over it.
     let along = (to - from) / (to - from).norm_squared().max(f64::MIN_POSITIVE);
-    let own = scene.links[bar.link].joints.iter().map(|&j| (scene.joints[j].at - from).dot(&along));
+    let own =
+        scene.links[bar.link].joints.iter().map(|&j| (scene.joints[j].end - from).dot(&along));
     crossings.extend(own.filter(|t| (1e-6..1.0 - 1e-6).contains(t)));
     crossings.sort_by(f64::total_cmp);
     let length = (q.0 - p.0).hypot(q.1 - p.1).max(1.0);
@@ -296,7 +297,7 @@ fn corners(body: &Body, joints: &[Placed]) -> Option<Vec<Vector3<f64>>> {
     if body.joints.len() < 3 || straight(body, joints).is_some() {
         return None;
     }
-    Some(body.joints.iter().map(|&j| joints[j].at).collect())
+    Some(body.joints.iter().map(|&j| joints[j].end).collect())
 }
 
 /// Corners of the convex hull, by Andrew's monotone chain.

@@ -41,12 +41,16 @@ pub(super) struct Placed {
     pub(super) actuated: bool,
     /// Where it is drawn.
     pub(super) at: Vector3<f64>,
+    /// Where links end at it.
+    pub(super) end: Vector3<f64>,
     /// Where it was before it went out of the way.
     pub(super) origin: Vector3<f64>,
     /// Its frame as its first and its second link carry it.
     pub(super) frames: [Rotation3<f64>; 2],
     /// Whether it stands on a sphere about where its axis meets others.
     pub(super) on_sphere: bool,
+    /// Whether it shares a pin with others.
+    stacked: bool,
 }
 
 /// A link.
@@ -118,7 +122,18 @@ impl Scene {
             joint.links.iter().for_each(|&link| links[link].joints.push(j));
             let at = (at - middle) / size;
             let (name, kind, actuated) = (joint.name.clone(), joint.kind, joint.actuated);
-            joints.push(Placed { name, kind, actuated, at, origin: at, frames, on_sphere: false });
+            let (end, origin, on_sphere, stacked) = (at, at, false, false);
+            joints.push(Placed {
+                name,
+                kind,
+                actuated,
+                at,
+                end,
+                origin,
+                frames,
+                on_sphere,
+                stacked,
+            });
         }
         spread(&mut joints, mechanism, &links, point);
         let play = mechanism
@@ -177,6 +192,7 @@ fn spread(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body], point: b
             part(joints, &group, point);
         }
     }
+    joints.iter_mut().filter(|joint| !joint.stacked).for_each(|joint| joint.end = joint.at);
 }
 
 /// Puts the slide of a telescope between its ends.
@@ -219,12 +235,13 @@ fn part(joints: &mut [Placed], group: &[usize], point: bool) {
     }
     let same = hinges.iter().all(|&j| parallel(&joints[j], &joints[hinges[0]]));
     if same && hinges.len() > 1 {
-        // Hinges on one axis are stacked.
+        // Hinges on one axis are stacked; links end at the pin's middle.
         let axis = joints[hinges[0]].axis();
         #[expect(clippy::cast_precision_loss, reason = "a count of joints")]
         for (place, &j) in hinges.iter().enumerate() {
             let shift = place as f64 - 0.5 * (hinges.len() - 1) as f64;
             joints[j].at += axis * (shift * 2.6 * RADIUS);
+            joints[j].stacked = true;
         }
         return;
     }

@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
+use jointplay_core::mechanism::JointKind;
 use nalgebra::{Vector2, Vector3};
 
 use super::paint::crossing;
 use super::scene::Scene;
-use jointplay_core::mechanism::JointKind;
+use crate::path::Spot;
 
 /// Where the eye is: the direction from the mechanism to it, with z up in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -144,7 +145,7 @@ fn direction_shown(toward: f64) -> f64 {
 /// How often bars without a common joint cross in the picture.
 fn crossings(scene: &Scene, spots: &[(Vector3<f64>, Vector2<f64>)]) -> u32 {
     let spot = |j: usize| spots.get(j).map(|(_, spot)| (spot.x, spot.y));
-    let bars: Vec<(&[usize], [(f64, f64); 2])> = scene
+    let bars: Vec<(&[usize], [Spot; 2])> = scene
         .links
         .iter()
         .flat_map(|link| link.joints.windows(2).map(|pair| (&link.joints[..], pair)))
