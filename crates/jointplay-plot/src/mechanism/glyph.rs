@@ -4,7 +4,7 @@ use jointplay_core::mechanism::JointKind;
 use nalgebra::{Rotation3, Vector3};
 
 use super::paint::Camera;
-use super::scene::{Placed, Play};
+use super::scene::{Placed, Play, RAIL};
 use crate::Colour;
 use crate::svg::{element, path_data, px};
 
@@ -31,7 +31,7 @@ pub(super) const ACTUATED: Material = Material {
 /// Where a virtual joint is.
 pub(super) const PLAY: Colour = Colour::rgb(158, 47, 128);
 /// A rail or an imagined line.
-const RAIL: &str = "#7a8794";
+const LINE: &str = "#7a8794";
 
 /// Something on the page.
 pub(super) struct Item {
@@ -78,12 +78,12 @@ pub(super) fn joint(joint: &Placed, camera: &Camera, radius: f64, items: &mut Ve
             drawn += &thread(camera, at, axis, radius, material);
         }
         JointKind::Cylindrical => {
-            items.push(rail(camera, at, axis, 6.0 * radius));
+            items.push(rail(camera, at, axis, RAIL * radius));
             drawn += &cylinder(camera, at, axis, 0.4 * radius, 3.6 * radius, PASSIVE);
             drawn += &cylinder(camera, at, axis, radius, 1.9 * radius, material);
         }
         JointKind::Prismatic => {
-            items.push(rail(camera, at, axis, 6.0 * radius));
+            items.push(rail(camera, at, axis, RAIL * radius));
             let sizes = Vector3::new(1.0, 1.0, 1.6) * radius;
             drawn += &cuboid(camera, at, &joint.frames[0], sizes, material);
         }
@@ -169,7 +169,7 @@ fn head(tip: (f64, f64), way: (f64, f64), length: f64) -> String {
 fn line_to_center(joint: &Placed, camera: &Camera) -> Item {
     let ends = [joint.origin, joint.at];
     let depth = camera.depth(&((joint.origin + joint.at) * 0.5));
-    let dashes = format!(" stroke=\"{RAIL}\" stroke-width=\"1\" stroke-dasharray=\"5 3\"");
+    let dashes = format!(" stroke=\"{LINE}\" stroke-width=\"1\" stroke-dasharray=\"5 3\"");
     let drawn = element(&path_data(&ends.map(|end| camera.spot(&end))), &dashes);
     Item { depth, points: ends.to_vec(), drawn }
 }
@@ -177,7 +177,7 @@ fn line_to_center(joint: &Placed, camera: &Camera) -> Item {
 /// The line along which something slides, behind what runs along it.
 fn rail(camera: &Camera, at: Vector3<f64>, axis: Vector3<f64>, reach: f64) -> Item {
     let ends = [1.0, -1.0].map(|sign| at + axis * (sign * reach));
-    let line = format!(" stroke=\"{RAIL}\" stroke-width=\"2.2\" stroke-linecap=\"round\"");
+    let line = format!(" stroke=\"{LINE}\" stroke-width=\"2.2\" stroke-linecap=\"round\"");
     let drawn = element(&path_data(&ends.map(|end| camera.spot(&end))), &line);
     Item { depth: camera.depth(&at) - 0.3 * reach, points: ends.to_vec(), drawn }
 }

@@ -56,7 +56,7 @@ pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Ve
         }
     }
     for joint in &scene.joints {
-        if matches!(joint.kind, JointKind::Prismatic | JointKind::Cylindrical) {
+        if joint.has_rail() {
             let rail = |k: i32| joint.at + joint.axis() * (f64::from(k) * scene.radius);
             taken.extend((-6..=6).map(|k| Room::about(camera.spot(&rail(k)), 3.0)));
         }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::glyph::{ACTUATED, PLAY, circle};
 use super::paint::{self, Camera};
-use super::scene::Scene;
+use super::scene::{RAIL, Scene};
 use super::{MechanismPicture, View, labels};
 use crate::decimal::{order, plain, short, value};
 use crate::draw::RIM;
@@ -69,9 +69,12 @@ fn extent(view: View, scene: &Scene, ghost: Option<&Scene>) -> ((f64, f64), (f64
     for scene in [Some(scene), ghost].into_iter().flatten() {
         let room = 3.0 * scene.radius;
         for joint in &scene.joints {
-            let (x, y) = (joint.at.dot(&right), joint.at.dot(&up));
-            low = (low.0.min(x - room), low.1.min(y - room));
-            high = (high.0.max(x + room), high.1.max(y + room));
+            let reach = if joint.has_rail() { RAIL * scene.radius } else { 0.0 };
+            for point in [-reach, reach].map(|along| joint.at + joint.axis() * along) {
+                let (x, y) = (point.dot(&right), point.dot(&up));
+                low = (low.0.min(x - room), low.1.min(y - room));
+                high = (high.0.max(x + room), high.1.max(y + room));
+            }
         }
     }
     (low, high)

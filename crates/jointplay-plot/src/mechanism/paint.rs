@@ -79,30 +79,29 @@ pub(super) fn draw(scene: &Scene, ghost: Option<&Scene>, camera: &Camera) -> Str
     for play in &scene.play {
         glyph::play(play, camera, scene.radius, &mut items);
     }
-    let plates = scene.links.iter().filter_map(|body| Plate::of(body, scene, camera, width));
+    let plates = scene.links.iter().filter_map(|body| Plate::of(body, camera, width));
     let ghost = ghost.map_or(String::new(), |ghost| ghosts(ghost, camera, width));
     ghost + &order::far_to_near(items, plates.collect(), camera)
 }
 
-fn ends(body: &Body) -> [&'static str; 2] {
+fn colours(body: &Body) -> [&'static str; 2] {
     if body.base { BASE } else { LINK }
 }
 
-/// The two joints farthest from each other, if all others are on the line between them.
-fn straight<'a>(body: &Body, joints: &'a [Placed]) -> Option<[&'a Placed; 2]> {
+/// The two ends farthest from each other, if all others are on the line between them.
+fn straight(body: &Body) -> Option<[Vector3<f64>; 2]> {
     let (mut far, mut pair) = (-1.0, None);
-    for (i, &a) in body.joints.iter().enumerate() {
-        for &b in &body.joints[i + 1..] {
-            let apart = (joints[a].end - joints[b].end).norm();
+    for (i, &a) in body.ends.iter().enumerate() {
+        for &b in &body.ends[i + 1..] {
+            let apart = (a - b).norm();
             if apart > far {
-                (far, pair) = (apart, Some([&joints[a], &joints[b]]));
+                (far, pair) = (apart, Some([a, b]));
             }
         }
     }
     let [a, b] = pair?;
-    let along = (b.end - a.end).try_normalize(STRAIGHT)?;
-    let off = |&j: &usize| (joints[j].end - a.end).cross(&along).norm();
-    body.joints.iter().all(|j| off(j) < STRAIGHT).then_some([a, b])
+    let along = (b - a).try_normalize(STRAIGHT)?;
+    body.ends.iter().all(|end| (end - a).cross(&along).norm() < STRAIGHT).then_some([a, b])
 }
 
 /// Links as bars; a link with one joint sticks out of it.
@@ -113,14 +112,14 @@ fn bars(scene: &Scene) -> Vec<Bar> {
             let joint = &scene.joints[only];
             let out = joint.frames[usize::from(!body.base)] * Vector3::x();
             let sign = if body.base { -1.0 } else { 1.0 };
-            let to = joint.end + out * (sign * 7.0 * scene.radius);
-            bars.push(Bar { link, points: vec![joint.end, to] });
+            let to = body.ends[0] + out * (sign * 7.0 * scene.radius);
+            bars.push(Bar { link, points: vec![body.ends[0], to] });
         } else if let [a, b] = body.joints[..]
             && let Some(points) = arc(&scene.joints[a], &scene.joints[b])
         {
             bars.push(Bar { link, points });
-        } else if let Some([a, b]) = straight(body, &scene.joints) {
-            bars.push(Bar { link, points: vec![a.end, b.end] });
+        } else if let Some([a, b]) = straight(body) {
+            bars.push(Bar { link, points: vec![a, b] });
         }
     }
     bars
@@ -132,7 +131,7 @@ fn arc(a: &Placed, b: &Placed) -> Option<Vec<Vector3<f64>>> {
     if !(a.on_sphere && b.on_sphere && together) {
         return None;
     }
-    let (from, to) = (a.end - a.origin, b.end - b.origin);
+    let (from, to) = (a.at - a.origin, b.at - b.origin);
     let angle = from.angle(&to);
     let sin = angle.sin();
     if sin.abs() < 1e-3 {
@@ -157,7 +156,7 @@ fn pieces(
 ) {
     let body = &scene.links[bar.link];
     // What moves lies over the base where both are in one plane.
-    let (colours, back) = (ends(body), if body.base { 0.5 * scene.radius } else { 0.0 });
+    let (colours, back) = (colours(body), if body.base { 0.5 * scene.radius } else { 0.0 });
     let [from, to] = [bar.points[0], bar.points[bar.points.len() - 1]];
     if bar.points.len() > 2 {
         let spots: Vec<_> = bar.points.iter().map(|point| camera.spot(point)).collect();
@@ -184,8 +183,7 @@ fn pieces(
     }
     // Joints on the way lie over it.
     let along = (to - from) / (to - from).norm_squared().max(f64::MIN_POSITIVE);
-    let own =
-        scene.links[bar.link].joints.iter().map(|&j| (scene.joints[j].end - from).dot(&along));
+    let own = scene.links[bar.link].ends.iter().map(|end| (end - from).dot(&along));
     crossings.extend(own.filter(|t| (1e-6..1.0 - 1e-6).contains(t)));
     crossings.sort_by(f64::total_cmp);
     let length = (q.0 - p.0).hypot(q.1 - p.1).max(1.0);
@@ -264,8 +262,8 @@ pub(super) struct Plate {
 }
 
 impl Plate {
-    fn of(body: &Body, scene: &Scene, camera: &Camera, width: f64) -> Option<Self> {
-        let corners = corners(body, &scene.joints)?;
+    fn of(body: &Body, camera: &Camera, width: f64) -> Option<Self> {
+        let corners = corners(body)?;
         #[expect(clippy::cast_precision_loss, reason = "a count of corners")]
         let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
         let spread: Matrix3<f64> =
@@ -275,7 +273,7 @@ impl Plate {
         let normal = if camera.toward(&normal) < 0.0 { -normal } else { normal };
         let outline = hull(corners.iter().map(|corner| camera.spot(corner)).collect());
         let data = path_data(&outline) + "z";
-        let [fill, edge] = ends(body);
+        let [fill, edge] = colours(body);
         let solid = |paint: &str, width: f64| {
             let width = px(width.max(0.5));
             let paints = format!(
@@ -293,11 +291,8 @@ impl Plate {
 }
 
 /// Corners in space of a link that is no bar.
-fn corners(body: &Body, joints: &[Placed]) -> Option<Vec<Vector3<f64>>> {
-    if body.joints.len() < 3 || straight(body, joints).is_some() {
-        return None;
-    }
-    Some(body.joints.iter().map(|&j| joints[j].end).collect())
+fn corners(body: &Body) -> Option<&[Vector3<f64>]> {
+    (body.joints.len() > 2 && straight(body).is_none()).then_some(&body.ends)
 }
 
 /// Corners of the convex hull, by Andrew's monotone chain.
@@ -332,7 +327,7 @@ fn ghosts(scene: &Scene, camera: &Camera, width: f64) -> String {
         drawn += &tube(&spots, &caps, GHOST, width);
     }
     for body in scene.links.iter().filter(|body| !body.base) {
-        if let Some(corners) = corners(body, &scene.joints) {
+        if let Some(corners) = corners(body) {
             let spots = hull(corners.iter().map(|corner| camera.spot(corner)).collect());
             let [fill, edge] = GHOST;
             let paints = format!(

@@ -18,6 +18,8 @@ const ALONG: f64 = 0.14;
 const SPHERE: f64 = 0.5;
 /// Radius of a joint where there is room, in sizes.
 const RADIUS: f64 = 0.024;
+/// How far a rail reaches either way, in radii of a joint.
+pub(super) const RAIL: f64 = 6.0;
 /// Number of joints from which on they are drawn smaller.
 const MANY: f64 = 12.0;
 
@@ -41,8 +43,6 @@ pub(super) struct Placed {
     pub(super) actuated: bool,
     /// Where it is drawn.
     pub(super) at: Vector3<f64>,
-    /// Where links end at it.
-    pub(super) end: Vector3<f64>,
     /// Where it was before it went out of the way.
     pub(super) origin: Vector3<f64>,
     /// Its frame as its first and its second link carry it.
@@ -51,6 +51,8 @@ pub(super) struct Placed {
     pub(super) on_sphere: bool,
     /// Whether it shares a pin with others.
     stacked: bool,
+    /// Whether it slides between the two ends of a telescope.
+    telescope: bool,
 }
 
 /// A link.
@@ -58,6 +60,8 @@ pub(super) struct Body {
     pub(super) base: bool,
     /// Indices of its joints.
     pub(super) joints: Vec<usize>,
+    /// Where it ends at each of them.
+    pub(super) ends: Vec<Vector3<f64>>,
 }
 
 /// A virtual joint.
@@ -72,6 +76,24 @@ impl Placed {
     /// Direction of its z axis.
     pub(super) fn axis(&self) -> Vector3<f64> {
         self.frames[0] * Vector3::z()
+    }
+
+    /// Whether something slides along it that is drawn.
+    pub(super) fn has_rail(&self) -> bool {
+        matches!(self.kind, JointKind::Prismatic | JointKind::Cylindrical)
+    }
+
+    /// Where a link ends at it: that with the rail at the rail's foot, and the other at the block.
+    fn end(&self, on_rail: bool, radius: f64) -> Vector3<f64> {
+        if self.stacked {
+            return self.origin;
+        }
+        match self.kind {
+            JointKind::Prismatic if on_rail && !self.telescope => {
+                self.at - self.axis() * (RAIL * radius)
+            }
+            _ => self.at,
+        }
     }
 
     /// Whether its z axis is a line that people look for.
@@ -115,24 +137,24 @@ impl Scene {
         }
         let (middle, size) = other.map_or((middle, size), |other| (other.middle, other.size));
         let mut links: Vec<Body> = (0..mechanism.links().len())
-            .map(|link| Body { base: link == 0, joints: Vec::new() })
+            .map(|link| Body { base: link == 0, joints: Vec::new(), ends: Vec::new() })
             .collect();
         let mut joints = Vec::new();
         for (j, (joint, (at, frames))) in mechanism.joints().iter().zip(places).enumerate() {
             joint.links.iter().for_each(|&link| links[link].joints.push(j));
             let at = (at - middle) / size;
             let (name, kind, actuated) = (joint.name.clone(), joint.kind, joint.actuated);
-            let (end, origin, on_sphere, stacked) = (at, at, false, false);
+            let (origin, on_sphere, stacked, telescope) = (at, false, false, false);
             joints.push(Placed {
                 name,
                 kind,
                 actuated,
                 at,
-                end,
                 origin,
                 frames,
                 on_sphere,
                 stacked,
+                telescope,
             });
         }
         spread(&mut joints, mechanism, &links, point);
@@ -155,8 +177,19 @@ impl Scene {
             })
             .collect();
         let radius = radius(&joints);
+        for (link, body) in links.iter_mut().enumerate() {
+            body.ends = (body.joints.iter())
+                .map(|&j| joints[j].end(carries_rail(mechanism, j) == link, radius))
+                .collect();
+        }
         Ok(Self { joints, links, play, middle, size, radius })
     }
+}
+
+/// The link on which the rail of a slide lies: the base, or else the first.
+fn carries_rail(mechanism: &Mechanism, joint: usize) -> usize {
+    let [first, second] = mechanism.joints()[joint].links;
+    if second == 0 { second } else { first }
 }
 
 /// Radius of joints that leaves room between them.
@@ -192,7 +225,6 @@ fn spread(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body], point: b
             part(joints, &group, point);
         }
     }
-    joints.iter_mut().filter(|joint| !joint.stacked).for_each(|joint| joint.end = joint.at);
 }
 
 /// Puts the slide of a telescope between its ends.
@@ -208,6 +240,7 @@ fn telescopes(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body]) {
         if let (Some(a), Some(b)) = (other(joint.links[0]), other(joint.links[1])) {
             let (here, axis) = (joints[j].at, joints[j].axis());
             joints[j].at = here + axis * ((a + b) * 0.5 - here).dot(&axis);
+            joints[j].telescope = true;
         }
     }
 }
