@@ -4,10 +4,14 @@
 //! Times of different machines compare only as ratios to `inverse`.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
 
+#[path = "../tests/robot/mod.rs"]
+mod robot;
+
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use jointplay_core::gpr::{AxisHeight, CenterHeight, Gpr};
+use jointplay_core::mechanism::{MechanismSystem, PositionSolver, ReliefSolver};
 use jointplay_core::mobility::{RANK_THRESHOLD, finite_mobility, instantaneous_mobility};
 use jointplay_core::sensitivity::sensitivity;
 use jointplay_core::spatial::Tilt;
@@ -120,5 +124,29 @@ fn analyses(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, kinematics, analyses);
+/// The robot with six virtual joints as a mechanism: positions from nominal, and mobility.
+fn mechanisms(criterion: &mut Criterion) {
+    let mechanism = robot::gpr(robot::polar).with_characteristic_length(1e-3).unwrap();
+    let mut nominal = robot::home(&mechanism);
+    (0..3).for_each(|k| nominal[4 * k] = 0.5);
+    let system = MechanismSystem::new(&mechanism, nominal.clone()).unwrap();
+    let solver = PositionSolver::new(&system, &[0, 4, 8]).unwrap();
+    let rods = rods(&Gpr::paper());
+    for relief in [ReliefSolver::Newton, ReliefSolver::LeastNorm] {
+        let room = std::cell::RefCell::new((solver.clone(), nominal.clone()));
+        over(criterion, &format!("position of a mechanism, {relief:?}"), &rods, |rods| {
+            let (solver, position) = &mut *room.borrow_mut();
+            position.copy_from(&nominal);
+            (0..3).for_each(|k| position[4 * k] = rods[k]);
+            black_box(solver.solve(position.as_mut_slice(), relief)).unwrap();
+        });
+    }
+    let rigid = robot::gpr(|_, _| Vec::new());
+    let system = MechanismSystem::new(&rigid, nominal.rows(0, 12).into_owned()).unwrap();
+    over(criterion, "finite mobility of a shaky mechanism", &[system.at_home()], |at| {
+        black_box(finite_mobility(&system, at, RANK_THRESHOLD)).unwrap();
+    });
+}
+
+criterion_group!(benches, kinematics, analyses, mechanisms);
 criterion_main!(benches);

@@ -147,6 +147,26 @@ pub enum Error {
         /// Largest that counts as closed.
         allowed: f64,
     },
+    /// Newton's method did not close the loops; the coordinates given hold its last iterate.
+    #[error(
+        "the loops stay open by {residual:.3e} (radians and characteristic lengths) after {iterations} steps, {allowed:.0e} is asked for; start nearer, or look for an assembly from many starts"
+    )]
+    NotReached {
+        /// Largest mismatch that is left.
+        residual: f64,
+        /// Largest that counts as closed.
+        allowed: f64,
+        /// Steps done.
+        iterations: usize,
+    },
+    /// One or two of the three coordinates of a ball are commanded.
+    #[error(
+        "some coordinates of the ball at coordinate {coordinate} are commanded, but a rotation vector is commanded whole or not at all"
+    )]
+    PartlyCommanded {
+        /// First coordinate of the ball.
+        coordinate: usize,
+    },
     /// The singular value decomposition did not converge.
     #[error("the singular values of a {rows}×{columns} matrix did not converge in {sweeps} sweeps")]
     SvdNotConverged {

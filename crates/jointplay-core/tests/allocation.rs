@@ -4,10 +4,13 @@
     reason = "counting allocations takes a global allocator, whose trait is unsafe"
 )]
 
+mod robot;
+
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
 use jointplay_core::gpr::{AxisHeight, CenterHeight, Gpr};
+use jointplay_core::mechanism::{MechanismSystem, PositionSolver, ReliefSolver};
 use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{SolveOptions, Solver, built_in};
 
@@ -66,5 +69,24 @@ fn kernels_do_not_allocate() {
             });
             assert_eq!((forward, center), (0, 0), "{} {solver}", model.name());
         }
+    }
+}
+
+#[test]
+fn positions_of_a_mechanism_do_not_allocate() {
+    let mechanism = robot::gpr(robot::polar);
+    let gpr = Gpr::paper();
+    let rods = gpr.inverse(Tilt { yaw: 0.4, pitch: 0.03 }, AxisHeight(0.5)).unwrap();
+    let mut start = robot::home(&mechanism);
+    (0..3).for_each(|k| start[4 * k] = rods[k]);
+    let system = MechanismSystem::new(&mechanism, start.clone()).unwrap();
+    let mut solver = PositionSolver::new(&system, &[0, 4, 8]).unwrap();
+    for relief in [ReliefSolver::Newton, ReliefSolver::LeastNorm] {
+        let mut position = start.clone();
+        let count = allocations(|| {
+            let found = solver.solve(position.as_mut_slice(), relief).unwrap();
+            assert!(found.iterations > 1);
+        });
+        assert_eq!(count, 0, "{relief:?}");
     }
 }

@@ -1,50 +1,21 @@
 //! Laws of mechanisms in general, and the robot described as one.
 #![expect(clippy::unwrap_used, reason = "a test says what it expects")]
 
+mod robot;
+
 use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
-    Carrier, Class, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem, Play,
-    ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble, branches, close, drive, guess,
-    link_motion, relieve, self_stresses, suggest,
+    Carrier, Class, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
+    PositionSolver, ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble, branches, close,
+    drive, guess, link_motion, relieve, self_stresses, suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
 };
-use jointplay_core::nalgebra::{
-    DVector, Matrix3, Rotation3, Translation3, Unit, UnitVector3, Vector3,
-};
-use jointplay_core::spatial::Pose;
+use jointplay_core::nalgebra::{DVector, Vector3};
 
-fn frame(point: [f64; 3], axis: [f64; 3]) -> Pose {
-    let z = Unit::new_normalize(Vector3::from(axis));
-    let other = if z.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
-    let y = z.cross(&other).normalize();
-    let x = y.cross(&z);
-    Pose::from_parts(
-        Translation3::from(Vector3::from(point)),
-        Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, y, z.into_inner()])),
-    )
-}
-
-fn joint(name: &str, kind: JointKind, links: [usize; 2], point: [f64; 3], axis: [f64; 3]) -> Joint {
-    let place = frame(point, axis);
-    Joint {
-        name: name.to_owned(),
-        kind,
-        links,
-        frames: [place; 2],
-        actuated: false,
-        guess: Vec::new(),
-        limits: Vec::new(),
-        clearance: Play::default(),
-        stiffness: Play::default(),
-    }
-}
-
-fn names(count: usize) -> Vec<String> {
-    (0..count).map(|k| format!("link {k}")).collect()
-}
+use robot::{RADIUS, frame, gpr, home, joint, names, planar, polar, radial};
 
 /// A single loop of revolute joints, in a closed configuration.
 fn ring(points: &[[f64; 3]], axes: &[[f64; 3]]) -> Mechanism {
@@ -56,10 +27,6 @@ fn ring(points: &[[f64; 3]], axes: &[[f64; 3]]) -> Mechanism {
         })
         .collect();
     Mechanism::new("ring", names(count), joints).unwrap()
-}
-
-fn home(mechanism: &Mechanism) -> DVector<f64> {
-    DVector::zeros(mechanism.joint_freedoms() + mechanism.virtual_joints().len())
 }
 
 const BRICARD: ([[f64; 3]; 6], [[f64; 3]; 6]) = (
@@ -113,46 +80,6 @@ fn known_linkages() {
         &[[0.0, 0.0, 1.0], [0.3, 0.0, 1.0], [0.5, 0.6, 1.0], [-0.2, 0.7, 1.0]],
     );
     check(&spherical, 3, 1, 1, 3);
-}
-
-const RADIUS: f64 = 0.093218;
-
-/// Three rods, three balls, a platform.
-fn gpr(virtual_joints: impl Fn(usize, Vector3<f64>) -> Vec<VirtualMotion>) -> Mechanism {
-    let links = ["base", "rod 1", "rod 2", "rod 3", "platform"].map(str::to_owned).to_vec();
-    let (mut joints, mut relief) = (Vec::new(), Vec::new());
-    for k in 0..3 {
-        let angle = [0.0, 120.0_f64, 240.0][k].to_radians();
-        let ball = Vector3::new(RADIUS * angle.cos(), RADIUS * angle.sin(), 0.0);
-        let mut rod =
-            joint(&format!("q{k}"), JointKind::Prismatic, [0, k + 1], ball.into(), [0.0, 0.0, 1.0]);
-        // Rods are as long as their coordinate says.
-        rod.frames[1] = rod.frames[0];
-        rod.actuated = true;
-        joints.push(rod);
-        joints.push(joint(
-            &format!("s{k}"),
-            JointKind::Spherical,
-            [k + 1, 4],
-            ball.into(),
-            [0.0, 0.0, 1.0],
-        ));
-        for (m, motion) in virtual_joints(k, ball).into_iter().enumerate() {
-            relief.push(VirtualJoint {
-                name: format!("x{k}{m}"),
-                joint: 2 * k + 1,
-                carrier: Carrier::Second,
-                motion,
-                clearance: None,
-                stiffness: None,
-            });
-        }
-    }
-    Mechanism::new("GPR", links, joints).unwrap().with_virtual_joints(relief).unwrap()
-}
-
-fn radial(_: usize, ball: Vector3<f64>) -> Vec<VirtualMotion> {
-    vec![VirtualMotion::Slide(UnitVector3::new_normalize(ball))]
 }
 
 #[test]
@@ -367,17 +294,6 @@ fn links_that_do_not_fit_are_told_from_a_bad_guess() {
 }
 
 /// Polar virtual joints of a ball: about the platform's middle, then along the turned radius.
-fn polar(_: usize, ball: Vector3<f64>) -> Vec<VirtualMotion> {
-    vec![
-        VirtualMotion::Turn { axis: Vector3::z_axis(), point: Vector3::zeros() },
-        VirtualMotion::Slide(UnitVector3::new_normalize(ball)),
-    ]
-}
-
-fn planar(_: usize, _: Vector3<f64>) -> Vec<VirtualMotion> {
-    vec![VirtualMotion::Slide(Vector3::x_axis()), VirtualMotion::Slide(Vector3::y_axis())]
-}
-
 /// The closed-form robot and the general engine: rods, virtual joints, centre, to round-off.
 #[test]
 fn both_ways_agree_on_the_robot() {
@@ -409,6 +325,12 @@ fn both_ways_agree_on_the_robot() {
             let system = MechanismSystem::new(&mechanism, start).unwrap();
             let found = relieve(&system, &[0, 4, 8], ReliefSolver::LeastNorm).unwrap();
             let context = format!("{} {length} {yaw} {pitch}", model.name());
+            // The fast solver, which opens the loops elsewhere, finds the same.
+            let mut solver = PositionSolver::new(&system, &[0, 4, 8]).unwrap();
+            let mut by_solver = system.home().clone();
+            solver.solve(by_solver.as_mut_slice(), ReliefSolver::LeastNorm).unwrap();
+            let off = (&by_solver - &found.coordinates).amax();
+            assert!(off < 1e-11, "{context}: {off:e}");
             // What the closed form calls l and φ: the radius itself, and angles, by joint kind.
             let x: Vec<f64> = expected.solution.virtual_joints.to_vec();
             for k in 0..3 {

@@ -4,6 +4,7 @@ use nalgebra::{DVector, Matrix3, Rotation3, Translation3, Vector3};
 
 use super::description::{Carrier, Mechanism, VirtualMotion};
 use super::joint::{Coordinate, Factor, Twist};
+use super::tree::{Branch, spanning_tree};
 use crate::constraint::Dimension;
 use crate::spatial::Pose;
 
@@ -15,9 +16,9 @@ pub struct Kinematics<'a> {
     mechanism: &'a Mechanism,
     chains: Vec<Chain>,
     /// Joints in the order in which they reach new links; `true` where walked from the second link to the first.
-    tree: Vec<(usize, bool)>,
+    tree: Vec<Branch>,
     /// For each link the joint over which it was reached, and whether against its sense.
-    reached_by: Vec<Option<(usize, bool)>>,
+    reached_by: Vec<Option<Branch>>,
     /// The joint that closes each loop.
     cuts: Vec<usize>,
     /// First coordinate of each joint.
@@ -27,20 +28,20 @@ pub struct Kinematics<'a> {
 
 /// A joint from its first link to its second.
 #[derive(Debug, Clone)]
-struct Chain {
-    elements: Vec<Element>,
-    end: Pose,
+pub(super) struct Chain {
+    pub(super) elements: Vec<Element>,
+    pub(super) end: Pose,
 }
 
 /// A fixed displacement, then an elementary motion.
 #[derive(Debug, Clone)]
-struct Element {
-    before: Pose,
-    factor: Factor,
+pub(super) struct Element {
+    pub(super) before: Pose,
+    pub(super) factor: Factor,
     /// First of its coordinates among all.
-    coordinate: usize,
+    pub(super) coordinate: usize,
     /// −1 for what is walked against its sense.
-    sign: f64,
+    pub(super) sign: f64,
 }
 
 /// Link poses and joint screws at a configuration.
@@ -63,25 +64,12 @@ impl<'a> Kinematics<'a> {
     #[must_use]
     pub fn new(mechanism: &'a Mechanism) -> Self {
         let joints = mechanism.joints();
-        let mut at_link = vec![Vec::new(); mechanism.links().len()];
-        for (j, joint) in joints.iter().enumerate() {
-            at_link[joint.links[0]].push(j);
-            at_link[joint.links[1]].push(j);
-        }
+        let tree = spanning_tree(mechanism, |_| 0);
         let mut reached_by = vec![None; mechanism.links().len()];
-        let (mut tree, mut in_tree) = (Vec::new(), vec![false; joints.len()]);
-        let mut queue = std::collections::VecDeque::from([0]);
-        while let Some(link) = queue.pop_front() {
-            for &j in &at_link[link] {
-                let against = joints[j].links[1] == link;
-                let next = joints[j].links[usize::from(!against)];
-                if next != 0 && reached_by[next].is_none() {
-                    reached_by[next] = Some((j, against));
-                    in_tree[j] = true;
-                    tree.push((j, against));
-                    queue.push_back(next);
-                }
-            }
+        let mut in_tree = vec![false; joints.len()];
+        for &(j, against) in &tree {
+            reached_by[joints[j].links[usize::from(!against)]] = Some((j, against));
+            in_tree[j] = true;
         }
         let cuts = (0..joints.len()).filter(|&j| !in_tree[j]).collect();
         let mut kinematics = Self {
@@ -136,6 +124,11 @@ impl<'a> Kinematics<'a> {
     #[must_use]
     pub fn mechanism(&self) -> &'a Mechanism {
         self.mechanism
+    }
+
+    /// Each joint as a chain of elementary motions.
+    pub(super) fn chains(&self) -> &[Chain] {
+        &self.chains
     }
 
     /// Indices of a joint's coordinates.
@@ -388,7 +381,7 @@ fn ball(coordinates: &DVector<f64>, first: usize) -> Rotation3<f64> {
 }
 
 /// The rotation with the quaternion (1, p/2), normalised: turns by |p| to first order, and needs no trigonometry.
-fn cayley(p: &Vector3<f64>) -> Rotation3<f64> {
+pub(super) fn cayley(p: &Vector3<f64>) -> Rotation3<f64> {
     let u = p * 0.5;
     let cross = u.cross_matrix();
     let scale = 2.0 / (1.0 + u.norm_squared());

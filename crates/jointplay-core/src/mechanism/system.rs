@@ -279,7 +279,7 @@ pub(super) fn check(coordinates: &DVector<f64>, expected: usize) -> Result<(), E
 }
 
 /// The vector of the antisymmetric part: sin θ times the axis for a rotation.
-fn skew_part(m: &Matrix3<f64>) -> Vector3<f64> {
+pub(super) fn skew_part(m: &Matrix3<f64>) -> Vector3<f64> {
     Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]) * 0.5
 }
 

@@ -1,0 +1,388 @@
+//! Positions, fast: what passive and virtual joints do for commanded ones, without allocation.
+
+mod elimination;
+mod walk;
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use self::elimination::Elimination;
+use self::walk::{Frame, Part, Screw, Walk};
+use super::kinematics::cayley;
+use super::system::skew_part;
+use super::tree::spanning_tree;
+use super::{CLOSED, MechanismSystem, ReliefSolver, virtual_weights};
+use crate::Error;
+use crate::constraint::{Dimension, System};
+
+/// Scaled residual at which the iteration ends; the next step would only move round-off.
+const ROUND_OFF: f64 = 1e-13;
+/// Changes of the virtual joints below this, in characteristic lengths, are the end of the search for the least…
+const SETTLED: f64 = 1e-13;
+/// …and so are those below this that no longer shrink: round-off.
+const SETTLING: f64 = 1e-9;
+/// Longest step, in radians and characteristic lengths.
+const LONGEST_STEP: f64 = 0.5;
+const MAX_ITERATIONS: usize = 50;
+
+/// Closes the loops of a mechanism for commanded coordinates, again and again.
+///
+/// Everything that does not depend on the coordinates is laid out once; a solution allocates nothing.
+/// Loops are opened where most freedoms pass: a ball joint leaves three equations between two points, and its three coordinates follow.
+///
+/// One solver serves one thread; clone it for more.
+///
+/// # Numerics
+/// Newton's method with passive joints eliminated by Householder reflections and virtual joints by least norm.
+/// Redundant constraints do not stop it.
+/// It is meant for starts nearby, as along a path: steps are shortened, but there is no search; [`super::close`] and [`super::assemble`] find their way from farther.
+///
+/// # Source
+/// Own derivation, `docs/theory.md`
+#[derive(Debug, Clone)]
+pub struct PositionSolver {
+    tree: Vec<TreeWalk>,
+    closings: Vec<Closing>,
+    balls: Vec<Ball>,
+    unknowns: Vec<Unknown>,
+    passive: usize,
+    coordinates: usize,
+    length: f64,
+    // Room to work in.
+    links: Vec<Frame>,
+    turns: Vec<Matrix3<f64>>,
+    screws: Vec<Screw>,
+    relieved: Vec<f64>,
+    elimination: Elimination,
+}
+
+/// Loops closed for commanded coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Position {
+    /// Largest mismatch, in radians and characteristic lengths.
+    pub residual: f64,
+    /// Steps done.
+    pub iterations: usize,
+}
+
+#[derive(Debug, Clone)]
+struct TreeWalk {
+    from: usize,
+    to: usize,
+    walk: Walk,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Ball {
+    coordinate: usize,
+    /// Its first column, if it is in the tree and moves.
+    column: Option<usize>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Unknown {
+    coordinate: usize,
+    /// What one unit of it is: radians, characteristic lengths, or the metric of virtual joints.
+    unit: f64,
+}
+
+/// A loop opened at a joint, and the two sides that have to meet.
+#[derive(Debug, Clone)]
+struct Closing {
+    links: [usize; 2],
+    sides: [Walk; 2],
+    /// The ball in which points meet; where there is none, frames have to.
+    ball: Option<usize>,
+    row: usize,
+    /// Unknowns that move one side only, and the sense in which they change the mismatch.
+    moved_by: Vec<(usize, f64, usize)>,
+    /// The two sides, as they stand.
+    frames: [Frame; 2],
+}
+
+impl PositionSolver {
+    /// Lays out the solution for given commanded coordinates.
+    ///
+    /// # Arguments
+    /// * `system` – gives the mechanism, the characteristic length and the metric of the virtual joints
+    /// * `commanded` – indices of the coordinates that keep their values, among those of joints and virtual joints
+    ///
+    /// # Errors
+    /// [`Error::PartlyCommanded`] for one or two coordinates of a ball.
+    pub fn new(system: &MechanismSystem<'_>, commanded: &[usize]) -> Result<Self, Error> {
+        let kinematics = system.kinematics();
+        let (mechanism, chains) = (kinematics.mechanism(), kinematics.chains());
+        let dimensions = kinematics.dimensions();
+        let free = |k: usize| !commanded.contains(&k);
+        let ball_of = |j: usize| {
+            let mut elements = chains[j].elements.iter();
+            elements.position(|e| e.factor == super::joint::Factor::Ball && free(e.coordinate))
+        };
+        let mut balls = Vec::new();
+        for element in chains.iter().flat_map(|chain| &chain.elements) {
+            if element.factor == super::joint::Factor::Ball {
+                let k = element.coordinate;
+                if (k + 1..k + 3).any(|other| free(other) != free(k)) {
+                    return Err(Error::PartlyCommanded { coordinate: k });
+                }
+                balls.push(Ball { coordinate: k, column: None });
+            }
+        }
+        let freedoms_of = |j: usize| {
+            let of_joint = kinematics.coordinates_of(j).filter(|&k| free(k)).count();
+            // Opening at a ball spares six unknowns and equations in all.
+            if ball_of(j).is_some() { 6 + of_joint } else { of_joint }
+        };
+        let branches = spanning_tree(mechanism, freedoms_of);
+        let mut in_tree = vec![false; chains.len()];
+        branches.iter().for_each(|&(j, _)| in_tree[j] = true);
+        let cuts: Vec<usize> = (0..chains.len()).filter(|&j| !in_tree[j]).collect();
+
+        let follows = |k: usize| {
+            let of_cut = |&j: &usize| {
+                ball_of(j).is_some_and(|e| {
+                    let first = chains[j].elements[e].coordinate;
+                    (first..first + 3).contains(&k)
+                })
+            };
+            cuts.iter().any(of_cut)
+        };
+        let length = system.characteristic_length();
+        let joint_freedoms = mechanism.joint_freedoms();
+        let weights = virtual_weights(system);
+        let unknowns: Vec<Unknown> = (0..dimensions.len())
+            .filter(|&k| free(k) && !follows(k))
+            .map(|k| {
+                let unit = match (k.checked_sub(joint_freedoms), dimensions[k]) {
+                    (Some(m), _) => weights[m].sqrt().recip(),
+                    (None, Dimension::Angle) => 1.0,
+                    (None, Dimension::Length | Dimension::SquaredLength) => length,
+                };
+                Unknown { coordinate: k, unit }
+            })
+            .collect();
+        let column = |k: usize| unknowns.iter().position(|unknown| unknown.coordinate == k);
+        for ball in &mut balls {
+            ball.column = column(ball.coordinate);
+        }
+        let ball_at = |k: usize| {
+            balls.iter().position(|ball| ball.coordinate == k).expect("every ball is listed")
+        };
+        let walk = |j: usize, part: Part| Walk::new(&chains[j], part, column, ball_at);
+
+        let tree: Vec<TreeWalk> = branches
+            .iter()
+            .map(|&(j, against)| {
+                let [first, second] = mechanism.joints()[j].links;
+                if against {
+                    TreeWalk { from: second, to: first, walk: walk(j, Part::Backward) }
+                } else {
+                    TreeWalk { from: first, to: second, walk: walk(j, Part::Forward) }
+                }
+            })
+            .collect();
+        let mut row = 0;
+        let closings: Vec<Closing> = cuts
+            .iter()
+            .map(|&j| {
+                let ball = ball_of(j);
+                // At a ball, the points on both sides of it; elsewhere, the frames behind all motions.
+                let count = chains[j].elements.len();
+                let (before, from) = ball.map_or((count, count), |e| (e, e + 1));
+                let sides = [walk(j, Part::Before(before)), walk(j, Part::From(from))];
+                let links = mechanism.joints()[j].links;
+                let first = row;
+                row += if ball.is_some() { 3 } else { 6 };
+                Closing {
+                    links,
+                    moved_by: moved_by(&tree, links, &sides),
+                    sides,
+                    ball: ball.map(|e| ball_at(chains[j].elements[e].coordinate)),
+                    row: first,
+                    frames: [Frame::BASE; 2],
+                }
+            })
+            .collect();
+        let passive = unknowns.iter().filter(|u| u.coordinate < joint_freedoms).count();
+        let virtuals = unknowns.len() - passive;
+        Ok(Self {
+            links: vec![Frame::BASE; mechanism.links().len()],
+            turns: vec![Matrix3::identity(); balls.len()],
+            screws: vec![Screw::STILL; unknowns.len()],
+            relieved: vec![0.0; virtuals],
+            elimination: Elimination::new(row, passive, virtuals),
+            coordinates: dimensions.len(),
+            tree,
+            closings,
+            balls,
+            unknowns,
+            passive,
+            length,
+        })
+    }
+
+    /// Moves passive and virtual joints until all loops are closed.
+    ///
+    /// # Arguments
+    /// * `coordinates` – (f + M) commanded coordinates at their values, the others near; takes the solution, or the best iterate where there is none [m, rad]
+    /// * `solver` – which of the virtual displacements that close the loops; nothing to choose where there are no virtual joints
+    ///
+    /// # Errors
+    /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::NotReached`].
+    pub fn solve(
+        &mut self,
+        coordinates: &mut [f64],
+        solver: ReliefSolver,
+    ) -> Result<Position, Error> {
+        let what = "the coordinate vector";
+        if coordinates.len() != self.coordinates {
+            let (found, expected) = (coordinates.len(), self.coordinates);
+            return Err(Error::WrongLength { what, found, expected });
+        }
+        for &value in coordinates.iter() {
+            crate::error::finite(what, value)?;
+        }
+        for (turn, ball) in self.turns.iter_mut().zip(&self.balls) {
+            let k = ball.coordinate;
+            let vector = Vector3::new(coordinates[k], coordinates[k + 1], coordinates[k + 2]);
+            *turn = if vector == Vector3::zeros() {
+                Matrix3::identity()
+            } else {
+                Rotation3::new(vector).into_inner()
+            };
+        }
+        let least_norm = solver == ReliefSolver::LeastNorm && !self.relieved.is_empty();
+        let (mut before, mut moved_before) = (f64::INFINITY, f64::INFINITY);
+        let (mut settled, mut iterations) = (!least_norm, 0);
+        let residual = loop {
+            let residual = self.mismatch(coordinates);
+            let at_the_end =
+                residual <= ROUND_OFF || (residual <= CLOSED && residual > 0.5 * before);
+            if (at_the_end && settled) || iterations == MAX_ITERATIONS || residual.is_nan() {
+                break residual;
+            }
+            before = residual;
+            iterations += 1;
+            let moved = self.step(coordinates, solver) / self.length;
+            settled = !least_norm
+                || moved <= SETTLED
+                || (moved <= SETTLING && moved > 0.5 * moved_before);
+            moved_before = moved;
+        };
+        self.close_balls();
+        for (turn, ball) in self.turns.iter().zip(&self.balls) {
+            let vector = Rotation3::from_matrix_unchecked(*turn).scaled_axis();
+            coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
+        }
+        if residual <= CLOSED && settled {
+            Ok(Position { residual, iterations })
+        } else {
+            Err(Error::NotReached { residual, allowed: CLOSED, iterations })
+        }
+    }
+
+    /// Walks all joints; the largest mismatch, in radians and characteristic lengths.
+    fn mismatch(&mut self, coordinates: &[f64]) -> f64 {
+        let right = self.unknowns.len() * self.elimination.rows();
+        for TreeWalk { from, to, walk } in &self.tree {
+            let mut frame = self.links[*from];
+            walk.follow(&mut frame, coordinates, &self.turns, &mut self.screws);
+            self.links[*to] = frame;
+        }
+        let mut largest = 0.0_f64;
+        for closing in &mut self.closings {
+            for side in 0..2 {
+                let mut frame = self.links[closing.links[side]];
+                closing.sides[side].follow(&mut frame, coordinates, &self.turns, &mut self.screws);
+                closing.frames[side] = frame;
+            }
+            let [first, second] = &closing.frames;
+            let apart = (first.origin - second.origin) / self.length;
+            let entries = &mut self.elimination.matrix[right + closing.row..];
+            entries[..3].copy_from_slice((-apart).as_slice());
+            largest = larger(largest, apart.norm());
+            if closing.ball.is_none() {
+                let turned = skew_part(&(first.rotation * second.rotation.transpose()));
+                entries[3..6].copy_from_slice((-turned).as_slice());
+                // Half turns leave no antisymmetric part behind, but are no closure.
+                let size = (first.rotation - second.rotation).norm() / std::f64::consts::SQRT_2;
+                largest = larger(largest, size);
+            }
+        }
+        largest
+    }
+
+    /// One step from where [`Self::mismatch`] was; returns how far virtual joints moved in their metric.
+    fn step(&mut self, coordinates: &mut [f64], solver: ReliefSolver) -> f64 {
+        let m = self.elimination.rows();
+        self.elimination.matrix[..self.unknowns.len() * m].fill(0.0);
+        for closing in &self.closings {
+            for &(column, sense, side) in &closing.moved_by {
+                let screw = &self.screws[column];
+                let scale = sense * self.unknowns[column].unit;
+                let first = column * m + closing.row;
+                let linear =
+                    screw.velocity_of(&closing.frames[side].origin) * (scale / self.length);
+                self.elimination.matrix[first..first + 3].copy_from_slice(linear.as_slice());
+                if closing.ball.is_none() {
+                    let angular = screw.angular * scale;
+                    self.elimination.matrix[first + 3..first + 6]
+                        .copy_from_slice(angular.as_slice());
+                }
+            }
+        }
+        for (value, unknown) in self.relieved.iter_mut().zip(&self.unknowns[self.passive..]) {
+            *value = coordinates[unknown.coordinate] / unknown.unit;
+        }
+        self.elimination.solve(&self.relieved, solver);
+        let step = &mut self.elimination.step;
+        let size = step[..self.passive].iter().map(|value| value * value).sum::<f64>().sqrt();
+        if size > LONGEST_STEP {
+            step.iter_mut().for_each(|value| *value *= LONGEST_STEP / size);
+        }
+        for (unknown, value) in self.unknowns.iter().zip(step.iter()) {
+            coordinates[unknown.coordinate] += value * unknown.unit;
+        }
+        for (turn, ball) in self.turns.iter_mut().zip(&self.balls) {
+            if let Some(column) = ball.column {
+                let by = Vector3::from_column_slice(&step[column..column + 3]);
+                *turn *= cayley(&by).matrix();
+            }
+        }
+        step[self.passive..].iter().map(|value| value * value).sum::<f64>().sqrt()
+    }
+
+    /// Turns of the balls at which loops are open.
+    fn close_balls(&mut self) {
+        for closing in &self.closings {
+            if let Some(ball) = closing.ball {
+                let [first, second] = &closing.frames;
+                self.turns[ball] = first.rotation.transpose() * second.rotation;
+            }
+        }
+    }
+}
+
+/// Unknowns on the way to one side of a loop but not the other.
+fn moved_by(tree: &[TreeWalk], links: [usize; 2], sides: &[Walk; 2]) -> Vec<(usize, f64, usize)> {
+    let way = |side: usize| {
+        let mut columns: Vec<usize> = sides[side].columns().collect();
+        let mut link = links[side];
+        while let Some(branch) = tree.iter().find(|branch| branch.to == link) {
+            columns.extend(branch.walk.columns());
+            link = branch.from;
+        }
+        columns
+    };
+    let ways = [way(0), way(1)];
+    let only = |side: usize, sense: f64| {
+        let other = &ways[1 - side];
+        let here = ways[side].iter().filter(|column| !other.contains(column));
+        here.map(move |&column| (column, sense, side)).collect::<Vec<_>>()
+    };
+    [only(0, 1.0), only(1, -1.0)].concat()
+}
+
+/// The larger of two numbers, NaN if one is.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}
