@@ -193,6 +193,22 @@ fn parallelogram_carries_its_coupler_on_a_circle() {
 }
 
 #[test]
+fn double_parallelogram_carries_its_stage_on_two_circles() {
+    let drives = [("A1", deg(-30.0), deg(40.0)), ("C1", deg(25.0), deg(-35.0))];
+    let ride = Ride::new("double-parallelogram", &[], &drives, 100);
+    let turned = |arm: Vector2<f64>, angle: f64| {
+        let moved = nalgebra::Rotation2::new(angle) * arm - arm;
+        Vector3::new(moved.x, moved.y, 0.0)
+    };
+    let outer = Vector2::new(deg(8.0).sin(), -deg(8.0).cos()) * 0.04;
+    let inner = Vector2::new(deg(5.0).sin(), deg(5.0).cos()) * 0.04;
+    for at in &ride.steps {
+        let by = turned(outer, ride.value(at, "A1")) + turned(inner, ride.value(at, "C1"));
+        only_moved(&ride.pose(at, "stage"), by);
+    }
+}
+
+#[test]
 fn four_bar_by_freudenstein() {
     let ride = Ride::new("four-bar", &[], &[("A", 0.0, TAU)], 240);
     let (ground, crank, coupler, rocker) = (0.3, 0.1, 0.26, 0.2);

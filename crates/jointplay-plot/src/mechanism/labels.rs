@@ -81,7 +81,7 @@ pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Ve
 fn reach(kind: JointKind) -> f64 {
     match kind {
         JointKind::Prismatic | JointKind::Cylindrical => 2.0,
-        JointKind::Planar => 2.6,
+        JointKind::Planar => 3.4,
         JointKind::Fixed => 1.0,
         _ => 1.65,
     }
