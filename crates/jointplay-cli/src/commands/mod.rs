@@ -4,6 +4,7 @@ mod assemble;
 mod catalogue;
 mod compare;
 mod completions;
+mod draw;
 mod forward;
 mod import;
 mod inverse;
@@ -31,6 +32,7 @@ pub(crate) enum Command {
     Compare(compare::Compare),
     Assemble(assemble::Assemble),
     Move(motion::Move),
+    Draw(draw::Draw),
     Suggest(suggest::Suggest),
     Import(import::Import),
     Catalogue(catalogue::Catalogue),
@@ -49,6 +51,7 @@ impl Command {
             Self::Compare(command) => command.run(),
             Self::Assemble(command) => command.run(),
             Self::Move(command) => command.run(),
+            Self::Draw(command) => command.run(),
             Self::Suggest(command) => command.run(),
             Self::Import(command) => command.run(),
             Self::Catalogue(command) => command.run(),
@@ -69,6 +72,7 @@ impl Command {
             Self::Move(command) => command.mechanism.json(),
             Self::Suggest(command) => command.mechanism.json(),
             Self::Simulate(_)
+            | Self::Draw(_)
             | Self::Import(_)
             | Self::Catalogue(_)
             | Self::Completions(_)

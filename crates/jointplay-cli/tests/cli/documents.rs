@@ -32,8 +32,11 @@ fn desk_with_a_model() -> Desk {
 
 #[test]
 fn every_command_that_a_document_shows_runs() {
-    let documents =
-        [include_str!("../../../../README.md"), include_str!("../../../../docs/paper-to-code.md")];
+    let documents = [
+        include_str!("../../../../README.md"),
+        include_str!("../../../../docs/paper-to-code.md"),
+        include_str!("../../../../docs/catalogue.md"),
+    ];
     let mut all: Vec<String> = documents.into_iter().flat_map(commands).collect();
     all.sort();
     all.dedup();
@@ -58,6 +61,7 @@ fn every_example_in_a_help_text_runs() {
         "compare",
         "assemble",
         "move",
+        "draw",
         "catalogue",
         "import",
     ] {
