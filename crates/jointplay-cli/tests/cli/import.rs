@@ -77,6 +77,21 @@ fn other_commands_take_models_too() {
     assert!(run.stderr.contains("a model has no parameters"), "{}", run.stderr);
 }
 
+#[test]
+fn the_robot_as_a_model_of_mujoco_is_the_robot() {
+    let desk = Desk::new();
+    let model = include_str!("../../../../validation/golden/models/gpr.mjcf.xml");
+    desk.write("gpr.xml", model);
+    let run = desk.run("mobility gpr.xml --format json");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    let found: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    let expected = desk.json("mobility gpr-mechanism");
+    for key in ["joint_freedoms", "loops", "rank", "instantaneous_mobility", "finite_mobility"] {
+        assert_eq!(found[key], expected[key], "{key}");
+    }
+    assert_eq!(found["coordinates"]["q1"], 0.5);
+}
+
 #[track_caller]
 fn refused(desk: &Desk, line: &str, message: &str) {
     let run = desk.run(line);

@@ -293,8 +293,8 @@ impl<'a> Reader<'a> {
         if let Some(reference) = value("ref").filter(|_| has_axis) {
             let reference = si(xml.number(&reference)?);
             if reference != 0.0 {
-                let turned = kind.factors()[0].transform(&[reference]);
-                joint.frames[1] *= turned;
+                // The coordinate counts from where the joint would be at MuJoCo's zero.
+                joint.frames[0] *= kind.factors()[0].transform(&[-reference]);
                 joint.guess = vec![reference];
             }
         }
@@ -451,7 +451,7 @@ mod tests {
         // A joint that starts off its zero keeps its own coordinates.
         let joint = joint("<joint type=\"slide\" ref=\"0.5\" range=\"0 1\"/>");
         assert_eq!((joint.limits, joint.guess), (vec![[0.0, 1.0]], vec![0.5]));
-        assert_eq!(joint.frames[1].translation.vector, Vector3::z() * 0.5);
+        assert_eq!(joint.frames[0].translation.vector, -Vector3::z() * 0.5);
     }
 
     #[test]
