@@ -4,7 +4,9 @@ mod assemble;
 mod catalogue;
 mod compare;
 mod completions;
+mod draw;
 mod forward;
+mod import;
 mod inverse;
 mod manual;
 mod mobility;
@@ -30,7 +32,9 @@ pub(crate) enum Command {
     Compare(compare::Compare),
     Assemble(assemble::Assemble),
     Move(motion::Move),
+    Draw(draw::Draw),
     Suggest(suggest::Suggest),
+    Import(import::Import),
     Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
     Manual(manual::Manual),
@@ -47,7 +51,9 @@ impl Command {
             Self::Compare(command) => command.run(),
             Self::Assemble(command) => command.run(),
             Self::Move(command) => command.run(),
+            Self::Draw(command) => command.run(),
             Self::Suggest(command) => command.run(),
+            Self::Import(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Manual(command) => command.run(),
@@ -65,9 +71,12 @@ impl Command {
             Self::Assemble(command) => command.mechanism.json(),
             Self::Move(command) => command.mechanism.json(),
             Self::Suggest(command) => command.mechanism.json(),
-            Self::Simulate(_) | Self::Catalogue(_) | Self::Completions(_) | Self::Manual(_) => {
-                false
-            }
+            Self::Simulate(_)
+            | Self::Draw(_)
+            | Self::Import(_)
+            | Self::Catalogue(_)
+            | Self::Completions(_)
+            | Self::Manual(_) => false,
         }
     }
 }

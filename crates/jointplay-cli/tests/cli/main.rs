@@ -5,6 +5,8 @@
 mod answers;
 mod desk;
 mod documents;
+mod draw;
+mod import;
 mod mechanism;
 mod refusals;
 mod simulate;
