@@ -12,8 +12,8 @@ from pathlib import Path
 import check
 import mjcf
 import report
-import workers
 import work as told
+import workers
 
 HERE = Path(__file__).resolve().parent
 PEERS = HERE.parent / "peers"
@@ -122,7 +122,10 @@ def circumstances(missing):
 
     def said(*command):
         """The first line that a command prints."""
-        return subprocess.run(command, capture_output=True, text=True).stdout.splitlines()[0]
+        try:
+            return subprocess.run(command, capture_output=True, text=True).stdout.splitlines()[0]
+        except (FileNotFoundError, IndexError):
+            return "unknown version"
 
     versions = {}
     for package in PACKAGES:
@@ -131,7 +134,7 @@ def circumstances(missing):
         except importlib.metadata.PackageNotFoundError:
             versions[package] = None
     versions["python"] = platform.python_version()
-    versions["rustc"] = said("rustc", "--version").split()[1]
+    versions["rustc"] = said("rustc", "--version").removeprefix("rustc ")
     versions["C++ compiler"] = said(os.environ.get("CXX", "c++"), "--version")
     models = [line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
     return {

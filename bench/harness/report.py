@@ -49,6 +49,12 @@ def quantity(rate):
     return f"{rate:.3g}"
 
 
+def figures(value):
+    """Three figures, without an exponent."""
+    text = f"{value:.3g}"
+    return f"{float(text):,.0f}" if "e+" in text else text
+
+
 def gpr(out, document):
     poses, results = document["work"]["poses"], document["work"]["results"]
     rates = {name: rate(result, poses) for name, result in results.items() if "cpu_s" in result}
@@ -139,7 +145,7 @@ def linkages(out, document):
             asked = len(range(0, work["positions"], result["stride"]))
             short = "" if result["closed"] == asked else f", closed {result['closed']} of {asked}"
             own = times[mechanism][name]
-            cells.append(f"{own:.3g} ({own / times[mechanism]['jointplay']:.3g}×{short})")
+            cells.append(f"{figures(own)} ({figures(own / times[mechanism]['jointplay'])}×{short})")
         lines.append(f"| {name} | {' | '.join(cells)} |")
     lines += ["", "Largest gap, in m or rad:", "", f"| program | {' | '.join(works)} |"]
     lines.append(f"| --- | {' | '.join('---:' for _ in works)} |")
@@ -277,24 +283,24 @@ def conclusions(mechanisms, pinocchio, exudyn):
     lines = [
         "Velocities less rank are the freedoms to first order; a user of Pinocchio or MuJoCo finds them so, for neither says them."
     ]
-    if "failed" not in pinocchio:
-        redundant = [
-            own["name"]
-            for own in mechanisms
-            if pinocchio[own["name"]]["rank_of_its_jacobian"] < pinocchio[own["name"]]["rows"]
-        ]
-        saved = [f"*{name}*" for name in redundant if pinocchio[name]["accelerations_mu_0"] == "finite"]
+    answers = {own["name"]: pinocchio.get(own["name"], {}) for own in mechanisms}
+    redundant = [
+        name for name, told in answers.items() if "rows" in told and told["rank_of_its_jacobian"] < told["rows"]
+    ]
+    if redundant:
+        saved = [f"*{name}*" for name in redundant if answers[name]["accelerations_mu_0"] == "finite"]
         lines.append(
             f"Redundant rows make Pinocchio's accelerations NaN where μ = 0, without an exception, in {len(redundant) - len(saved)} of {len(redundant)} mechanisms"
             + (f"; round-off saves {' and '.join(saved)}." if saved else ".")
         )
         lines.append("With μ > 0 they do no harm, and are not told.")
     lines.append("MuJoCo's rows are soft, and redundant ones are not told.")
-    if "failed" not in exudyn:
+    counted = [(own, exudyn.get(own["name"], {})) for own in mechanisms]
+    counted = [(own, told) for own, told in counted if "degree_of_freedom" in told]
+    if counted:
         agree = sum(
-            (exudyn[own["name"]].get("degree_of_freedom"), exudyn[own["name"]].get("redundant_constraints"))
-            == (own["instantaneous"], own["redundancy"])
-            for own in mechanisms
+            (told["degree_of_freedom"], told["redundant_constraints"]) == (own["instantaneous"], own["redundancy"])
+            for own, told in counted
         )
         lines.append(
             f"Exudyn says freedoms and redundancy itself; both are jointplay's, to first order, in {agree} of {len(mechanisms)} mechanisms."

@@ -10,7 +10,6 @@ import sys
 from pathlib import Path
 
 import numpy as np
-
 import work as told
 
 MECHANISMS = [
@@ -130,9 +129,8 @@ def pinocchio():
 
 def mujoco():
     """`connect` constraints on a tree; its forward pass, and a simulation with strong position servos on the rods."""
-    import mujoco as mj
-
     import mjcf
+    import mujoco as mj
 
     def build(work, after=""):
         sites, connects = {}, []
@@ -189,10 +187,9 @@ def mujoco():
 
 def drake():
     """Ball constraints on a tree; and inverse kinematics with the rods held."""
+    import drake_peer
     from pydrake.multibody.inverse_kinematics import InverseKinematics
     from pydrake.solvers import SnoptSolver
-
-    import drake_peer
 
     def one(work):
         plant, bodies, _ = drake_peer.tree(work, time_step=1e-3)

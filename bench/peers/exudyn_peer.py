@@ -6,11 +6,10 @@ Weak springs hold the virtual joints: static equilibrium is their least displace
 
 import sys
 
-import numpy as np
-import work as told
-
 import exudyn as exu
 import exudyn.itemInterface as items
+import numpy as np
+import work as told
 
 Z = exu.JointType.RevoluteZ
 TURNS = [exu.JointType.RevoluteX, exu.JointType.RevoluteY, exu.JointType.RevoluteZ]

@@ -35,7 +35,10 @@ def gpr(path):
 
     def one(rods):
         balls = work.balls(rods)
-        springs = lambda x: np.concatenate([gaps(x, balls), 1e-4 * x[6:]])
+
+        def springs(unknowns):
+            return np.concatenate([gaps(unknowns, balls), 1e-4 * unknowns[6:]])
+
         near = least_squares(springs, np.zeros(12), method="lm", **TIGHT).x
         found = least_squares(gaps, near, args=(balls,), **TIGHT).x
         if not np.abs(gaps(found, balls)).max() * scale <= work.gap:
