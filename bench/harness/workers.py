@@ -109,6 +109,9 @@ def compare(commands, rounds, folder, note):
             results[name]["wall_s"].append(wall)
             results[name]["solved"] = solved
     for name, worker in workers.items():
-        results[name]["answers"] = worker.answers(folder / "answers.txt")
-        worker.close()
+        try:
+            results[name]["answers"] = worker.answers(folder / "answers.txt")
+            worker.close()
+        except Failed as error:
+            results[name] = {"failed": str(error)}
     return results
