@@ -168,14 +168,12 @@ pub enum Error {
         coordinate: usize,
     },
     /// The singular value decomposition did not converge.
-    #[error("the singular values of a {rows}×{columns} matrix did not converge in {sweeps} sweeps")]
+    #[error("the singular values of a {rows}×{columns} matrix did not converge")]
     SvdNotConverged {
         /// Rows of the matrix.
         rows: usize,
         /// Columns of the matrix.
         columns: usize,
-        /// Sweeps done.
-        sweeps: usize,
     },
 }
 
