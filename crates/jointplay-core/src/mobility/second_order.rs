@@ -36,29 +36,34 @@ pub(super) fn second_order<S: System + ?Sized>(
     at: &Configuration,
     first: &InstantaneousMobility,
 ) -> Result<SecondOrder, Error> {
-    let quadrics = quadrics(system, at, first);
-    let mobility = first.mobility;
-    let largest = quadrics.iter().map(DMatrix::amax).fold(0.0, f64::max);
-    let stacked = DMatrix::from_fn(mobility * quadrics.len(), mobility, |row, column| {
-        quadrics[row / mobility][(row % mobility, column)]
-    });
-    let decomposition = svd(&stacked)?;
-    // Against the largest possible quadric, not the largest found: a null result has to stay null.
-    let cut = QUADRIC_THRESHOLD * largest.max(1.0);
-    let stopped = decomposition.singular_values.iter().filter(|&&value| value > cut).count();
-    let free = mobility - stopped;
-    let directions = decomposition.v.columns(0, stopped);
-    let restricted: Vec<DMatrix<f64>> =
-        quadrics.iter().map(|quadric| directions.transpose() * quadric * directions).collect();
-    let definite = stopped > 0 && has_definite_combination(&restricted, cut);
-    let upper_bound = match (stopped, definite) {
-        (0, _) => mobility,
-        (_, true) => free,
-        // One quadric that is not identically zero takes at least one dimension; one that is no product of planes shares no component with another, so that the two take two.
-        (_, false) if has_irreducible_pair(&restricted, cut)? => mobility - 2,
-        (_, false) => mobility - 1,
-    };
-    Ok(SecondOrder { quadrics, free, definite, upper_bound })
+    SecondOrder::of(quadrics(system, at, first), first.mobility)
+}
+
+impl SecondOrder {
+    /// What follows from the quadrics of some motions.
+    pub(crate) fn of(quadrics: Vec<DMatrix<f64>>, mobility: usize) -> Result<Self, Error> {
+        let largest = quadrics.iter().map(DMatrix::amax).fold(0.0, f64::max);
+        let stacked = DMatrix::from_fn(mobility * quadrics.len(), mobility, |row, column| {
+            quadrics[row / mobility][(row % mobility, column)]
+        });
+        let decomposition = svd(&stacked)?;
+        // Against the largest possible quadric, not the largest found: a null result has to stay null.
+        let cut = QUADRIC_THRESHOLD * largest.max(1.0);
+        let stopped = decomposition.singular_values.iter().filter(|&&value| value > cut).count();
+        let free = mobility - stopped;
+        let directions = decomposition.v.columns(0, stopped);
+        let restricted: Vec<DMatrix<f64>> =
+            quadrics.iter().map(|quadric| directions.transpose() * quadric * directions).collect();
+        let definite = stopped > 0 && has_definite_combination(&restricted, cut);
+        let upper_bound = match (stopped, definite) {
+            (0, _) => mobility,
+            (_, true) => free,
+            // One quadric that is not identically zero takes at least one dimension; one that is no product of planes shares no component with another, so that the two take two.
+            (_, false) if has_irreducible_pair(&restricted, cut)? => mobility - 2,
+            (_, false) => mobility - 1,
+        };
+        Ok(Self { quadrics, free, definite, upper_bound })
+    }
 }
 
 /// Whether two of the quadrics are independent and some combination of them is of rank 3 or more, which makes it irreducible over the complex numbers.
