@@ -7,6 +7,7 @@
 //! | [`printed`] | equations of the paper, as printed and put right, and its iteration |
 //! | [`centers`] | centroid, circumcentre and Fermat point of a triangle in space |
 //! | [`paths`] | what happens to a solver that starts at the last pose |
+//! | [`gallery`] | the page of all mechanisms of the catalogue, with their pictures |
 //! | [`elastic`] | a rigid platform on bending rods |
 
 use std::collections::BTreeMap;
@@ -18,6 +19,7 @@ use jointplay::virtualization::{Metric, Offset, Planar, Polar, Radial, Solver, V
 pub mod cases;
 pub mod centers;
 pub mod elastic;
+pub mod gallery;
 pub mod paths;
 pub mod printed;
 

@@ -3,6 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use jointplay_validation::gallery;
+
 fn read(path: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(path);
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
@@ -10,7 +12,7 @@ fn read(path: &str) -> String {
 
 /// Names of the tests in this crate.
 fn tests() -> BTreeSet<String> {
-    ["closed_forms", "errata", "golden", "paper"]
+    ["closed_forms", "errata", "golden", "linkages", "paper"]
         .iter()
         .flat_map(|file| {
             let text = read(&format!("validation/tests/{file}.rs"));
@@ -45,4 +47,25 @@ fn every_test_that_a_document_names_exists() {
         }
     }
     assert!(count > 60, "only {count} names found");
+}
+
+/// The texts of a picture, in order.
+fn texts(svg: &str) -> Vec<&str> {
+    svg.split("</text>").filter_map(|part| part.rsplit_once('>').map(|(_, text)| text)).collect()
+}
+
+#[test]
+fn the_catalogue_page_and_its_pictures_are_current() {
+    let cure = "run `cargo run -p jointplay-validation --bin figures`";
+    assert_eq!(read("docs/catalogue.md"), gallery::page().expect("a page"), "{cure}");
+    for (entry, file) in &gallery::mechanisms() {
+        let committed = read(&format!("docs/figures/catalogue/{}.svg", entry.name));
+        let picture = gallery::picture(file).map(|picture| picture.to_svg());
+        let drawn = picture.expect("it closes").expect("it can be drawn");
+        // Where lines are may differ in the last digit from machine to machine; what is named and how long the scale is does not.
+        let (mut committed, mut drawn) = (texts(&committed), texts(&drawn));
+        committed.sort_unstable();
+        drawn.sort_unstable();
+        assert_eq!(committed, drawn, "{}: {cure}", entry.name);
+    }
 }

@@ -37,6 +37,7 @@ Examples:
   jointplay compare                           what the models say of one tilt
   jointplay catalogue                         mechanisms that come with the program
   jointplay mobility bennett                  what of a mechanism can move
+  jointplay draw bennett                      what it looks like
 
 Exit codes: 0 done, 1 the answer is no (unreachable, over a limit), 2 bad input or usage.")]
 struct Cli {

@@ -47,6 +47,7 @@ const ENTRIES: &[Entry] = &[
     entry!("slider-crank"),
     entry!("spherical-4r"),
     entry!("tripteron"),
+    entry!("wunderlich-12-bar"),
 ];
 
 /// All files that come with the program, by name.

@@ -15,8 +15,13 @@ pub(crate) fn check(figure: &Figure) -> Result<(), Error> {
     if figure.panels.is_empty() {
         return Err(Error::NoPanel { title: figure.title.clone() });
     }
-    size("width of the figure", figure.width, WIDTHS)?;
+    width(figure.width)?;
     figure.panels.iter().enumerate().try_for_each(|(index, panel)| check_panel(index, panel))
+}
+
+/// Whether a figure or picture can be so wide [px].
+pub(crate) fn width(found: f64) -> Result<(), Error> {
+    size("width of the figure", found, WIDTHS)
 }
 
 fn check_panel(index: usize, panel: &Panel) -> Result<(), Error> {

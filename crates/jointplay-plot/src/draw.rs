@@ -9,7 +9,7 @@ use crate::text::{HALF_CAPITAL, LABEL, LEADING, TICK, TITLE};
 use crate::{Curve, Figure, Panel};
 
 /// A white rim that keeps a text readable on lines.
-const RIM: &str =
+pub(crate) const RIM: &str =
     " stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
 
 /// The figure as SVG.

@@ -86,10 +86,25 @@ pub enum Error {
         /// Greatest size that can be drawn [px].
         max: f64,
     },
+    /// The coordinates are not a configuration of the mechanism.
+    #[error(transparent)]
+    Coordinates(Box<jointplay_core::Error>),
+    /// A joint is where numbers end.
+    #[error("joint {joint:?} is too far off to be drawn: its place is beyond the range of numbers")]
+    Unplaced {
+        /// The joint.
+        joint: String,
+    },
     /// The figure could not be painted as PNG.
     #[error("the figure could not be painted as PNG: {reason}")]
     Paint {
         /// What the painter said.
         reason: String,
     },
+}
+
+impl From<jointplay_core::Error> for Error {
+    fn from(error: jointplay_core::Error) -> Self {
+        Self::Coordinates(Box::new(error))
+    }
 }

@@ -24,6 +24,7 @@
 //! | [`Curve`], [`Marker`], [`Label`] | a series, a vertical line, a text at a point |
 //! | [`Style`], [`Colour`], [`Dash`], [`Point`] | how a curve looks, in colour and in grey |
 //! | [`rod_style`], [`model_style`] | the fixed looks of rods and of models |
+//! | [`MechanismPicture`], [`View`] | a mechanism in space, and from where it is seen |
 //! | [`results`] | figures of this project's own studies and comparisons |
 //! | [`Error`] | why a figure could not be drawn |
 
@@ -39,6 +40,7 @@ mod legend;
 mod linear_ticks;
 mod log_ticks;
 mod markers;
+mod mechanism;
 mod panel;
 mod path;
 mod png;
@@ -53,5 +55,6 @@ mod ticks;
 pub use axis::{Axis, Scale};
 pub use error::Error;
 pub use figure::Figure;
+pub use mechanism::{MechanismPicture, View};
 pub use panel::{Curve, Label, Marker, Panel};
 pub use style::{Colour, Dash, Model, Point, Style, model_style, rod_style};

@@ -57,9 +57,12 @@ impl Svg {
 
     /// A path with these attributes.
     pub(crate) fn path(&mut self, data: &str, attributes: &str) {
-        if !data.is_empty() {
-            self.0.push_str(&format!("<path d=\"{data}\"{attributes}/>\n"));
-        }
+        self.0.push_str(&element(data, attributes));
+    }
+
+    /// Finished elements.
+    pub(crate) fn elements(&mut self, elements: &str) {
+        self.0.push_str(elements);
     }
 
     /// A text at (`x`, `y`) [px] of this `size` [px], with further attributes.
@@ -80,6 +83,14 @@ impl Svg {
             escape(text)
         ));
     }
+}
+
+/// A path with these attributes; nothing without data.
+pub(crate) fn element(data: &str, attributes: &str) -> String {
+    if data.is_empty() {
+        return String::new();
+    }
+    format!("<path d=\"{data}\"{attributes}/>\n")
 }
 
 /// Path data through these positions; a single one becomes a stroke of no length, which round ends make a dot.

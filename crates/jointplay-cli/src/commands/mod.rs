@@ -4,6 +4,7 @@ mod assemble;
 mod catalogue;
 mod compare;
 mod completions;
+mod draw;
 mod forward;
 mod inverse;
 mod manual;
@@ -30,6 +31,7 @@ pub(crate) enum Command {
     Compare(compare::Compare),
     Assemble(assemble::Assemble),
     Move(motion::Move),
+    Draw(draw::Draw),
     Suggest(suggest::Suggest),
     Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
@@ -47,6 +49,7 @@ impl Command {
             Self::Compare(command) => command.run(),
             Self::Assemble(command) => command.run(),
             Self::Move(command) => command.run(),
+            Self::Draw(command) => command.run(),
             Self::Suggest(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
@@ -65,9 +68,11 @@ impl Command {
             Self::Assemble(command) => command.mechanism.json(),
             Self::Move(command) => command.mechanism.json(),
             Self::Suggest(command) => command.mechanism.json(),
-            Self::Simulate(_) | Self::Catalogue(_) | Self::Completions(_) | Self::Manual(_) => {
-                false
-            }
+            Self::Simulate(_)
+            | Self::Draw(_)
+            | Self::Catalogue(_)
+            | Self::Completions(_)
+            | Self::Manual(_) => false,
         }
     }
 }

@@ -218,7 +218,7 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
 }
 
 /// Coordinates of the motors that are not driven; none where something is driven that has no motor.
-fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
+pub(super) fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
     let actuated: Vec<usize> = input
         .file
         .mechanism

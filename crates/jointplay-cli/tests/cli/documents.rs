@@ -24,8 +24,11 @@ fn commands(text: &str) -> Vec<String> {
 
 #[test]
 fn every_command_that_a_document_shows_runs() {
-    let documents =
-        [include_str!("../../../../README.md"), include_str!("../../../../docs/paper-to-code.md")];
+    let documents = [
+        include_str!("../../../../README.md"),
+        include_str!("../../../../docs/paper-to-code.md"),
+        include_str!("../../../../docs/catalogue.md"),
+    ];
     let mut all: Vec<String> = documents.into_iter().flat_map(commands).collect();
     all.sort();
     all.dedup();
@@ -50,6 +53,7 @@ fn every_example_in_a_help_text_runs() {
         "compare",
         "assemble",
         "move",
+        "draw",
         "catalogue",
     ] {
         let help = desk.done(&format!("{command} --help"));

@@ -5,6 +5,7 @@
 mod answers;
 mod desk;
 mod documents;
+mod draw;
 mod mechanism;
 mod refusals;
 mod simulate;

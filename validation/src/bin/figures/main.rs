@@ -1,6 +1,6 @@
 //! Draws the figures of the documents: `cargo run -p jointplay-validation --bin figures`.
 //!
-//! Writes `docs/figures/*.svg`; with a folder as argument, also the same pictures as PNG there, to look at.
+//! Writes `docs/figures/*.svg`, `docs/catalogue.md` and its pictures; with a folder as argument, also the same pictures as PNG there, to look at.
 
 mod divergence;
 mod first_order;
@@ -12,6 +12,7 @@ use std::error::Error;
 use std::path::Path;
 
 use jointplay::plot::Figure;
+use jointplay_validation::gallery;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let figures: [(&str, Figure); 9] = [
@@ -34,6 +35,17 @@ fn main() -> Result<(), Box<dyn Error>> {
             std::fs::write(Path::new(pictures).join(format!("{name}.png")), figure.to_png(1440)?)?;
         }
     }
+    let catalogue = folder.join("catalogue");
+    std::fs::create_dir_all(&catalogue)?;
+    for (entry, file) in &gallery::mechanisms() {
+        let picture = gallery::picture(file)?;
+        std::fs::write(catalogue.join(format!("{}.svg", entry.name)), picture.to_svg()?)?;
+        if let Some(pictures) = &pictures {
+            let png = Path::new(pictures).join(format!("{}.png", entry.name));
+            std::fs::write(png, picture.to_png(1120)?)?;
+        }
+    }
+    std::fs::write(folder.join("../catalogue.md"), gallery::page()?)?;
     Ok(())
 }
 

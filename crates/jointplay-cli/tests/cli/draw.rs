@@ -1,0 +1,79 @@
+//! Pictures of mechanisms: where they go, what they show, what is refused.
+
+use crate::desk::Desk;
+
+#[test]
+fn a_picture_is_written_where_it_is_asked_for() {
+    let desk = Desk::new();
+    assert_eq!(desk.done("draw bennett"), "picture: bennett.svg\n");
+    let usual = desk.read("bennett.svg");
+    for part in [">Bennett's linkage<", ">J4<", ">base<", ">actuated<", ">50 mm<"] {
+        assert!(usual.contains(part), "{part}");
+    }
+    // A picture of ours may be replaced, another file may not.
+    desk.done("draw bennett --at J1=120");
+    assert_ne!(desk.read("bennett.svg"), usual);
+    desk.write("hexapod.svg", "<svg>mine</svg>");
+    let run = desk.run("draw hexapod");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("name another with --figure"), "{}", run.stderr);
+    assert_eq!(desk.read("hexapod.svg"), "<svg>mine</svg>");
+    desk.done("draw hexapod --figure hexapod.svg");
+    assert!(desk.read("hexapod.svg").contains(">P6<"));
+    desk.done("draw hexapod --figure Hexapod.PNG");
+    assert!(std::fs::read(desk.file("Hexapod.PNG")).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn a_picture_shows_what_is_asked_for() {
+    let desk = Desk::new();
+    let drawn = |options: &str| {
+        desk.done(&format!("draw four-bar --figure picture.svg {options}"));
+        desk.read("picture.svg")
+    };
+    let plain = drawn("");
+    assert_ne!(drawn("--at A=30"), plain);
+    assert_ne!(drawn("--set coupler=0.25"), plain);
+    assert_ne!(drawn("--view=-60,25"), plain);
+    assert_eq!(drawn("--view=270,65"), plain);
+    assert_ne!(drawn("--view 30,-89"), drawn("--view 30,89"));
+    let moved = drawn("--ghost A=120");
+    assert!(moved.contains(">moved<") && !plain.contains(">moved<"));
+    // Play is drawn too, also where it has to give way.
+    desk.done("draw gpr-mechanism --figure play.svg");
+    assert!(desk.read("play.svg").contains(">virtual joint<"));
+}
+
+#[test]
+fn every_mechanism_of_the_catalogue_can_be_drawn() {
+    let desk = Desk::new();
+    let list = desk.done("catalogue");
+    let names: Vec<&str> = list.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(names.len() > 25);
+    for name in names.iter().filter(|name| !["name", "gpr"].contains(name)) {
+        desk.done(&format!("draw {name}"));
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn() {
+    let desk = Desk::new();
+    for (line, code, message) in [
+        ("draw bennett --figure bennett.jpg", 2, "ends neither in .svg nor in .png"),
+        ("draw bennett --figure nowhere/bennett.svg", 2, "cannot write"),
+        ("draw bennett --view 30", 2, "is not AZIMUTH,ELEVATION"),
+        ("draw bennett --view 30,91", 2, "is not between"),
+        ("draw bennett --view NaN,0", 2, "not a finite number"),
+        ("draw bennett --at J9=1", 2, "J9"),
+        ("draw four-bar --ghost J9=1", 2, "J9"),
+        ("draw spherical-4r --ghost A=90", 1, "on the way to --ghost, stopped at A = 23.2"),
+        ("draw gpr", 2, "known: mechanism"),
+        ("draw nothing.toml", 2, "cannot read"),
+        ("draw", 2, "Usage"),
+    ] {
+        let run = desk.run(line);
+        assert_eq!(run.code, code, "{line}: {}", run.stderr);
+        assert!(run.stderr.contains(message), "{line}: {}", run.stderr);
+        assert!(desk.names(".").is_empty(), "{line}");
+    }
+}

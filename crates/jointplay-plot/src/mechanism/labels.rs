@@ -1,0 +1,114 @@
+//! Names of joints, set where they hide least.
+
+use jointplay_core::mechanism::JointKind;
+
+use super::paint::Camera;
+use super::scene::Scene;
+use crate::text::{HALF_CAPITAL, TICK, width};
+
+/// Joints from whose number on only the actuated ones are named.
+const MANY: usize = 16;
+
+/// A name on the page.
+pub(super) struct Name {
+    pub(super) text: String,
+    /// Left end of its base line [px].
+    pub(super) at: (f64, f64),
+    pub(super) play: bool,
+}
+
+/// A rectangle on the page [px].
+#[derive(Clone, Copy)]
+struct Room {
+    x: f64,
+    y: f64,
+    w: f64,
+    h: f64,
+}
+
+impl Room {
+    /// Area in common with another.
+    fn shared(&self, other: &Room) -> f64 {
+        let w = (self.x + self.w).min(other.x + other.w) - self.x.max(other.x);
+        let h = (self.y + self.h).min(other.y + other.h) - self.y.max(other.y);
+        w.max(0.0) * h.max(0.0)
+    }
+
+    fn about((x, y): (f64, f64), half: f64) -> Self {
+        Self { x: x - half, y: y - half, w: 2.0 * half, h: 2.0 * half }
+    }
+}
+
+/// Places for the names, within `page` (width, top, bottom) [px].
+pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Vec<Name> {
+    let many = scene.joints.len() + scene.play.len() >= MANY;
+    let radius = scene.radius * camera.scale;
+    let mut taken: Vec<Room> = scene
+        .joints
+        .iter()
+        .map(|joint| Room::about(camera.spot(&joint.at), reach(joint.kind) * radius))
+        .collect();
+    for link in &scene.links {
+        for pair in link.joints.windows(2) {
+            let (a, b) = (scene.joints[pair[0]].at, scene.joints[pair[1]].at);
+            let along = |k: i32| a + (b - a) * (f64::from(k) / 12.0);
+            taken.extend((1..12).map(|k| Room::about(camera.spot(&along(k)), 0.5 * radius)));
+        }
+    }
+    for joint in &scene.joints {
+        if joint.has_rail() {
+            let rail = |k: i32| joint.at + joint.axis() * (f64::from(k) * scene.radius);
+            taken.extend((-6..=6).map(|k| Room::about(camera.spot(&rail(k)), 3.0)));
+        }
+    }
+    let joints = scene.joints.iter().filter(|joint| joint.actuated || !many);
+    let play = scene.play.iter().filter(|_| !many);
+    let wanted = joints
+        .map(|joint| (joint.name.clone(), joint.at, reach(joint.kind), false))
+        .chain(play.map(|play| (play.name.clone(), play.at, 2.5, true)));
+    let mut names = Vec::new();
+    for (text, at, reach, play) in wanted {
+        let spot = camera.spot(&at);
+        let room = best(&text, spot, reach * radius, &taken, page);
+        taken.push(room);
+        let base = room.y + 0.5 * room.h + HALF_CAPITAL * TICK;
+        names.push(Name { text, at: (room.x, base), play });
+    }
+    names
+}
+
+/// How far the picture of a joint reaches, in radii.
+fn reach(kind: JointKind) -> f64 {
+    match kind {
+        JointKind::Prismatic | JointKind::Cylindrical => 2.0,
+        JointKind::Planar => 3.4,
+        JointKind::Fixed => 1.0,
+        _ => 1.65,
+    }
+}
+
+/// The room beside a spot that shares least with what is there.
+fn best(text: &str, spot: (f64, f64), reach: f64, taken: &[Room], page: (f64, f64, f64)) -> Room {
+    let (w, h) = (width(text, TICK), 1.1 * TICK);
+    let (right, top, bottom) = page;
+    let mut found: Option<(f64, Room)> = None;
+    for ring in 0..3 {
+        for step in 0..16 {
+            let angle = f64::from(step) * std::f64::consts::PI / 8.0 - std::f64::consts::PI / 4.0;
+            let (sin, cos) = angle.sin_cos();
+            let gap = reach + 3.0 + f64::from(ring) * 12.0;
+            let middle = (spot.0 + cos * (gap + 0.5 * w), spot.1 + sin * (gap + 0.5 * h));
+            let room = Room { x: middle.0 - 0.5 * w, y: middle.1 - 0.5 * h, w, h };
+            let outside = (4.0 - room.x).max(0.0)
+                + (room.x + w - right + 4.0).max(0.0)
+                + (top - room.y).max(0.0)
+                + (room.y + h - bottom).max(0.0);
+            let hidden: f64 = taken.iter().map(|other| room.shared(other)).sum();
+            let cost = hidden + 50.0 * outside + 14.0 * f64::from(ring);
+            if found.is_none_or(|(least, _)| cost < least - 1e-9) {
+                found = Some((cost, room));
+            }
+        }
+    }
+    found.map_or(Room { x: spot.0, y: spot.1, w, h }, |(_, room)| room)
+}

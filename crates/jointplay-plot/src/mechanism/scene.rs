@@ -1,0 +1,297 @@
+//! A mechanism as bodies and joints in space, in sizes of the mechanism.
+
+use jointplay_core::mechanism::{Carrier, JointKind, Mechanism, VirtualMotion};
+use jointplay_core::spatial::Pose;
+use nalgebra::{Rotation3, Vector3};
+
+use crate::Error;
+
+/// Joints nearer to each other than this are in one place, in sizes.
+const TOGETHER: f64 = 1e-3;
+/// Directions nearer to parallel than this count as parallel.
+const PARALLEL: f64 = 1e-3;
+/// How far a slide goes out of the way of another joint, in sizes.
+const ASIDE: f64 = 0.3;
+/// How far a hinge goes along its axis out of the way of another joint, in sizes.
+const ALONG: f64 = 0.14;
+/// Radius of the sphere on which the hinges of a spherical mechanism stand, in sizes.
+const SPHERE: f64 = 0.5;
+/// Radius of a joint where there is room, in sizes.
+const RADIUS: f64 = 0.024;
+/// How far a rail reaches either way, in radii of a joint.
+pub(super) const RAIL: f64 = 6.0;
+/// Number of joints from which on they are drawn smaller.
+const MANY: f64 = 12.0;
+
+/// What is drawn; lengths are in sizes of the mechanism, about its middle.
+pub(super) struct Scene {
+    pub(super) joints: Vec<Placed>,
+    pub(super) links: Vec<Body>,
+    pub(super) play: Vec<Play>,
+    /// What lies in the origin [m].
+    middle: Vector3<f64>,
+    /// The length of one size [m].
+    pub(super) size: f64,
+    /// Radius of a joint.
+    pub(super) radius: f64,
+}
+
+/// A joint in its place.
+pub(super) struct Placed {
+    pub(super) name: String,
+    pub(super) kind: JointKind,
+    pub(super) actuated: bool,
+    /// Where it is drawn.
+    pub(super) at: Vector3<f64>,
+    /// Where it was before it went out of the way.
+    pub(super) origin: Vector3<f64>,
+    /// Its frame as its first and its second link carry it.
+    pub(super) frames: [Rotation3<f64>; 2],
+    /// Whether it stands on a sphere about where its axis meets others.
+    pub(super) on_sphere: bool,
+    /// Whether it shares a pin with others.
+    stacked: bool,
+    /// Whether it slides between the two ends of a telescope.
+    telescope: bool,
+}
+
+/// A link.
+pub(super) struct Body {
+    pub(super) base: bool,
+    /// Indices of its joints.
+    pub(super) joints: Vec<usize>,
+    /// Where it ends at each of them.
+    pub(super) ends: Vec<Vector3<f64>>,
+}
+
+/// A virtual joint.
+pub(super) struct Play {
+    pub(super) name: String,
+    pub(super) at: Vector3<f64>,
+    pub(super) axis: Vector3<f64>,
+    pub(super) turn: bool,
+}
+
+impl Placed {
+    /// Direction of its z axis.
+    pub(super) fn axis(&self) -> Vector3<f64> {
+        self.frames[0] * Vector3::z()
+    }
+
+    /// Whether something slides along it that is drawn.
+    pub(super) fn has_rail(&self) -> bool {
+        matches!(self.kind, JointKind::Prismatic | JointKind::Cylindrical)
+    }
+
+    /// Where a link ends at it: that with the rail at the rail's foot, and the other at the block.
+    fn end(&self, on_rail: bool, radius: f64) -> Vector3<f64> {
+        if self.stacked {
+            return self.origin;
+        }
+        match self.kind {
+            JointKind::Prismatic if on_rail && !self.telescope => {
+                self.at - self.axis() * (RAIL * radius)
+            }
+            _ => self.at,
+        }
+    }
+
+    /// Whether its z axis is a line that people look for.
+    pub(super) fn has_axis(&self) -> bool {
+        matches!(
+            self.kind,
+            JointKind::Revolute | JointKind::Helical { .. } | JointKind::Cylindrical
+        )
+    }
+}
+
+impl Scene {
+    /// The mechanism with its links at these poses; on the same scale as `other`, if there is one.
+    pub(super) fn of(
+        mechanism: &Mechanism,
+        poses: &[Pose],
+        other: Option<&Self>,
+    ) -> Result<Self, Error> {
+        let (mut places, mut low, mut high) =
+            (Vec::new(), Vector3::repeat(f64::MAX), Vector3::repeat(f64::MIN));
+        for joint in mechanism.joints() {
+            let [first, second] = [0, 1].map(|k| poses[joint.links[k]] * joint.frames[k]);
+            let at = second.translation.vector;
+            if !at.iter().all(|x| x.is_finite()) {
+                return Err(Error::Unplaced { joint: joint.name.clone() });
+            }
+            (low, high) = (low.inf(&at), high.sup(&at));
+            places.push((at, [first.rotation, second.rotation]));
+        }
+        let middle = low * 0.5 + high * 0.5;
+        // Half of it first: the whole may be beyond the range of numbers.
+        let half = high * 0.5 - low * 0.5;
+        let largest = half.amax();
+        let point = largest == 0.0;
+        let size = match largest {
+            0.0 => mechanism.characteristic_length().unwrap_or(1.0),
+            _ => (half / largest).norm() * largest * 2.0,
+        };
+        if !size.is_normal() {
+            return Err(Error::Unplaced { joint: mechanism.joints()[0].name.clone() });
+        }
+        let (middle, size) = other.map_or((middle, size), |other| (other.middle, other.size));
+        let mut links: Vec<Body> = (0..mechanism.links().len())
+            .map(|link| Body { base: link == 0, joints: Vec::new(), ends: Vec::new() })
+            .collect();
+        let mut joints = Vec::new();
+        for (j, (joint, (at, frames))) in mechanism.joints().iter().zip(places).enumerate() {
+            joint.links.iter().for_each(|&link| links[link].joints.push(j));
+            let at = (at - middle) / size;
+            let (name, kind, actuated) = (joint.name.clone(), joint.kind, joint.actuated);
+            let (origin, on_sphere, stacked, telescope) = (at, false, false, false);
+            joints.push(Placed {
+                name,
+                kind,
+                actuated,
+                at,
+                origin,
+                frames,
+                on_sphere,
+                stacked,
+                telescope,
+            });
+        }
+        spread(&mut joints, mechanism, &links, point);
+        let play = mechanism
+            .virtual_joints()
+            .iter()
+            .map(|virtual_joint| {
+                let joint = &mechanism.joints()[virtual_joint.joint];
+                let carrier = match virtual_joint.carrier {
+                    Carrier::First => joint.links[0],
+                    Carrier::Second => joint.links[1],
+                };
+                let (axis, turn) = match virtual_joint.motion {
+                    VirtualMotion::Slide(axis) => (axis, false),
+                    VirtualMotion::Turn { axis, .. } => (axis, true),
+                };
+                let axis = poses[carrier].rotation * axis.into_inner();
+                let at = joints[virtual_joint.joint].at;
+                Play { name: virtual_joint.name.clone(), at, axis, turn }
+            })
+            .collect();
+        let radius = radius(&joints);
+        for (link, body) in links.iter_mut().enumerate() {
+            body.ends = (body.joints.iter())
+                .map(|&j| joints[j].end(carries_rail(mechanism, j) == link, radius))
+                .collect();
+        }
+        Ok(Self { joints, links, play, middle, size, radius })
+    }
+}
+
+/// The link on which the rail of a slide lies: the base, or else the first.
+fn carries_rail(mechanism: &Mechanism, joint: usize) -> usize {
+    let [first, second] = mechanism.joints()[joint].links;
+    if second == 0 { second } else { first }
+}
+
+/// Radius of joints that leaves room between them.
+fn radius(joints: &[Placed]) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "a count of joints")]
+    let crowd = (MANY / joints.len() as f64).sqrt().clamp(0.4, 1.0);
+    let mut nearest = f64::MAX;
+    for (i, a) in joints.iter().enumerate() {
+        for b in &joints[i + 1..] {
+            let apart = (a.at - b.at).norm();
+            if apart > TOGETHER {
+                nearest = nearest.min(apart);
+            }
+        }
+    }
+    (RADIUS * crowd).min(0.3 * nearest).max(0.3 * RADIUS)
+}
+
+/// Moves joints along their axes to where they can be told apart.
+fn spread(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body], point: bool) {
+    telescopes(joints, mechanism, links);
+    let mut done = vec![false; joints.len()];
+    for first in 0..joints.len() {
+        if done[first] {
+            continue;
+        }
+        let here = joints[first].at;
+        let group: Vec<usize> = (first..joints.len())
+            .filter(|&j| !done[j] && (joints[j].at - here).norm() < TOGETHER)
+            .collect();
+        group.iter().for_each(|&j| done[j] = true);
+        if group.len() > 1 {
+            part(joints, &group, point);
+        }
+    }
+}
+
+/// Puts the slide of a telescope between its ends.
+fn telescopes(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body]) {
+    for (j, joint) in mechanism.joints().iter().enumerate() {
+        if !matches!(joint.kind, JointKind::Prismatic) {
+            continue;
+        }
+        let other = |link: usize| match links[link].joints[..] {
+            [a, b] if link != 0 => Some(joints[if a == j { b } else { a }].at),
+            _ => None,
+        };
+        if let (Some(a), Some(b)) = (other(joint.links[0]), other(joint.links[1])) {
+            let (here, axis) = (joints[j].at, joints[j].axis());
+            joints[j].at = here + axis * ((a + b) * 0.5 - here).dot(&axis);
+            joints[j].telescope = true;
+        }
+    }
+}
+
+/// Parts joints that are in one place.
+fn part(joints: &mut [Placed], group: &[usize], point: bool) {
+    let parallel = |a: &Placed, b: &Placed| a.axis().cross(&b.axis()).norm() < PARALLEL;
+    let hinges: Vec<usize> = group.iter().copied().filter(|&j| joints[j].has_axis()).collect();
+    // A slide gives way, but for a hinge across it: that is a pin in a block.
+    for &j in group {
+        if joints[j].kind == JointKind::Prismatic {
+            let across = |k: &usize| joints[*k].axis().dot(&joints[j].axis()).abs() < PARALLEL;
+            let pinned = group.len() == 2
+                && group.iter().any(|k| *k != j && joints[*k].has_axis() && across(k));
+            if !pinned {
+                let axis = joints[j].axis();
+                // Away from the middle.
+                let sign = if joints[j].at.dot(&axis) > TOGETHER { 1.0 } else { -1.0 };
+                joints[j].at += axis * (sign * ASIDE);
+            }
+        }
+    }
+    if hinges.is_empty() || (hinges.len() == 1 && group.len() == 2 && !others_stay(joints, group)) {
+        return;
+    }
+    let same = hinges.iter().all(|&j| parallel(&joints[j], &joints[hinges[0]]));
+    if same && hinges.len() > 1 {
+        // Hinges on one axis are stacked; links end at the pin's middle.
+        let axis = joints[hinges[0]].axis();
+        #[expect(clippy::cast_precision_loss, reason = "a count of joints")]
+        for (place, &j) in hinges.iter().enumerate() {
+            let shift = place as f64 - 0.5 * (hinges.len() - 1) as f64;
+            joints[j].at += axis * (shift * 2.6 * RADIUS);
+            joints[j].stacked = true;
+        }
+        return;
+    }
+    let along = if point { SPHERE } else { ALONG };
+    for j in hinges {
+        let axis = joints[j].axis();
+        joints[j].at += axis * along;
+        joints[j].on_sphere = true;
+    }
+}
+
+/// Whether a joint that cannot give way is in the group.
+fn others_stay(joints: &[Placed], group: &[usize]) -> bool {
+    group.iter().any(|&j| {
+        matches!(
+            joints[j].kind,
+            JointKind::Spherical | JointKind::Universal | JointKind::Planar | JointKind::Floating
+        )
+    })
+}

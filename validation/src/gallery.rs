@@ -1,0 +1,104 @@
+//! `docs/catalogue.md`: every mechanism of the catalogue, its picture and its numbers.
+
+use std::error::Error;
+use std::fmt::Write as _;
+
+use jointplay::format::catalogue::{self, Entry};
+use jointplay::format::mechanism::{MechanismFile, kind_of, parse};
+use jointplay::mechanism::{assemble, guess};
+use jointplay::plot::MechanismPicture;
+
+/// What stands above the list.
+const HEAD: &str = "\
+# Catalogue of mechanisms
+
+These mechanisms come with the program; `jointplay catalogue` lists them, and their names may stand wherever a mechanism file may.
+
+```sh
+jointplay draw bennett
+jointplay draw four-bar --at A=30 --ghost A=120 --figure four-bar.png
+jointplay mobility bennett
+jointplay catalogue copy bennett my-mechanisms
+```
+
+The base is hatched, actuated joints are orange, virtual joints purple.
+A sleeve is a revolute joint, with a shaft through it a cylindrical one; a block on a rail is a prismatic joint, a ball a spherical one, a cross a universal one.
+Lengths are made up where no source has them; each file names its source, a key of [REFERENCES.md](../REFERENCES.md).
+
+This page and its pictures are written by `cargo run -p jointplay-validation --bin figures`; the tests hold the numbers to the program's own and to those of an independent one.
+f is the sum of the freedoms of all joints; mobility is counted, to first order, and for real; redundancy is the number of loop equations that say nothing new.
+";
+
+/// The mechanism files of the catalogue.
+///
+/// # Panics
+/// If one of them cannot be read.
+#[must_use]
+pub fn mechanisms() -> Vec<(&'static Entry, MechanismFile)> {
+    let of_mechanisms = catalogue::entries()
+        .iter()
+        .filter(|entry| kind_of(entry.text).as_deref() == Some("mechanism"));
+    of_mechanisms.map(|entry| (entry, parse(entry.text).expect("files that come along"))).collect()
+}
+
+/// The picture of a mechanism, without a title: the page has one.
+///
+/// # Errors
+/// Those of [`assemble`].
+pub fn picture(file: &MechanismFile) -> Result<MechanismPicture<'_>, jointplay::Error> {
+    let mechanism = &file.mechanism;
+    let closed = assemble(mechanism, &guess(mechanism), &[], 0)?.coordinates;
+    Ok(MechanismPicture::new(mechanism, closed).with_title("").with_width(560.0))
+}
+
+/// The page as Markdown.
+///
+/// # Errors
+/// None but those of writing into memory.
+pub fn page() -> Result<String, Box<dyn Error>> {
+    let mechanisms = mechanisms();
+    let mut page =
+        format!("{HEAD}\n| name | what | f | rank | counted | first order | real | redundancy |\n");
+    page.push_str("| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+    for (entry, file) in &mechanisms {
+        let (name, what) = (entry.name, file.mechanism.name());
+        writeln!(page, "| [`{name}`](#{name}) | {what} | {} |", cells(file).join(" | "))?;
+    }
+    for (entry, file) in &mechanisms {
+        let (name, what) = (entry.name, file.mechanism.name());
+        writeln!(page, "\n## {name}\n\n![{what}](figures/catalogue/{name}.svg)\n")?;
+        writeln!(page, "{}", description(entry))?;
+        if let Some(note) = &file.expected.note {
+            writeln!(page, "{note}")?;
+        }
+        if let Some(source) = &file.source {
+            writeln!(page, "Source: {source}.")?;
+        }
+        let [f, rank, kutzbach, first, real, redundancy] = cells(file);
+        writeln!(
+            page,
+            "f = {f}, rank {rank}; mobility {kutzbach} counted, {first} to first order, {real} for real; redundancy {redundancy}."
+        )?;
+    }
+    Ok(page)
+}
+
+/// The first sentence of a file.
+fn description(entry: &Entry) -> &str {
+    let first = entry.text.lines().next().unwrap_or_default();
+    first.trim_start_matches('#').trim()
+}
+
+/// Freedoms, rank, the three mobilities, redundancy.
+fn cells(file: &MechanismFile) -> [String; 6] {
+    let expected = &file.expected;
+    let number = |value: Option<usize>| value.map_or("–".to_owned(), |value| value.to_string());
+    [
+        number(expected.freedoms),
+        number(expected.rank),
+        expected.kutzbach.map_or("–".to_owned(), |value| value.to_string().replace('-', "−")),
+        number(expected.instantaneous),
+        number(expected.finite),
+        number(expected.redundancy),
+    ]
+}
