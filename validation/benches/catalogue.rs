@@ -4,13 +4,13 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use jointplay::format::catalogue::all;
+use jointplay::format::catalogue::entries;
 use jointplay::format::mechanism::{kind_of, parse};
 use jointplay::mechanism::{MechanismSystem, assemble, guess};
 use jointplay::mobility::{RANK_THRESHOLD, finite_mobility};
 
 fn mobility(criterion: &mut Criterion) {
-    for entry in all() {
+    for entry in entries() {
         if kind_of(entry.text).as_deref() != Some("mechanism") {
             continue;
         }
