@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::coordinates::Coordinates;
+use jointplay::format::import::{self, Imported};
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::{catalogue, report};
 use jointplay::mechanism::{
@@ -57,7 +58,7 @@ impl SetArgs {
 /// What every command about one mechanism has.
 #[derive(Args)]
 pub(crate) struct MechanismArgs {
-    /// Mechanism file (TOML), or a name from `jointplay catalogue`
+    /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
@@ -111,6 +112,11 @@ impl Source {
     }
 }
 
+/// The model of another program.
+pub(crate) fn imported(source: &Source) -> Result<Imported, Failure> {
+    import::parse(&source.text).map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))
+}
+
 /// A mechanism file as read.
 pub(crate) struct Input {
     pub(crate) file: MechanismFile,
@@ -126,6 +132,19 @@ pub(crate) struct Posed {
 
 impl Input {
     pub(crate) fn parse(source: &Source, set: &[Assignment]) -> Result<Self, Failure> {
+        if import::is_model(&source.text) {
+            if let Some(one) = set.first() {
+                let name = &one.name;
+                return Err(Failure::Misused(format!(
+                    "--set {name}: a model has no parameters; `jointplay import` makes a mechanism file of it, which can have some"
+                )));
+            }
+            let model = imported(source)?;
+            output::ignored(&model.ignored);
+            let file = model.into_file();
+            let coordinates = Coordinates::of(&file);
+            return Ok(Self { file, coordinates });
+        }
         let replaced: Vec<(String, f64)> =
             set.iter().map(|one| (one.name.clone(), one.value)).collect();
         let file = mechanism::parse_with(&source.text, &replaced)

@@ -43,6 +43,15 @@ pub(crate) fn raw(text: &str) -> Result<(), Failure> {
     Ok(stdout.flush()?)
 }
 
+/// Says on standard error what of a model has no place in a mechanism.
+pub(crate) fn ignored(what: &[String]) {
+    let mut stderr = anstream::stderr();
+    for what in what {
+        // Where standard error is gone, nobody is left to be told.
+        drop(writeln!(stderr, "ignored: {what}"));
+    }
+}
+
 /// Lines that say which limits were passed, if any were.
 pub(crate) fn limits(broken: &[LimitReport]) -> String {
     let mut text = String::new();

@@ -6,7 +6,7 @@
 //! | --- | --- |
 //! | read a robot file | [`robot::parse`] |
 //! | read or write a mechanism file | [`mechanism::parse`], [`mechanism::write`] |
-//! | take over a model of MuJoCo | [`import::mjcf::parse`] |
+//! | take over a model of MuJoCo, Gazebo or ROS | [`import::parse`] |
 //! | tell which of them a file is | [`mechanism::kind_of`] |
 //! | name its coordinates, in its units | [`coordinates::Coordinates`] |
 //! | list the files that come with the program | [`catalogue::entries`] |

@@ -7,6 +7,12 @@ use serde::de::DeserializeOwned;
 /// Most names listed in a message.
 const MOST_LISTED: usize = 16;
 
+/// Longest part of a line that a message shows, in characters.
+const LONGEST_LINE: usize = 160;
+
+/// Longest part of it before the place that is meant, in characters.
+const LONGEST_BEFORE: usize = 80;
+
 /// Where in a file something is wrong.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Place {
@@ -23,7 +29,7 @@ pub struct Place {
 impl Place {
     /// The place of a span of bytes; the first line of it, where it has several.
     pub(crate) fn of(text: &str, span: Range<usize>) -> Self {
-        let start = span.start.min(text.len());
+        let start = text.floor_char_boundary(span.start);
         let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
         let line = text[line_start..].lines().next().unwrap_or_default();
         let within = text.get(start..span.end.min(line_start + line.len())).unwrap_or_default();
@@ -58,10 +64,20 @@ impl<P: std::fmt::Display> Error<P> {
     pub fn with_excerpt(&self, file: &str) -> String {
         let Place { line, column, width, text } = &self.place;
         let number = line.to_string();
-        let (gutter, before) = (" ".repeat(number.len()), " ".repeat(column - 1));
-        let carets = "^".repeat((*width).max(1));
+        let gutter = " ".repeat(number.len());
+        // Of a long line only what stands around the place; tabs as one space each, as the carets count them.
+        let skipped = column.saturating_sub(LONGEST_BEFORE + 1);
+        let visible = |letter: char| if letter.is_control() { ' ' } else { letter };
+        let shown: String = text.chars().map(visible).skip(skipped).take(LONGEST_LINE).collect();
+        let (head, tail) = (
+            if skipped > 0 { "…" } else { "" },
+            if shown.chars().count() + skipped < text.chars().count() { "…" } else { "" },
+        );
+        let before = " ".repeat(column - 1 - skipped + head.chars().count());
+        let room = LONGEST_LINE - (column - 1 - skipped);
+        let carets = "^".repeat((*width).clamp(1, room));
         format!(
-            "{file}:{line}:{column}: {self}\n{gutter} |\n{number} | {text}\n{gutter} | {before}{carets}"
+            "{file}:{line}:{column}: {self}\n{gutter} |\n{number} | {head}{shown}{tail}\n{gutter} | {before}{carets}"
         )
     }
 }
@@ -138,5 +154,24 @@ pub(crate) fn listed(names: &[String]) -> String {
         0 => "none".to_owned(),
         count if count <= MOST_LISTED => names.join(", "),
         count => format!("{} and {} more", names[..MOST_LISTED].join(", "), count - MOST_LISTED),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn of_a_long_line_the_part_around_the_place_is_shown() {
+        let text = format!("{}\twrong{}", "a".repeat(500), "b".repeat(500));
+        let error = Error::at(&text, 501..506, Form::Malformed { message: "no".to_owned() });
+        let shown = error.with_excerpt("x");
+        let lines: Vec<Vec<char>> = shown.lines().map(|line| line.chars().collect()).collect();
+        assert_eq!(shown.lines().next(), Some("x:1:502: no"));
+        assert_eq!(lines[2].len(), "1 | ".len() + LONGEST_LINE + 2);
+        let carets = lines[3].iter().position(|&letter| letter == '^').unwrap();
+        assert_eq!(lines[3].len() - carets, 5);
+        assert_eq!(lines[2][carets..carets + 5].iter().collect::<String>(), "wrong");
+        assert!(!shown.contains('\t'));
     }
 }

@@ -6,6 +6,7 @@ mod compare;
 mod completions;
 mod draw;
 mod forward;
+mod import;
 mod inverse;
 mod manual;
 mod mobility;
@@ -33,6 +34,7 @@ pub(crate) enum Command {
     Move(motion::Move),
     Draw(draw::Draw),
     Suggest(suggest::Suggest),
+    Import(import::Import),
     Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
     Manual(manual::Manual),
@@ -51,6 +53,7 @@ impl Command {
             Self::Move(command) => command.run(),
             Self::Draw(command) => command.run(),
             Self::Suggest(command) => command.run(),
+            Self::Import(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Manual(command) => command.run(),
@@ -70,6 +73,7 @@ impl Command {
             Self::Suggest(command) => command.mechanism.json(),
             Self::Simulate(_)
             | Self::Draw(_)
+            | Self::Import(_)
             | Self::Catalogue(_)
             | Self::Completions(_)
             | Self::Manual(_) => false,

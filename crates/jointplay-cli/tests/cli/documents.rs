@@ -3,7 +3,7 @@
 use crate::desk::Desk;
 
 /// Commands of a document: fenced lines and code spans that start with the program's name, without comments.
-fn commands(text: &str) -> Vec<String> {
+pub(crate) fn commands(text: &str) -> Vec<String> {
     let mut found = Vec::new();
     for (i, part) in text.split("```").enumerate() {
         let pieces: Vec<&str> = if i % 2 == 1 {
@@ -22,6 +22,14 @@ fn commands(text: &str) -> Vec<String> {
     found.into_iter().map(bare).filter(whole).collect()
 }
 
+/// A folder with the files that the examples of `import` name.
+fn desk_with_a_model() -> Desk {
+    let desk = Desk::new();
+    desk.write("robot.urdf", crate::import::URDF);
+    desk.write("loops.toml", crate::import::LOOPS);
+    desk
+}
+
 #[test]
 fn every_command_that_a_document_shows_runs() {
     let documents = [
@@ -33,7 +41,7 @@ fn every_command_that_a_document_shows_runs() {
     all.sort();
     all.dedup();
     assert!(all.len() >= 10, "{all:?}");
-    let desk = Desk::new();
+    let desk = desk_with_a_model();
     for line in all {
         let run = desk.run(&line);
         assert_eq!(run.code, 0, "{line}: {}", run.stderr);
@@ -42,7 +50,7 @@ fn every_command_that_a_document_shows_runs() {
 
 #[test]
 fn every_example_in_a_help_text_runs() {
-    let desk = Desk::new();
+    let desk = desk_with_a_model();
     for command in [
         "",
         "simulate",
@@ -55,6 +63,7 @@ fn every_example_in_a_help_text_runs() {
         "move",
         "draw",
         "catalogue",
+        "import",
     ] {
         let help = desk.done(&format!("{command} --help"));
         let (_, examples) = help.split_once("Examples:").expect("every command has examples");

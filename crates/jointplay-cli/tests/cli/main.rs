@@ -6,6 +6,7 @@ mod answers;
 mod desk;
 mod documents;
 mod draw;
+mod import;
 mod mechanism;
 mod refusals;
 mod simulate;

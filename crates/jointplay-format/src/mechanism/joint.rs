@@ -33,6 +33,19 @@ pub(super) struct Links {
 }
 
 impl Links {
+    /// Links that are there already, in this order.
+    pub(super) fn of(names: &[String]) -> Self {
+        let mut links = Self::default();
+        names.iter().for_each(|name| {
+            links.index(name);
+        });
+        links
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.indices.contains_key(name)
+    }
+
     pub(super) fn index(&mut self, name: &str) -> usize {
         if let Some(&index) = self.indices.get(name) {
             return index;

@@ -26,6 +26,7 @@ mod expression;
 mod file;
 pub(crate) mod frame;
 mod joint;
+mod loops;
 mod parameters;
 mod problem;
 mod read;
@@ -33,6 +34,7 @@ mod values;
 mod write;
 
 pub use expression::{AngleUnit, ExpressionProblem};
+pub use loops::with_loops;
 pub use problem::{Error, Problem};
 pub use read::{Expected, MAX_BYTES, MechanismFile, kind_of, parse, parse_with};
 pub use values::{LengthUnit, Units};

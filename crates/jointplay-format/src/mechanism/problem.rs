@@ -122,6 +122,14 @@ pub enum Problem {
         /// Why, and what to write instead.
         why: String,
     },
+    /// Loops for a mechanism that is no open chain.
+    #[error(
+        "the mechanism has {found} loops already: a file of loops closes an open chain, in which all links have one place at zero"
+    )]
+    HasLoops {
+        /// How many there are.
+        found: usize,
+    },
     /// A lower limit that is not below its upper limit.
     #[error("`limits` are reversed: least {min}, most {max}")]
     LimitsReversed {

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::expression::AngleUnit;
-use super::file::File;
+use super::file::{File, UnitsTable};
 use super::joint::{Links, joint, virtual_joint};
 use super::parameters;
 use super::problem::{Error, Problem};
@@ -82,26 +82,10 @@ pub fn parse(text: &str) -> Result<MechanismFile, Error> {
 /// # Errors
 /// As [`parse`]; and if the file has no parameter of a name.
 pub fn parse_with(text: &str, replaced: &[(String, f64)]) -> Result<MechanismFile, Error> {
-    if text.len() > MAX_BYTES {
-        let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
-        return Err(Error::at(text, 0..0, problem));
-    }
-    // Before all else, lest a file of another kind be blamed for its keys.
-    let other = kind_of(text).filter(|kind| kind != "mechanism");
-    if other.is_some() {
-        #[derive(Deserialize)]
-        struct Kind {
-            kind: Spanned<String>,
-        }
-        let Kind { kind } = place::read::<Kind, Problem>(text)?;
-        choice(text, "kind", &kind, &[("mechanism", ())])?;
-    }
+    check_kind(text, "mechanism")?;
     let file: File = place::read(text)?;
     choice(text, "kind", &file.kind, &[("mechanism", ())])?;
-    let units = Units {
-        length: choice(text, "unit of length", &file.units.length, &LengthUnit::ALL)?,
-        angle: choice(text, "unit of angle", &file.units.angle, &AngleUnit::ALL)?,
-    };
+    let units = units(text, &file.units)?;
     let scope = parameters::resolve(text, &file.parameters, replaced, units.angle)?;
     let values = Values { text, units, scope };
     let mechanism = mechanism(&values, &file)?;
@@ -123,6 +107,33 @@ pub fn parse_with(text: &str, replaced: &[(String, f64)]) -> Result<MechanismFil
             redundancy: file.expected.redundancy,
             note: prose(text, "note", file.expected.note.as_ref())?,
         },
+    })
+}
+
+/// Refuses a text that is too long or says that it is of another kind.
+///
+/// Before all else, lest a file of another kind be blamed for its keys.
+pub(super) fn check_kind(text: &str, kind: &str) -> Result<(), Error> {
+    if text.len() > MAX_BYTES {
+        let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
+        return Err(Error::at(text, 0..0, problem));
+    }
+    let other = kind_of(text).filter(|found| found != kind);
+    if other.is_some() {
+        #[derive(Deserialize)]
+        struct Kind {
+            kind: Spanned<String>,
+        }
+        let Kind { kind: found } = place::read::<Kind, Problem>(text)?;
+        choice(text, "kind", &found, &[(kind, ())])?;
+    }
+    Ok(())
+}
+
+pub(super) fn units(text: &str, table: &UnitsTable) -> Result<Units, Error> {
+    Ok(Units {
+        length: choice(text, "unit of length", &table.length, &LengthUnit::ALL)?,
+        angle: choice(text, "unit of angle", &table.angle, &AngleUnit::ALL)?,
     })
 }
 
