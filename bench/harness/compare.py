@@ -1,0 +1,155 @@
+"""The works of the bench, one after the other: `compare.py BUILD OUT ROUNDS WORK…`; bench/run.py calls it."""
+
+import datetime
+import importlib.metadata
+import json
+import os
+import platform
+import subprocess
+import sys
+from pathlib import Path
+
+import check
+import mjcf
+import report
+import work as told
+import workers
+
+HERE = Path(__file__).resolve().parent
+PEERS = HERE.parent / "peers"
+LINKAGES = ["four-bar", "bennett", "sarrus", "3-rps", "hexapod", "delta"]
+PACKAGES = ["pin", "mujoco", "drake", "exudyn", "scipy", "numpy", "cmeel-eigen"]
+
+
+def note(line):
+    print(line, file=sys.stderr, flush=True)
+
+
+def main(build, out, rounds, only):
+    missing = json.loads((build / "missing.json").read_text())
+    folder = build / "work"
+    subprocess.run([build / "jointplay", "write", folder], check=True)
+    out.mkdir(parents=True, exist_ok=True)
+    if "gpr" in only:
+        document = {**circumstances(missing), "rounds": rounds, "work": gpr(build, folder, rounds)}
+        report.gpr(out, document)
+    if "linkages" in only:
+        document = {**circumstances(missing), "rounds": rounds, "work": linkages(build, folder, rounds)}
+        report.linkages(out, document)
+    if "words" in only:
+        report.words(out, {**circumstances(missing), "work": words(build, folder.parent / "words")})
+
+
+def gpr(build, folder, rounds):
+    """Positions of the three-rod robot with six virtual joints, each from nominal."""
+    path = folder / "gpr.txt"
+    work = told.Gpr.read(path)
+    path.with_suffix(".xml").write_text(mjcf.gpr(work))
+    commands = {
+        "jointplay, own equations": [build / "jointplay", "gpr", "own", "newton"],
+        "jointplay, own equations, least": [build / "jointplay", "gpr", "own", "least-norm"],
+        "jointplay, any mechanism": [build / "jointplay", "gpr", "general", "newton"],
+        "jointplay, any mechanism, least": [build / "jointplay", "gpr", "general", "least-norm"],
+        "Pinocchio, C++": [build / "pinocchio", "gpr", path],
+        "MuJoCo, C": [build / "mujoco", "gpr", path],
+        "Pinocchio, Python": peer("pinocchio", "gpr", path),
+        "Drake, Newton": peer("drake", "gpr", path),
+        "Drake, SNOPT": peer("drake", "snopt", path),
+        "Exudyn, static": peer("exudyn", "gpr", path),
+        "SciPy": peer("scipy", "gpr", path),
+    }
+    reference = workers.Worker([build / "jointplay", "gpr", "own", "least-norm"])
+    reference.time()
+    least = reference.answers(folder / "answers.txt")
+    reference.close()
+    results = workers.compare(commands, rounds, folder, note)
+    for result in results.values():
+        if "answers" in result:
+            result.update(check.gpr(work, result.pop("answers"), least))
+    return {"poses": len(work.poses), "results": results}
+
+
+def linkages(build, folder, rounds):
+    """Positions of catalogue mechanisms along a drive, each from the one before."""
+    works = {}
+    for name in LINKAGES:
+        note(name)
+        path = folder / f"{name}.txt"
+        work = told.Linkage.read(path)
+        path.with_suffix(".xml").write_text(mjcf.linkage(work))
+        commands = {
+            "jointplay": [build / "jointplay", "linkage", name],
+            "Pinocchio, C++": [build / "pinocchio", "linkage", path],
+            "MuJoCo, C": [build / "mujoco", "linkage", path],
+            "Pinocchio, Python": peer("pinocchio", "linkage", path),
+            "Drake, Newton": peer("drake", "linkage", path),
+            "Exudyn, static": peer("exudyn", "linkage", path),
+            "SciPy": peer("scipy", "linkage", path),
+        }
+        results = workers.compare(commands, rounds, folder, note)
+        for result in results.values():
+            if "answers" in result:
+                result.update(check.linkage(work, result.pop("answers")))
+        loops = len(work.cuts)
+        works[name] = {"positions": len(work.guesses), "loops": loops, "results": results}
+    return works
+
+
+def words(build, folder):
+    """What each program says of mechanisms, by program."""
+    subprocess.run([build / "jointplay", "words", folder], check=True)
+    said = {"jointplay": json.loads((folder / "jointplay.json").read_text())}
+    for name in ["pinocchio", "mujoco", "drake", "exudyn"]:
+        note(f"asking {name}")
+        try:
+            done = subprocess.run(
+                [sys.executable, HERE / "words.py", name, folder], capture_output=True, text=True, timeout=300
+            )
+            answers = [line for line in done.stdout.splitlines() if line.startswith("answer ")]
+            lines = done.stderr.strip().splitlines() or [f"ended with {done.returncode}"]
+            said[name] = json.loads(answers[0].removeprefix("answer ")) if answers else {"failed": lines[-1][:300]}
+        except subprocess.TimeoutExpired:
+            said[name] = {"failed": "no answer in five minutes"}
+    return said
+
+
+def peer(name, *words):
+    return [sys.executable, PEERS / f"{name}_peer.py", *words]
+
+
+def circumstances(missing):
+    """When, where, and with which versions."""
+
+    def said(*command):
+        """The first line that a command prints."""
+        try:
+            return subprocess.run(command, capture_output=True, text=True).stdout.splitlines()[0]
+        except (FileNotFoundError, IndexError):
+            return "unknown version"
+
+    versions = {}
+    for package in PACKAGES:
+        try:
+            versions[package] = importlib.metadata.version(package)
+        except importlib.metadata.PackageNotFoundError:
+            versions[package] = None
+    versions["python"] = platform.python_version()
+    versions["rustc"] = said("rustc", "--version").removeprefix("rustc ")
+    versions["C++ compiler"] = said(os.environ.get("CXX", "c++"), "--version")
+    models = [line for line in Path("/proc/cpuinfo").read_text().splitlines() if line.startswith("model name")]
+    return {
+        "date": datetime.datetime.now(datetime.timezone.utc).isoformat(timespec="minutes"),
+        "machine": {
+            "processor": models[0].split(":", 1)[1].strip() if models else platform.processor(),
+            "cores": os.cpu_count(),
+            "system": f"{platform.system()} {platform.release()}",
+            "load_average": os.getloadavg(),
+        },
+        "versions": versions,
+        "missing": missing,
+    }
+
+
+if __name__ == "__main__":
+    build, out, rounds, *only = sys.argv[1:]
+    main(Path(build), Path(out), int(rounds), only)

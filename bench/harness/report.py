@@ -1,0 +1,316 @@
+"""Tables, charts and all numbers, as files."""
+
+import json
+
+import matplotlib
+
+matplotlib.use("Agg")
+matplotlib.rcParams.update({"svg.hashsalt": "bench", "svg.fonttype": "path", "font.size": 10})
+from matplotlib import pyplot
+
+OURS, THEIRS = "#0b6e99", "#b8b8b8"
+
+
+def write(out, name, document, lines):
+    out.joinpath(f"{name}.json").write_text(json.dumps(document, indent=1) + "\n")
+    out.joinpath(f"{name}.md").write_text("\n".join([*lines, ""]))
+
+
+def about(document, command):
+    """Where the numbers come from, as lines of Markdown."""
+    machine, versions = document["machine"], document["versions"]
+    told = ", ".join(f"{name} {version}" for name, version in versions.items() if version)
+    lines = [
+        f"Command: `{command}`.",
+        f"Run on {document['date'][:10]}, {machine['processor']}, {machine['cores']} cores, {machine['system']}, "
+        f"load average {machine['load_average'][0]:.1f} at the start.",
+        f"Versions: {told}.",
+    ]
+    lines += [f"Missing: {name}, {why}." for name, why in document["missing"].items()]
+    return lines
+
+
+def method(document):
+    return [
+        f"All programs do the work in one run, in {document['rounds']} rounds in which each takes its turn; the round with the least CPU time counts.",
+        "Rates are of one core; on another machine only the ratios mean something.",
+    ]
+
+
+def rate(result, asked):
+    """Work items per second of CPU time, in the best round."""
+    return len(range(0, asked, result["stride"])) / min(result["cpu_s"])
+
+
+def quantity(rate):
+    for unit, size in (("M", 1e6), ("k", 1e3)):
+        if rate >= size:
+            return f"{rate / size:.3g} {unit}"
+    return f"{rate:.3g}"
+
+
+def figures(value):
+    """Three figures, without an exponent."""
+    text = f"{value:.3g}"
+    return f"{float(text):,.0f}" if "e+" in text else text
+
+
+def gpr(out, document):
+    poses, results = document["work"]["poses"], document["work"]["results"]
+    rates = {name: rate(result, poses) for name, result in results.items() if "cpu_s" in result}
+    general = rates["jointplay, any mechanism"]
+    lines = [
+        "# Positions of the three-rod robot",
+        "",
+        *about(document, "python3 bench/run.py --only gpr"),
+        *method(document),
+        "",
+        f"The robot of the catalogue with the six virtual joints of the polar model, ρ = 1 mm, in {poses} poses: yaw 0° to 359° by 1°, pitch −2° to 2° by 0.1° but for level, height 500 mm.",
+        "Rods are given; pose and virtual joints are found, each pose from nominal, until each ball is within 10⁻⁹ mm of its socket.",
+        "",
+        "| program | poses/s | × jointplay, any mechanism | closed | largest gap, mm | slides off the least, nm |",
+        "| --- | ---: | ---: | ---: | ---: | ---: |",
+    ]
+    for name in sorted(results, key=lambda name: -rates.get(name, 0)):
+        result = results[name]
+        if name not in rates:
+            lines.append(f"| {name} | – | – | failed: {result['failed']} | – | – |")
+            continue
+        asked = len(range(0, poses, result["stride"]))
+        lines.append(
+            f"| {name} | {quantity(rates[name])} | {rates[name] / general:.3g} | {result['closed']} of {asked} "
+            f"| {result['largest_gap_m'] * 1e3:.1e} | {result['slides_from_least_m'] * 1e9:.2g} |"
+        )
+    lines += [
+        "",
+        "*Closed* and the gaps are computed from each program's answer by one function of the bench, not taken from the program.",
+        "*Off the least*: how far a radial slide is from that of the least displacement; Newton ends near it by construction.",
+        "A program that is asked for fewer poses is asked for every so many of them.",
+        "",
+        "- *jointplay, own equations*: `Gpr::forward` with the polar virtualization, by Newton's iteration or to the *least* displacement.",
+        "- *jointplay, any mechanism*: `PositionSolver` on the graph of links and joints, which knows nothing of those equations; it goes on to round-off.",
+        "- *Pinocchio, C++*, *MuJoCo, C*, *Pinocchio, Python*, *Drake, Newton*: kinematics and Jacobians of the library, Newton's iteration of the bench on them; the compiled ones with Eigen at fixed sizes. These libraries have no position solver for loops of their own; MuJoCo's constraints are soft.",
+        "- *Drake, SNOPT*: `InverseKinematics` with the displacement as cost, feasibility tolerance 10⁻¹³.",
+        "- *Exudyn, static*: `MainSolverStatic` with springs at the virtual joints, whose equilibrium is the least displacement.",
+        "- *SciPy*: `least_squares`, as someone does it who has nothing else.",
+        "",
+        "![Poses per second](gpr.svg)",
+    ]
+    write(out, "gpr", document, lines)
+    names = sorted(rates, key=lambda name: rates[name])
+    figure, axes = pyplot.subplots(figsize=(7.5, 0.42 * len(names) + 1.1), layout="constrained")
+    bars = axes.barh(
+        names,
+        [rates[name] for name in names],
+        color=[OURS if name.startswith("jointplay") else THEIRS for name in names],
+    )
+    axes.bar_label(bars, [quantity(rates[name]) for name in names], padding=4)
+    axes.set_xscale("log")
+    axes.set_xlim(right=max(rates.values()) * 5)
+    axes.set_xlabel("poses per second on one core (longer is faster)")
+    axes.spines[["top", "right"]].set_visible(False)
+    save(figure, out / "gpr.svg")
+
+
+def linkages(out, document):
+    works = document["work"]
+    names = list(next(iter(works.values()))["results"])
+    lines = [
+        "# Positions of mechanisms along a drive",
+        "",
+        *about(document, "python3 bench/run.py --only linkages"),
+        *method(document),
+        "",
+        "Catalogue mechanisms without virtual joints; 200 positions on the way of their drives there and back, each searched from the one before, the same guess for every program.",
+        "Closed: all gaps of points below 10⁻¹³ m, those of hinge directions below 10⁻¹³ rad, computed by one function of the bench.",
+        "",
+        "Time for a position, in µs; in brackets as a multiple of jointplay's.",
+        "",
+        f"| program | {' | '.join(works)} |",
+        f"| --- | {' | '.join('---:' for _ in works)} |",
+    ]
+    times = {
+        mechanism: {
+            name: 1e6 / rate(result, work["positions"]) for name, result in work["results"].items() if "cpu_s" in result
+        }
+        for mechanism, work in works.items()
+    }
+    for name in names:
+        cells = []
+        for mechanism, work in works.items():
+            result = work["results"][name]
+            if "cpu_s" not in result:
+                cells.append("failed")
+                continue
+            asked = len(range(0, work["positions"], result["stride"]))
+            short = "" if result["closed"] == asked else f", closed {result['closed']} of {asked}"
+            own = times[mechanism][name]
+            cells.append(f"{figures(own)} ({figures(own / times[mechanism]['jointplay'])}×{short})")
+        lines.append(f"| {name} | {' | '.join(cells)} |")
+    lines += ["", "Largest gap, in m or rad:", "", f"| program | {' | '.join(works)} |"]
+    lines.append(f"| --- | {' | '.join('---:' for _ in works)} |")
+    for name in names:
+        gaps = [work["results"][name].get("largest_gap") for work in works.values()]
+        lines.append(f"| {name} | {' | '.join('–' if gap is None else f'{gap:.0e}' for gap in gaps)} |")
+    for mechanism, work in works.items():
+        for name, result in work["results"].items():
+            if "failed" in result:
+                lines.append(f"\n{name} on {mechanism} failed: {result['failed']}.")
+    lines += [
+        "",
+        "jointplay is `PositionSolver`, which ends at 10⁻¹³ of the characteristic length, and tells the rank by pivots at each step.",
+        "Of Pinocchio, MuJoCo and Drake the kinematics and Jacobians are used, with Newton's iteration of the bench; a hinge that closes a loop is five equations, a ball three; the compiled ones solve them by LU where they are square and by normal equations where not, the quickest ways for mechanisms whose ranks are known.",
+        "Exudyn closes loops by its own joints, with `ignoreSingularJacobian` where hinges are redundant.",
+        "",
+        "![Time for a position](linkages.svg)",
+    ]
+    write(out, "linkages", document, lines)
+    figure, axes = pyplot.subplots(figsize=(7.5, 4.2), layout="constrained")
+    markers = "osD^v<>"
+    for index, name in enumerate(names):
+        points = [(at, times[mechanism][name]) for at, mechanism in enumerate(works) if name in times[mechanism]]
+        style = {"color": OURS, "linewidth": 2.2, "zorder": 3} if name == "jointplay" else {"linewidth": 1}
+        axes.plot(*zip(*points), marker=markers[index % len(markers)], markersize=5, label=name, **style)
+    axes.set_yscale("log")
+    axes.set_xticks(
+        range(len(works)), [f"{name}\n{work['loops']} loop{'s' * (work['loops'] > 1)}" for name, work in works.items()]
+    )
+    axes.set_ylabel("time for a position, µs (lower is faster)")
+    axes.grid(axis="y", alpha=0.3)
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+    save(figure, out / "linkages.svg")
+
+
+def words(out, document):
+    said = document["work"]
+    truth, pinocchio, mujoco, drake, exudyn = (
+        said[name] for name in ("jointplay", "pinocchio", "mujoco", "drake", "exudyn")
+    )
+
+    def cell(peer, name, text):
+        """What a program says of a mechanism, or why it says nothing."""
+        told = {"error": peer["failed"]} if "failed" in peer else peer[name]
+        return f"error: {told['error']}" if "error" in told else text(told)
+
+    lines = [
+        "# What programs say of mechanisms",
+        "",
+        *about(document, "python3 bench/run.py --only words"),
+        "",
+        "Pinocchio, MuJoCo, Drake and Exudyn are general programs for dynamics; counting freedoms is no aim of the first three.",
+        "Each is asked what it can be asked of the same mechanism in the same closed configuration.",
+        "",
+        "- *jointplay*: freedoms of all joints, rank, mobility to first order, mobility for real, redundancy (`jointplay mobility`).",
+        "- *Pinocchio*: velocities of the open tree, rows of its constraint Jacobian, and the rank that NumPy finds of it; then whether `constraintDynamics` is finite with proximal μ = 0 and with μ = 10⁻¹².",
+        "- *MuJoCo*: velocities of the open tree, rows of its equality constraints, and the rank that NumPy finds of them; accelerations, and warnings given.",
+        "- *Drake*: velocities of the open tree, and constraints, as `MultibodyPlant` counts them.",
+        "- *Exudyn*: freedoms and redundant constraints from `ComputeSystemDegreeOfFreedom`.",
+        "",
+        "Pinocchio, MuJoCo and Drake close a hinge by two points on its axis, which is one row more than needed.",
+        "",
+        "| mechanism | jointplay: freedoms, rank, first order, **for real**, redundancy | Pinocchio: velocities, rows, rank; μ = 0; μ = 10⁻¹² | MuJoCo: velocities, rows, rank; accelerations; warnings | Drake: velocities, constraints | Exudyn: freedoms, redundant |",
+        "| --- | --- | --- | --- | --- | --- |",
+    ]
+    for own in truth["mechanisms"]:
+        name = own["name"]
+        cells = [
+            name,
+            f"{own['freedoms']}, {own['rank']}, {own['instantaneous']}, **{own['finite']}**, {own['redundancy']}",
+            cell(
+                pinocchio,
+                name,
+                lambda told: (
+                    f"{told['velocities']}, {told['rows']}, {told['rank_of_its_jacobian']}; "
+                    f"{told['accelerations_mu_0']}; {told['accelerations_mu_1e-12']}"
+                ),
+            ),
+            cell(
+                mujoco,
+                name,
+                lambda told: (
+                    f"{told['velocities']}, {told['rows']}, {told['rank_of_its_jacobian']}; "
+                    f"{told['accelerations']}; {told['warnings']}"
+                ),
+            ),
+            cell(drake, name, lambda told: f"{told['velocities']}, {told['constraints']}"),
+            cell(exudyn, name, lambda told: f"{told['degree_of_freedom']}, {told['redundant_constraints']}"),
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    lines += ["", *conclusions(truth["mechanisms"], pinocchio, exudyn), ""]
+    lines += [
+        "## The level robot without virtual joints, asked to rise and to lean",
+        "",
+        "Its rods go up by 10 mm, which they can; then to the lengths of a tilt of 2°, for which there is no configuration.",
+        "",
+        "| program | how it is asked | to rise | to lean |",
+        "| --- | --- | --- | --- |",
+    ]
+
+    def asked(name, how, text, own=None):
+        peer = said[name]
+        answers = [cell(peer, f"gpr-asked-to-{what}", text) for what in ("rise", "lean")]
+        lines.append(f"| {own or name} | {how} | {' | '.join(answers)} |")
+
+    lines.append(f"| jointplay | `jointplay assemble` | {truth['asked_to']['rise']} | {truth['asked_to']['lean']} |")
+    asked(
+        "pinocchio",
+        "Newton's iteration of the bench on its constraints",
+        lambda told: f"ends {told['gap_mm']:.2g} mm open",
+        "Pinocchio",
+    )
+    asked(
+        "mujoco",
+        "servos on the rods, ten seconds",
+        lambda told: (
+            f"comes to rest {told['gap_mm']:.2g} mm open, rods {told['rods_off_mm']:.1g} mm off, {told['warnings']} warnings"
+        ),
+        "MuJoCo",
+    )
+    asked("drake", "`InverseKinematics`, SNOPT", lambda told: f"`{told['said']}`", "Drake")
+    for how in ("default", "ignoring singular Jacobians"):
+        asked("exudyn", f"static solver, {how}", lambda told: f"`{told[how]}`", "Exudyn")
+    lines += [
+        "",
+        "Pinocchio has no position solver for loops of its own; whoever writes the iteration has to notice the gap.",
+        "MuJoCo's constraints are soft by design; its user has to read the gap.",
+    ]
+    write(out, "words", document, lines)
+
+
+def conclusions(mechanisms, pinocchio, exudyn):
+    """What the table of mechanisms comes to."""
+    lines = [
+        "Velocities less rank are the freedoms to first order; a user of Pinocchio or MuJoCo finds them so, for neither says them."
+    ]
+    answers = {own["name"]: pinocchio.get(own["name"], {}) for own in mechanisms}
+    redundant = [
+        name for name, told in answers.items() if "rows" in told and told["rank_of_its_jacobian"] < told["rows"]
+    ]
+    if redundant:
+        saved = [f"*{name}*" for name in redundant if answers[name]["accelerations_mu_0"] == "finite"]
+        lines.append(
+            f"Redundant rows make Pinocchio's accelerations NaN where μ = 0, without an exception, in {len(redundant) - len(saved)} of {len(redundant)} mechanisms"
+            + (f"; round-off saves {' and '.join(saved)}." if saved else ".")
+        )
+        lines.append("With μ > 0 they do no harm, and are not told.")
+    lines.append("MuJoCo's rows are soft, and redundant ones are not told.")
+    counted = [(own, exudyn.get(own["name"], {})) for own in mechanisms]
+    counted = [(own, told) for own, told in counted if "degree_of_freedom" in told]
+    if counted:
+        agree = sum(
+            (told["degree_of_freedom"], told["redundant_constraints"]) == (own["instantaneous"], own["redundancy"])
+            for own, told in counted
+        )
+        lines.append(
+            f"Exudyn says freedoms and redundancy itself; both are jointplay's, to first order, in {agree} of {len(mechanisms)} mechanisms."
+        )
+    shaky = [f"*{own['name']}*" for own in mechanisms if own["finite"] != own["instantaneous"]]
+    lines.append(f"That fewer freedoms are for real, at {' and '.join(shaky)}, jointplay alone says.")
+    return lines
+
+
+def save(figure, path):
+    # Without a date, so that the same numbers give the same file.
+    figure.savefig(path, metadata={"Date": None})
+    pyplot.close(figure)

@@ -1,0 +1,157 @@
+//! The work of the side-by-side bench, done by jointplay.
+//!
+//! `write FOLDER` writes the work for every program, `words FOLDER` what jointplay says of mechanisms; `gpr own SOLVER`, `gpr general SOLVER` and `linkage NAME` do it, with newton or least-norm as the solver.
+//! A worker says `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers.
+
+mod gpr;
+mod linkage;
+mod tree;
+mod words;
+
+use std::fmt::Write as _;
+use std::io::{BufRead as _, Write as _};
+use std::path::Path;
+use std::process::ExitCode;
+
+use jointplay::mechanism::ReliefSolver;
+use jointplay::virtualization::Solver;
+
+/// Something to solve again and again.
+trait Work {
+    /// Solves everything; how many were solved.
+    fn solve(&mut self) -> usize;
+    /// The numbers of the last answers, `None` for what was not solved.
+    fn answers(&self) -> Vec<Option<Vec<f64>>>;
+}
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let done = match words.as_slice() {
+        ["write", folder] => write(Path::new(folder)),
+        ["words", folder] => words::write(Path::new(folder)),
+        ["gpr", "own", "newton"] => serve(&mut gpr::Own::new(Solver::Newton)),
+        ["gpr", "own", "least-norm"] => serve(&mut gpr::Own::new(Solver::LeastNorm)),
+        ["gpr", "general", "newton"] => serve(&mut gpr::General::new(ReliefSolver::Newton)),
+        ["gpr", "general", "least-norm"] => serve(&mut gpr::General::new(ReliefSolver::LeastNorm)),
+        ["linkage", name] => match linkage::Linkage::new(name) {
+            Some(mut linkage) => serve(&mut linkage),
+            None => Err(format!("no linkage is called {name:?}").into()),
+        },
+        _ => Err(
+            "say one of: write FOLDER, words FOLDER, gpr own SOLVER, gpr general SOLVER, linkage NAME; SOLVER is newton or least-norm"
+                .into(),
+        ),
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            // Whoever reads nothing any more is told nothing.
+            let _ = writeln!(std::io::stderr(), "{error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+fn write(folder: &Path) -> Outcome {
+    std::fs::create_dir_all(folder)?;
+    std::fs::write(folder.join("gpr.txt"), gpr::text())?;
+    for (name, _) in linkage::MECHANISMS {
+        let linkage = linkage::Linkage::new(name).ok_or("a mechanism is not in the catalogue")?;
+        std::fs::write(folder.join(format!("{name}.txt")), linkage.text())?;
+    }
+    Ok(())
+}
+
+fn serve(work: &mut dyn Work) -> Outcome {
+    let mut out = std::io::stdout();
+    writeln!(out, "ready")?;
+    out.flush()?;
+    for line in std::io::stdin().lock().lines() {
+        let line = line?;
+        match line.split_once(' ') {
+            Some(("run", times)) => {
+                let mut solved = 0;
+                for _ in 0..times.parse::<u32>()? {
+                    solved = work.solve();
+                }
+                writeln!(out, "done {solved}")?;
+            }
+            Some(("tell", path)) => {
+                let mut text = String::new();
+                for answer in work.answers() {
+                    let numbers: Vec<String> =
+                        answer.unwrap_or_default().iter().map(f64::to_string).collect();
+                    writeln!(text, "{}", numbers.join(" "))?;
+                }
+                std::fs::write(path, text)?;
+                writeln!(out, "done")?;
+            }
+            _ => return Err(format!("say run N or tell FILE, not {line:?}").into()),
+        }
+        out.flush()?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(work: &mut dyn Work, expected: usize) {
+        assert_eq!(work.solve(), expected);
+        let answers = work.answers();
+        assert_eq!(answers.len(), expected);
+        assert!(answers.iter().all(|answer| answer.as_ref().is_some_and(|numbers| {
+            !numbers.is_empty() && numbers.iter().all(|number| number.is_finite())
+        })));
+    }
+
+    #[test]
+    fn every_position_is_found() {
+        for solver in [Solver::Newton, Solver::LeastNorm] {
+            check(&mut gpr::Own::new(solver), 14_400);
+        }
+        for relief in [ReliefSolver::Newton, ReliefSolver::LeastNorm] {
+            check(&mut gpr::General::new(relief), 14_400);
+        }
+        for (name, _) in linkage::MECHANISMS {
+            check(&mut linkage::Linkage::new(name).expect("it is in the catalogue"), 200);
+        }
+    }
+
+    #[test]
+    fn both_ways_to_the_robot_agree() {
+        let mut own = gpr::Own::new(Solver::LeastNorm);
+        let mut general = gpr::General::new(ReliefSolver::LeastNorm);
+        own.solve();
+        general.solve();
+        for (own, general) in own.answers().iter().zip(general.answers()) {
+            let apart =
+                own.iter().flatten().zip(general.iter().flatten()).map(|(a, b)| (a - b).abs());
+            assert!(apart.fold(0.0, f64::max) < 1e-9);
+        }
+    }
+
+    /// What a document says in a table is a line of the results, or its beginning.
+    #[test]
+    fn the_document_quotes_the_results() {
+        let read = |path: &str| {
+            let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
+            std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"))
+        };
+        let results = ["gpr", "linkages"].map(|name| read(&format!("bench/results/{name}.md")));
+        let results = results.concat();
+        let document = read("docs/speed.md");
+        let (_, section) = document.split_once("## Beside other programs").expect("the section");
+        let rows: Vec<&str> = section.lines().filter(|line| line.starts_with("| ")).collect();
+        assert!(rows.len() > 12, "{rows:?}");
+        for row in rows.iter().filter(|row| !row.starts_with("| ---")) {
+            let heading = row.starts_with("| program");
+            assert!(heading || results.contains(row), "no result says {row}");
+        }
+    }
+}

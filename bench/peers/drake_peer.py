@@ -1,0 +1,246 @@
+"""The work of the bench with Drake from Python.
+
+python drake_peer.py gpr FILE, python drake_peer.py linkage FILE: Newton with the kinematics of MultibodyPlant
+python drake_peer.py snopt FILE: InverseKinematics, solved by SNOPT; for the robot
+"""
+
+import sys
+
+import numpy as np
+import work as told
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.multibody.inverse_kinematics import InverseKinematics
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import (
+    BallRpyJoint,
+    FixedOffsetFrame,
+    JacobianWrtVariable,
+    PrismaticJoint,
+    QuaternionFloatingJoint,
+    RevoluteJoint,
+    SpatialInertia,
+)
+from pydrake.solvers import SnoptSolver
+
+# Every so many poses only, where all of them take minutes.
+STRIDE = 10
+
+
+def body(plant, name):
+    return plant.AddRigidBody(name, SpatialInertia.SolidSphereWithMass(1.0, 0.1))
+
+
+def offset(plant, name, parent, rotation, point):
+    place = RigidTransform(RotationMatrix.ProjectToRotationMatrix(rotation), point)
+    return plant.AddFrame(FixedOffsetFrame(name, parent, place))
+
+
+def robot(work):
+    """A free platform, three turns about its middle, a slide on each; the point is each slide's origin."""
+    plant = MultibodyPlant(0.0)
+    platform = body(plant, "platform")
+    floating = QuaternionFloatingJoint("floating", plant.world_frame(), platform.body_frame())
+    plant.AddJoint(floating)
+    sockets, joints = [], []
+    for k in range(3):
+        out = np.append(work.direction[k], 0.0)
+        arm, socket = body(plant, f"arm{k}"), body(plant, f"socket{k}")
+        turn = RevoluteJoint(f"turn{k}", platform.body_frame(), arm.body_frame(), [0, 0, 1])
+        place = offset(plant, f"place{k}", arm.body_frame(), np.eye(3), work.radius[k] * out)
+        slide = PrismaticJoint(f"slide{k}", place, socket.body_frame(), out)
+        joints.append((plant.AddJoint(turn), plant.AddJoint(slide)))
+        sockets.append(socket)
+    plant.Finalize()
+    return plant, platform, sockets, joints
+
+
+def answer(work, plant, context, platform, joints):
+    pose = plant.EvalBodyPoseInWorld(context, platform)
+    turned = [turn.get_angle(context) for turn, _ in joints]
+    slid = [slide.get_translation(context) for _, slide in joints]
+    return [*pose.rotation().matrix().ravel(), *pose.translation(), *(work.radius + slid), *turned]
+
+
+def gpr(path):
+    work = told.Gpr.read(path)
+    plant, platform, sockets, joints = robot(work)
+    context = plant.CreateDefaultContext()
+    world = plant.world_frame()
+    rest = np.zeros(plant.num_positions())
+    floating = plant.GetJointByName("floating")
+    rest[floating.position_start()] = 1.0
+    rest[floating.position_start() + 6] = work.height
+    passive = list(range(floating.velocity_start(), floating.velocity_start() + 6))
+    own = [joint.velocity_start() for pair in joints for joint in pair]
+    compliance = work.compliance
+
+    def one(rods):
+        balls = work.balls(rods)
+        q = rest
+        for _ in range(told.ITERATIONS):
+            plant.SetPositions(context, q)
+            points = np.array([plant.EvalBodyPoseInWorld(context, s).translation() for s in sockets])
+            gap = (points - balls).ravel()
+            if not np.abs(gap).max() > work.gap:
+                return answer(work, plant, context, platform, joints)
+            jacobian = np.vstack(
+                [
+                    plant.CalcJacobianTranslationalVelocity(
+                        context, JacobianWrtVariable.kV, s.body_frame(), np.zeros(3), world, world
+                    )
+                    for s in sockets
+                ]
+            )
+            step = told.least_step(gap, jacobian[:, passive], jacobian[:, own], compliance)
+            v = np.empty(12)
+            v[passive], v[own] = step
+            q = q + plant.MapVelocityToQDot(context, v)
+            first = floating.position_start()
+            q[first : first + 4] /= np.linalg.norm(q[first : first + 4])
+        return None
+
+    return lambda: [one(rods) for rods in work.poses], 1
+
+
+def snopt(path):
+    work = told.Gpr.read(path)
+    plant, platform, sockets, joints = robot(work)
+    context = plant.CreateDefaultContext()
+    world = plant.world_frame()
+    rest = np.zeros(plant.num_positions())
+    floating = plant.GetJointByName("floating").position_start()
+    rest[floating], rest[floating + 6] = 1.0, work.height
+    solver = SnoptSolver()
+    starts = [joint.position_start() for pair in joints for joint in pair]
+
+    def one(rods):
+        ik = InverseKinematics(plant, context)
+        program, q = ik.prog(), ik.q()
+        for socket, ball in zip(sockets, work.balls(rods)):
+            ik.AddPositionConstraint(socket.body_frame(), np.zeros(3), world, ball, ball)
+        weights = 1 / work.compliance
+        program.AddQuadraticErrorCost(np.diag(weights / weights.max()), np.zeros(6), q[starts])
+        program.SetSolverOption(solver.id(), "Major feasibility tolerance", 1e-13)
+        program.SetSolverOption(solver.id(), "Minor feasibility tolerance", 1e-13)
+        result = solver.Solve(program, rest)
+        found = result.GetSolution(q)
+        found[floating : floating + 4] /= np.linalg.norm(found[floating : floating + 4])
+        plant.SetPositions(context, found)
+        return answer(work, plant, context, platform, joints)
+
+    def every():
+        answers = [None] * len(work.poses)
+        answers[::STRIDE] = [one(rods) for rods in work.poses[::STRIDE]]
+        return answers
+
+    return every, STRIDE
+
+
+def tree(work, time_step):
+    """The open tree of a mechanism: plant, bodies and joints, not yet finalized."""
+    plant = MultibodyPlant(time_step)
+    bodies, joints = [], []
+    world = plant.world_frame()
+    for index, one in enumerate(work.bodies):
+        parent = world if one.parent < 0 else bodies[one.parent].body_frame()
+        frame = offset(plant, f"frame{index}", parent, one.rotation, one.point)
+        bodies.append(body(plant, f"body{index}"))
+        if one.kind == "R":
+            joint = RevoluteJoint(f"joint{index}", frame, bodies[-1].body_frame(), [0, 0, 1])
+        elif one.kind == "P":
+            joint = PrismaticJoint(f"joint{index}", frame, bodies[-1].body_frame(), [0, 0, 1])
+        else:
+            joint = BallRpyJoint(f"joint{index}", frame, bodies[-1].body_frame())
+        joints.append(plant.AddJoint(joint))
+    return plant, bodies, joints
+
+
+def positions(work, plant, joints, values):
+    """Positions of the plant; balls are turned about x, then y, then z, in fixed axes."""
+    q, at = np.empty(plant.num_positions()), 0
+    for one, joint in zip(work.bodies, joints):
+        own, first = values[at : at + one.width], joint.position_start()
+        at += one.width
+        if one.kind == "S":
+            r = told.ball(own)
+            q[first : first + 3] = (
+                np.arctan2(r[2, 1], r[2, 2]),
+                np.arctan2(-r[2, 0], np.hypot(r[2, 1], r[2, 2])),
+                np.arctan2(r[1, 0], r[0, 0]),
+            )
+        else:
+            q[first] = own[0]
+    return q
+
+
+def linkage(path):
+    work = told.Linkage.read(path)
+    plant, bodies, joints = tree(work, time_step=0.0)
+    world = plant.world_frame()
+    sides = []
+    for index, cut in enumerate(work.cuts):
+        pair = []
+        for side, (where, frame) in enumerate(zip(cut.bodies, cut.frames)):
+            parent = world if where < 0 else bodies[where].body_frame()
+            pair.append(offset(plant, f"cut{index}{side}", parent, *frame))
+        sides.append(pair)
+    plant.Finalize()
+    context = plant.CreateDefaultContext()
+    free = [
+        k
+        for one, joint in zip(work.bodies, joints)
+        if not one.driven
+        for k in range(joint.velocity_start(), joint.velocity_start() + joint.num_velocities())
+    ]
+
+    def tell(q):
+        values = []
+        for one, joint in zip(work.bodies, joints):
+            first = joint.position_start()
+            if one.kind == "S":
+                x, y, z = q[first : first + 3]
+                upright = told.turn(z)
+                level = told.turn(y)[np.ix_([1, 2, 0], [1, 2, 0])]
+                ahead = told.turn(x)[np.ix_([2, 0, 1], [2, 0, 1])]
+                values.extend(told.quaternion(upright @ level @ ahead))
+            else:
+                values.append(q[first])
+        return values
+
+    starts = [positions(work, plant, joints, guess) for guess in work.guesses]
+
+    def one(q):
+        for _ in range(told.ITERATIONS):
+            plant.SetPositions(context, q)
+            gap, rows = [], []
+            for cut, (first, second) in zip(work.cuts, sides):
+                a, b = first.CalcPoseInWorld(context), second.CalcPoseInWorld(context)
+                gap.append(b.translation() - a.translation())
+                if cut.kind == "R":
+                    gap.append(a.rotation().matrix()[:, :2].T @ b.rotation().matrix()[:, 2])
+            gap = np.concatenate(gap)
+            if not np.abs(gap).max() > work.gap:
+                return tell(q)
+            for cut, (first, second) in zip(work.cuts, sides):
+                velocity = [
+                    plant.CalcJacobianSpatialVelocity(
+                        context, JacobianWrtVariable.kV, frame, np.zeros(3), world, world
+                    )[:, free]
+                    for frame in (first, second)
+                ]
+                relative = velocity[1] - velocity[0]
+                rows.append(relative[3:])
+                if cut.kind == "R":
+                    z = second.CalcPoseInWorld(context).rotation().matrix()[:, 2]
+                    axes = first.CalcPoseInWorld(context).rotation().matrix()[:, :2]
+                    rows.append(np.cross(z, axes.T) @ relative[:3])
+            v = np.zeros(plant.num_velocities())
+            v[free] = -np.linalg.lstsq(np.vstack(rows), gap, rcond=1e-10)[0]
+            q = q + plant.MapVelocityToQDot(context, v)
+        return None
+
+    return lambda: [one(q) for q in starts], 1
+
+
+if __name__ == "__main__":
+    told.serve(*{"gpr": gpr, "snopt": snopt, "linkage": linkage}[sys.argv[1]](sys.argv[2]))

@@ -1,0 +1,87 @@
+"""The work of the bench as someone does it who has only scipy: least squares over the coordinates.
+
+python scipy_peer.py gpr FILE, python scipy_peer.py linkage FILE
+The robot's least displacement is asked for by weak springs beside the gaps, then the gaps are closed alone.
+"""
+
+import sys
+
+import numpy as np
+import work as told
+from scipy.optimize import least_squares
+
+# Every so many poses only: at this speed all of them take minutes.
+STRIDE = 40
+TIGHT = {"xtol": 1e-15, "ftol": 1e-15, "gtol": 1e-15}
+
+
+def gpr(path):
+    work = told.Gpr.read(path)
+
+    def pose(unknowns):
+        vector, point = unknowns[:3], np.array([0, 0, work.height]) + unknowns[3:6] * scale
+        angle = np.linalg.norm(vector)
+        quaternion = np.append(np.cos(angle / 2), np.sinc(angle / (2 * np.pi)) / 2 * vector)
+        return told.ball(quaternion), point
+
+    scale = work.radius.mean()
+    heading = np.arctan2(work.direction[:, 1], work.direction[:, 0])
+
+    def gaps(unknowns, balls):
+        rotation, point = pose(unknowns)
+        turned, slid = unknowns[6::2] / work.metric * scale + heading, work.radius + unknowns[7::2] * scale
+        sockets = np.column_stack([slid * np.cos(turned), slid * np.sin(turned), np.zeros(3)])
+        return (sockets @ rotation.T + point - balls).ravel() / scale
+
+    def one(rods):
+        balls = work.balls(rods)
+
+        def springs(unknowns):
+            return np.concatenate([gaps(unknowns, balls), 1e-4 * unknowns[6:]])
+
+        near = least_squares(springs, np.zeros(12), method="lm", **TIGHT).x
+        found = least_squares(gaps, near, args=(balls,), **TIGHT).x
+        if not np.abs(gaps(found, balls)).max() * scale <= work.gap:
+            return None
+        rotation, point = pose(found)
+        slid, turned = work.radius + found[7::2] * scale, found[6::2] / work.metric * scale
+        return [*rotation.ravel(), *point, *slid, *turned]
+
+    def every():
+        answers = [None] * len(work.poses)
+        answers[::STRIDE] = [one(rods) for rods in work.poses[::STRIDE]]
+        return answers
+
+    return every, STRIDE
+
+
+def linkage(path):
+    work = told.Linkage.read(path)
+    at = np.cumsum([0] + [body.width for body in work.bodies])
+    free = np.concatenate([range(a, b) for body, a, b in zip(work.bodies, at, at[1:]) if not body.driven])
+    balls = [slice(a, a + 4) for body, a in zip(work.bodies, at) if body.kind == "S"]
+
+    def one(guess):
+        def gaps(unknowns):
+            values = guess.copy()
+            values[free] = unknowns
+            # Lengths of quaternions are asked to be one, so that they do not run away.
+            return np.concatenate([work.gaps(values), [values[own] @ values[own] - 1 for own in balls]])
+
+        found = least_squares(gaps, guess[free], **TIGHT).x
+        values = guess.copy()
+        values[free] = found
+        return values if np.abs(gaps(found)).max() <= work.gap else None
+
+    every = 10
+
+    def all_of_them():
+        answers = [None] * len(work.guesses)
+        answers[::every] = [one(guess) for guess in work.guesses[::every]]
+        return answers
+
+    return all_of_them, every
+
+
+if __name__ == "__main__":
+    told.serve(*{"gpr": gpr, "linkage": linkage}[sys.argv[1]](sys.argv[2]))

@@ -1,0 +1,124 @@
+#!/usr/bin/env python3
+"""Runs the same work in jointplay and in other programs, and writes tables, charts and all numbers.
+
+    python3 bench/run.py                 everything, into bench/results
+    python3 bench/run.py --rounds 3      fewer rounds
+    python3 bench/run.py --only gpr      one work: gpr, linkages or words
+
+It needs Python 3.11, a C++ compiler, cargo, and the network once, for the packages of bench/requirements.txt.
+What cannot be installed, built or run is reported as missing, with the reason.
+"""
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import venv
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+VENV = HERE / ".venv"
+BUILD = HERE / ".build"
+PYTHON = VENV / "bin" / "python"
+WORKS = ["gpr", "linkages", "words"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--rounds", type=int, default=7, help="rounds, of which the best counts (default 7)")
+    parser.add_argument("--only", choices=WORKS, action="append", help="this work alone; may be repeated")
+    parser.add_argument("--out", type=Path, default=HERE / "results", help="folder for the results")
+    told = parser.parse_args()
+    if told.rounds < 1:
+        parser.error("--rounds has to be at least 1")
+    missing = {**install(), **build()}
+    BUILD.joinpath("missing.json").write_text(json.dumps(missing))
+    only = told.only or WORKS
+    command = [PYTHON, HERE / "harness" / "compare.py", BUILD, told.out, str(told.rounds), *only]
+    return subprocess.run(command, env=one_thread()).returncode
+
+
+def one_thread():
+    """The environment, with libraries held to one thread: all rates are those of one core."""
+    names = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"]
+    return {**os.environ, **{name: "1" for name in names}, "PYTHONPATH": str(HERE / "harness")}
+
+
+def install():
+    """Makes the environment; returns what could not be installed, with the reason."""
+    if not PYTHON.exists():
+        print("making bench/.venv", flush=True)
+        venv.create(VENV, with_pip=True)
+    wanted = [line.strip() for line in (HERE / "requirements.txt").read_text().splitlines()]
+    wanted = [line for line in wanted if line and not line.startswith("#")]
+    listed = run([PYTHON, "-m", "pip", "freeze"]).stdout.splitlines()
+    missing = {}
+    for line in wanted:
+        if line not in listed:
+            print(f"installing {line}", flush=True)
+            done = run([PYTHON, "-m", "pip", "install", "--quiet", line])
+            if done.returncode != 0:
+                missing[line.split("==")[0]] = reason(done)
+    return missing
+
+
+def build():
+    """Builds the compiled workers into bench/.build; returns what could not be built, with the reason."""
+    BUILD.mkdir(exist_ok=True)
+    print("building", flush=True)
+    site = next(VENV.glob("lib/python*/site-packages"))
+    prefix = site / "cmeel.prefix"
+    missing = {}
+    made = run(["cargo", "build", "--release", "-p", "jointplay-bench", "--message-format", "json"], cwd=HERE.parent)
+    if made.returncode != 0:
+        sys.exit(f"jointplay does not build:\n{made.stderr}")
+    artifacts = [json.loads(line) for line in made.stdout.splitlines() if line.startswith("{")]
+    binary = next(told["executable"] for told in artifacts if told.get("executable"))
+    link(BUILD / "jointplay", Path(binary))
+    compiler = [os.environ.get("CXX", "c++"), "-std=c++17", "-O3", "-DNDEBUG", f"-I{prefix}/include/eigen3"]
+    # The definitions are those that Pinocchio's own build files ask of its users.
+    pinocchio = [
+        "-DBOOST_MPL_LIMIT_LIST_SIZE=30",
+        "-DBOOST_MPL_LIMIT_VECTOR_SIZE=30",
+        "-DBOOST_FUSION_INVOKE_MAX_ARITY=12",
+        "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS",
+        f"-I{prefix}/include",
+        f"-L{prefix}/lib",
+        f"-Wl,-rpath,{prefix}/lib",
+    ]
+    mujoco = [f"-I{site}/mujoco/include", *site.glob("mujoco/libmujoco.so*"), f"-Wl,-rpath,{site}/mujoco"]
+    for name, flags in [("pinocchio", pinocchio), ("mujoco", mujoco)]:
+        source, out = HERE / "peers" / f"{name}.cpp", BUILD / name
+        inputs = [source, *(HERE / "peers").glob("*.hpp"), HERE / "requirements.txt"]
+        if out.exists() and all(out.stat().st_mtime > path.stat().st_mtime for path in inputs):
+            continue
+        done = run([*compiler, source, "-o", out, *flags])
+        if done.returncode != 0:
+            out.unlink(missing_ok=True)
+            missing[f"{name} (compiled)"] = reason(done)
+    return missing
+
+
+def run(command, cwd=None):
+    words = [str(word) for word in command]
+    try:
+        return subprocess.run(words, capture_output=True, text=True, cwd=cwd)
+    except FileNotFoundError as error:
+        return subprocess.CompletedProcess(words, 127, "", str(error))
+
+
+def link(path, target):
+    path.unlink(missing_ok=True)
+    path.symlink_to(target)
+
+
+def reason(done):
+    """The first line of what a failed command said that looks like the reason."""
+    lines = [line.strip() for line in done.stderr.splitlines() if line.strip()]
+    telling = [line for line in lines if "rror" in line] or lines[-1:] or ["it said nothing"]
+    return telling[0][:300]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
