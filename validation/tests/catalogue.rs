@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use jointplay::format::mechanism::{MechanismFile, kind_of, parse};
 use jointplay::mechanism::{
-    Drive, MechanismSystem, PositionSolver, ReliefSolver, assemble, drive, guess,
+    Drive, MechanismSystem, PositionSolver, ReliefSolver, SparseSystem, assemble, drive, guess,
 };
 use jointplay::mobility::{RANK_THRESHOLD, finite_mobility, kutzbach_mobility};
 use jointplay_validation::golden;
@@ -44,12 +44,22 @@ fn mobility_of_every_mechanism() {
                 continue;
             }
         };
+        // Joint by joint and by sparse algebra: the same counts, and never another answer.
+        let sparse = SparseSystem::new(mechanism, closed.coordinates.clone()).unwrap();
+        let sparse = sparse.mobility(RANK_THRESHOLD).unwrap();
         let system = MechanismSystem::new(mechanism, closed.coordinates).unwrap();
         let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
         let first = &found.instantaneous;
         let freedoms: Vec<usize> =
             mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
         let counted = kutzbach_mobility(mechanism.links().len(), &freedoms);
+        let by_sparse = (sparse.mobility, sparse.rank, sparse.redundancy);
+        if by_sparse != (first.mobility, first.rank, first.redundancy)
+            || (sparse.finite.is_some() && sparse.finite != found.mobility)
+            || !(sparse.lower_bound..=sparse.upper_bound).contains(&found.lower_bound)
+        {
+            wrong.push(format!("{name}: by sparse algebra {sparse:?}"));
+        }
         let ours = [
             ("freedoms", Some(mechanism.joint_freedoms()), expected.freedoms),
             ("rank", Some(first.rank), expected.rank),

@@ -8,7 +8,8 @@ use jointplay::format::import::{self, Imported};
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::{catalogue, report};
 use jointplay::mechanism::{
-    Closure, MechanismSystem, Relief, ReliefSolver, assemble, branches, guess, relieve,
+    Closure, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble, branches, guess,
+    relieve,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::{Error, format};
@@ -20,6 +21,8 @@ use crate::output;
 
 /// Other starts tried where the guess of a file does not close.
 const STARTS: usize = 30;
+/// Corrections at most of a mechanism with many loops, which is closed from its guess or not at all.
+const CORRECTIONS: usize = 200;
 
 /// `NAME=VALUE`, in the unit of the file.
 #[derive(Clone, Debug)]
@@ -175,8 +178,32 @@ impl Input {
     /// The closed configuration nearest the guesses, with these coordinates held.
     pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+        if !self.is_dense() {
+            return self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
+        }
         let found = assemble(&self.file.mechanism, &self.start(commands), &held, STARTS);
         found.map_err(|error| self.unassembled(error))
+    }
+
+    /// Whether the mechanism is small enough for dense algebra.
+    pub(crate) fn is_dense(&self) -> bool {
+        MechanismSystem::fits(&self.file.mechanism)
+    }
+
+    /// The closed configuration nearest the guesses by sparse algebra, and the corrections done.
+    pub(crate) fn sparse(
+        &self,
+        commands: &[(usize, f64)],
+    ) -> Result<(SparseSystem<'_>, usize), Failure> {
+        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+        let mut system = SparseSystem::new(&self.file.mechanism, self.start(commands))?;
+        match system.close(&held, CORRECTIONS) {
+            Ok(iterations) => Ok((system, iterations)),
+            Err(error @ Error::NotReached { .. }) => {
+                Err(Failure::NotAssembled(format::explain::explain(&error)))
+            }
+            Err(other) => Err(other.into()),
+        }
     }
 
     /// Closed configurations found from that many other starts.

@@ -124,7 +124,7 @@ pub enum Error {
     NotConverged(#[from] Box<Unconverged>),
     /// A mechanism that dense algebra would work on for hours.
     #[error(
-        "the mechanism has {found} {what}, but at most {allowed} are analysed: its matrices are dense, and their cost grows with the cube"
+        "the mechanism has {found} {what}, but at most {allowed} are taken here: these matrices are dense, and their cost grows with the cube; mobility, closing and driving have sparse algebra for more"
     )]
     TooLarge {
         /// What there is too much of.
@@ -168,14 +168,12 @@ pub enum Error {
         coordinate: usize,
     },
     /// The singular value decomposition did not converge.
-    #[error("the singular values of a {rows}×{columns} matrix did not converge in {sweeps} sweeps")]
+    #[error("the singular values of a {rows}×{columns} matrix did not converge")]
     SvdNotConverged {
         /// Rows of the matrix.
         rows: usize,
         /// Columns of the matrix.
         columns: usize,
-        /// Sweeps done.
-        sweeps: usize,
     },
 }
 

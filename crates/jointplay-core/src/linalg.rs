@@ -1,7 +1,7 @@
 //! Rank, null space, pseudo-inverse and least norm: the only singular value decomposition in the house.
 //!
-//! Low rank is daily bread here, and the common library's decomposition returns wrong singular values on low-rank matrices without a word.
-//! This one is a one-sided Jacobi iteration: slower on large matrices, right on every rank, and its right vectors are a complete basis, so that a wide matrix has its null space.
+//! Low rank is daily bread here, and the decomposition that comes with the matrix types returns wrong singular values on low-rank matrices without a word.
+//! This one is right on every rank, and its vectors are complete bases, so that a wide matrix has its null space.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -9,9 +9,6 @@ use crate::Error;
 
 /// An equation of which elimination leaves no more than this share is a combination of those before it: a few hundred units of round-off.
 const LEAST_PIVOT: f64 = 1e-13;
-
-/// More sweeps than any matrix has been seen to need: ten do for most, scaling by 10³⁰⁰ included.
-const MAX_SWEEPS: usize = 60;
 
 /// A full singular value decomposition.
 ///
@@ -35,109 +32,39 @@ pub struct Svd {
 /// [`Error::NotFinite`] for a NaN or an infinity, [`Error::SvdNotConverged`] if the iteration fails (never seen).
 ///
 /// # Numerics
-/// Hestenes' iteration on the columns, after scaling by a power of two so that squares neither overflow nor vanish.
-/// Two columns count as orthogonal where their cosine is at round-off, or where one is at round-off of the whole matrix.
-/// O(m n²) a sweep for m ≥ n; a wide matrix is taken by its transpose.
+/// Bidiagonalisation and implicit QR, or divide and conquer for large matrices, after scaling by a power of two so that squares neither overflow nor vanish.
+/// Singular values are off by a few units of round-off of the largest; O(m n²).
 ///
 /// # Source
 /// [GolubVanLoan], section 8.6
 pub fn svd(a: &DMatrix<f64>) -> Result<Svd, Error> {
     let (m, n) = a.shape();
-    if n > m {
-        // Fewer columns to rotate: the same decomposition, read backwards.
-        let Svd { u, singular_values, v } = svd(&a.transpose())?;
-        return Ok(Svd { u: v, singular_values, v: u });
-    }
     if let Some(&value) = a.iter().find(|value| !value.is_finite()) {
         return Err(Error::NotFinite { what: "an entry of the matrix", value });
     }
     let largest = a.amax();
-    let scale = if largest == 0.0 { 1.0 } else { power_of_two_near(largest) };
-    let mut work = a.map(|value| value / scale);
-    let mut v = DMatrix::identity(n, n);
-    let negligible = f64::EPSILON * work.norm();
-    orthogonalize_columns(&mut work, &mut v, negligible * negligible)?;
-
-    let norms: Vec<f64> = work.column_iter().map(|column| column.norm()).collect();
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&i, &j| norms[j].total_cmp(&norms[i]));
-    let v = v.select_columns(&order);
-    let singular_values = DVector::from_iterator(n, order.iter().map(|&i| norms[i] * scale));
-    let directions: Vec<DVector<f64>> = order
-        .iter()
-        .take_while(|&&i| norms[i] > negligible)
-        .map(|&i| work.column(i) / norms[i])
-        .collect();
-    Ok(Svd { u: complete_basis(m, directions), singular_values, v })
-}
-
-/// Rotates pairs of columns until all are orthogonal, and `v` along with them.
-fn orthogonalize_columns(
-    work: &mut DMatrix<f64>,
-    v: &mut DMatrix<f64>,
-    negligible_squared: f64,
-) -> Result<(), Error> {
-    let (m, n) = work.shape();
-    for _ in 0..MAX_SWEEPS {
-        let mut rotated = false;
-        for i in 0..n {
-            for j in i + 1..n {
-                let alpha = work.column(i).norm_squared();
-                let beta = work.column(j).norm_squared();
-                if alpha <= negligible_squared || beta <= negligible_squared {
-                    continue;
-                }
-                let gamma = work.column(i).dot(&work.column(j));
-                if gamma.abs() <= 4.0 * f64::EPSILON * (alpha * beta).sqrt() {
-                    continue;
-                }
-                rotated = true;
-                let zeta = (beta - alpha) / (2.0 * gamma);
-                let tangent = 1.0_f64.copysign(zeta) / (zeta.abs() + 1.0_f64.hypot(zeta));
-                let cosine = 1.0 / 1.0_f64.hypot(tangent);
-                rotate_columns(work, i, j, cosine, cosine * tangent);
-                rotate_columns(v, i, j, cosine, cosine * tangent);
-            }
-        }
-        if !rotated {
-            return Ok(());
-        }
+    if largest == 0.0 {
+        return Ok(Svd {
+            u: DMatrix::identity(m, m),
+            singular_values: DVector::zeros(m.min(n)),
+            v: DMatrix::identity(n, n),
+        });
     }
-    Err(Error::SvdNotConverged { rows: m, columns: n, sweeps: MAX_SWEEPS })
-}
-
-fn rotate_columns(matrix: &mut DMatrix<f64>, i: usize, j: usize, cosine: f64, sine: f64) {
-    let (mut first, mut second) = matrix.columns_range_pair_mut(i, j);
-    for (x, y) in first.iter_mut().zip(second.iter_mut()) {
-        let (old_x, old_y) = (*x, *y);
-        *x = cosine * old_x - sine * old_y;
-        *y = sine * old_x + cosine * old_y;
-    }
+    let scale = power_of_two_near(largest);
+    let scaled = faer::Mat::from_fn(m, n, |i, j| a[(i, j)] / scale);
+    let found = scaled.svd().map_err(|_| Error::SvdNotConverged { rows: m, columns: n })?;
+    let values = found.S().column_vector();
+    let (u, v) = (found.U(), found.V());
+    Ok(Svd {
+        u: DMatrix::from_fn(m, m, |i, j| u[(i, j)]),
+        singular_values: DVector::from_fn(m.min(n), |k, _| values[k] * scale),
+        v: DMatrix::from_fn(n, n, |i, j| v[(i, j)]),
+    })
 }
 
 fn power_of_two_near(value: f64) -> f64 {
     // The exponent is kept off the ends of the range, so that the scale and its inverse are both normal numbers.
     value.log2().round().clamp(-1000.0, 1000.0).exp2()
-}
-
-/// Orthonormal columns, completed to a basis of R^m.
-fn complete_basis(m: usize, mut columns: Vec<DVector<f64>>) -> DMatrix<f64> {
-    while columns.len() < m {
-        // The unit vector that the columns so far span least; orthogonalised twice, which is enough.
-        let spanned = |i: usize| columns.iter().map(|column| column[i] * column[i]).sum::<f64>();
-        let least = (0..m)
-            .min_by(|&i, &j| spanned(i).total_cmp(&spanned(j)))
-            .expect("m > columns.len() ≥ 0");
-        let mut next = DVector::zeros(m);
-        next[least] = 1.0;
-        for _ in 0..2 {
-            for column in &columns {
-                next -= column * column.dot(&next);
-            }
-        }
-        columns.push(next.normalize());
-    }
-    if columns.is_empty() { DMatrix::zeros(0, 0) } else { DMatrix::from_columns(&columns) }
 }
 
 impl Svd {

@@ -1,7 +1,7 @@
 //! Laws that hold for every mechanism: numbering, tree, base and unit of length mean nothing.
 #![expect(clippy::unwrap_used, reason = "a test says what it expects")]
 
-use jointplay_core::mechanism::{Joint, JointKind, Mechanism, MechanismSystem, Play};
+use jointplay_core::mechanism::{Joint, JointKind, Mechanism, MechanismSystem, Play, SparseSystem};
 use jointplay_core::mobility::{InstantaneousMobility, RANK_THRESHOLD, instantaneous_mobility};
 use jointplay_core::nalgebra::{DVector, Rotation3, Translation3, Vector3};
 use jointplay_core::spatial::Pose;
@@ -97,6 +97,18 @@ proptest! {
             joint.links = joint.links.map(|link| if link == 0 { 0 } else { links - link });
         }
         same(&first, &analysed(links, other))?;
+    }
+
+    #[test]
+    fn link_twists_and_joint_rates_say_the_same((links, joints) in joints()) {
+        let first = analysed(links, joints.clone());
+        let mechanism = Mechanism::new("random", names(links), joints).unwrap();
+        let home = DVector::zeros(mechanism.joint_freedoms());
+        let sparse = SparseSystem::new(&mechanism, home).unwrap().mobility(RANK_THRESHOLD).unwrap();
+        if first.smallest_counted().is_none_or(|least| least > 1e-9) {
+            let counts = (first.mobility, first.rank, first.redundancy);
+            prop_assert_eq!((sparse.mobility, sparse.rank, sparse.redundancy), counts);
+        }
     }
 
     #[test]

@@ -4,7 +4,9 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use jointplay::format::report::{self, LinkMotionReport, MechanismMobilityReport, MobilityReport};
+use jointplay::format::report::{
+    self, LinkMotionReport, MechanismMobilityReport, MobilityReport, SparseMobilityReport,
+};
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
 use jointplay::mechanism::MechanismSystem;
@@ -86,6 +88,12 @@ impl Mobility {
             return Err(Failure::Misused(text.to_owned()));
         }
         let input = Input::parse(source, &self.set.set)?;
+        if !input.is_dense() {
+            let (system, _) = input.sparse(&input.commands(&self.at)?)?;
+            let found = system.mobility(RANK_THRESHOLD)?;
+            let report = report::sparse_mobility(&input.file, &system, &found);
+            return self.answer.print(&report, sparse_text);
+        }
         let posed = input.posed(&input.commands(&self.at)?)?;
         let system = MechanismSystem::new(&input.file.mechanism, posed.values.clone())?;
         let finite = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
@@ -114,13 +122,20 @@ struct Facts<'a> {
     rank: usize,
     redundancy: usize,
     characteristic_length_mm: f64,
-    singular_values: &'a [f64],
+    /// Those that count, then those that do not.
+    singular_values: [&'a [f64]; 2],
     threshold: f64,
 }
 
 /// The facts of a report.
 macro_rules! facts {
     ($report:expr) => {
+        facts!($report, {
+            let values = &$report.singular_values;
+            [&values[..$report.rank], &values[$report.rank..]]
+        })
+    };
+    ($report:expr, $singular_values:expr) => {
         Facts {
             kutzbach: $report.kutzbach_mobility,
             instantaneous: $report.instantaneous_mobility,
@@ -129,7 +144,7 @@ macro_rules! facts {
             rank: $report.rank,
             redundancy: $report.redundancy,
             characteristic_length_mm: $report.characteristic_length_mm,
-            singular_values: &$report.singular_values,
+            singular_values: $singular_values,
             threshold: $report.threshold,
         }
     };
@@ -158,7 +173,7 @@ impl Facts<'_> {
             "singular values, lengths in units of {} mm",
             self.characteristic_length_mm
         );
-        singular_values(text, self.singular_values, self.rank);
+        singular_values(text, self.singular_values);
         let _ = writeln!(text, "  threshold            {:.3e}", self.threshold);
     }
 }
@@ -171,10 +186,32 @@ fn text(report: &MobilityReport) -> String {
         let _ = writeln!(text, "with the {} virtual joints free", augmented.virtualization);
         let _ = writeln!(text, "  rank                 {:>3}", augmented.augmented_rank);
         let _ = writeln!(text, "  mobility             {:>3}", augmented.augmented_mobility);
-        singular_values(&mut text, &augmented.augmented_singular_values, augmented.augmented_rank);
+        let values = &augmented.augmented_singular_values;
+        let (counted, zero) = values.split_at(augmented.augmented_rank);
+        singular_values(&mut text, [counted, zero]);
     }
     text + &limits(&report.limits_broken)
 }
+
+fn sparse_text(report: &SparseMobilityReport) -> String {
+    let mut text = format!("mobility of {}, as assembled\n", report.name);
+    let _ = writeln!(text, "freedoms");
+    let _ = writeln!(text, "  of all joints        {:>3}", report.joint_freedoms);
+    let _ = writeln!(text, "  loops                {:>3}", report.loops);
+    let counted: Vec<f64> = [Some(report.largest_singular_value), report.smallest_counted]
+        .into_iter()
+        .flatten()
+        .collect();
+    let zero: Vec<f64> = report.largest_uncounted.into_iter().collect();
+    facts!(report, [counted.as_slice(), zero.as_slice()]).write(&mut text);
+    let _ = writeln!(
+        text,
+        "  of the joint closures by sparse algebra: the largest, the least that counts, the largest that does not"
+    );
+    let _ = writeln!(text, "{}", report.class);
+    text
+}
+
 fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     let mut text = format!("mobility of {}, at\n", report.name);
     text.push_str(&input.table(&report.coordinates.0, 0));
@@ -217,16 +254,16 @@ fn motion_words(motion: &LinkMotionReport) -> String {
     }
 }
 
-/// Values that count, then a bar, then those that do not.
-fn singular_values(text: &mut String, values: &[f64], rank: usize) {
+/// Values that count, then those that do not.
+fn singular_values(text: &mut String, [counted, zero]: [&[f64]; 2]) {
     let list = |values: &[f64]| {
         values.iter().map(|&value| format!(" {}", magnitude(value))).collect::<String>()
     };
-    for (row, chunk) in values[..rank].chunks(6).enumerate() {
+    for (row, chunk) in counted.chunks(6).enumerate() {
         let label = if row == 0 { "counted" } else { "" };
         let _ = writeln!(text, "  {label:<20}{}", list(chunk));
     }
-    if rank < values.len() {
-        let _ = writeln!(text, "  {:<20}{}", "zero", list(&values[rank..]));
+    if !zero.is_empty() {
+        let _ = writeln!(text, "  {:<20}{}", "zero", list(zero));
     }
 }

@@ -4,11 +4,14 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use jointplay::Error;
 use jointplay::constraint::System as _;
 use jointplay::format::report::{self, MotionReport};
 use jointplay::format::table;
 use jointplay::mechanism::joint::Coordinate;
-use jointplay::mechanism::{Drive, MechanismSystem, Motion, drive};
+use jointplay::mechanism::{
+    Drive, Mechanism, MechanismSystem, Motion, SparseSystem, drive, drive_relieved,
+};
 use jointplay::nalgebra::DVector;
 use jointplay::plot::results::{Follower, motion};
 
@@ -30,6 +33,7 @@ const PNG_WIDTH: u32 = 1800;
 /// The mechanism is closed from the guesses of its file, driven to FROM and then, step by step, to TO.
 /// Without --drive, the first actuated joint goes over its limits, or 20° or a tenth of the characteristic length either way.
 /// If only actuated joints are driven, the other actuated joints hold still; else all others follow.
+/// Virtual joints give way as little as they can.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -99,7 +103,7 @@ impl Move {
             write(&input, &report, &driven, folder, names)?;
         }
         self.mechanism.print(&report, |report| self.text(&input, report, &driven))?;
-        report.message.map_or(Ok(()), |message| Err(stopped(&input, &message)))
+        report.message.map_or(Ok(()), |message| Err(Failure::Stopped(message)))
     }
 
     fn legs(&self, input: &Input, start: &DVector<f64>) -> Result<Vec<Leg>, Failure> {
@@ -152,6 +156,13 @@ impl Move {
         let _ = writeln!(text, "way");
         let _ = writeln!(text, "  steps                {}", report.steps);
         let _ = writeln!(text, "  largest residual     {:.1e}", report.largest_residual);
+        for (k, (name, value)) in report.largest_displacements.iter().flat_map(|d| &d.0).enumerate()
+        {
+            let k = input.coordinates.joints() + k;
+            let number = fixed(*value, input.coordinates.decimals(k));
+            let label = if k == input.coordinates.joints() { "virtual joints up to" } else { "" };
+            let _ = writeln!(text, "  {label:<20} {name} {number} {}", input.coordinates.unit(k));
+        }
         if !report.limits_broken.is_empty() {
             let _ = writeln!(text, "  beyond limits        {}", report.limits_broken.join(", "));
         }
@@ -195,7 +206,11 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
     let reach = match named[coordinate].quantity {
         Coordinate::Turn => 20_f64.to_radians(),
         Coordinate::Slide => {
-            MechanismSystem::new(mechanism, start.clone())?.characteristic_length() / 10.0
+            if input.is_dense() {
+                MechanismSystem::new(mechanism, start.clone())?.characteristic_length() / 10.0
+            } else {
+                SparseSystem::new(mechanism, start.clone())?.characteristic_length() / 10.0
+            }
         }
     };
     let here = start[coordinate];
@@ -220,44 +235,34 @@ pub(super) fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
     }
 }
 
-/// That a motion stopped; and what it left out, where that might help.
-fn stopped(input: &Input, message: &str) -> Failure {
-    let hint = if input.file.mechanism.virtual_joints().is_empty() {
-        ""
-    } else {
-        "\n  the file's virtual joints were held at rest; `jointplay sensitivity FILE --command JOINT=VALUE` lets them give way"
-    };
-    Failure::Stopped(format!("{message}{hint}"))
-}
-
 /// To the beginning of the way, then along it.
 fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Result<Motion, Failure> {
     let driven: Vec<usize> = legs.iter().map(|leg| leg.coordinate).collect();
-    let free: Vec<usize> = (0..input.coordinates.joints())
-        .filter(|k| !driven.contains(k) && !held.contains(k))
-        .collect();
-    let mut system = MechanismSystem::new(&input.file.mechanism, start)?;
+    let along = |from: &DVector<f64>, drives: &[Drive], count: usize| {
+        along(&input.file.mechanism, from, drives, held, count)
+    };
     let to_begin: Vec<Drive> = legs
         .iter()
         .map(|leg| {
-            let to = leg.from.unwrap_or(system.home()[leg.coordinate]);
+            let to = leg.from.unwrap_or(start[leg.coordinate]);
             Drive { coordinate: leg.coordinate, to }
         })
         .collect();
-    if to_begin.iter().any(|one| one.to != system.home()[one.coordinate]) {
-        let way = drive(&system, &to_begin, &free, STEPS)?;
+    let mut start = start;
+    if to_begin.iter().any(|one| one.to != start[one.coordinate]) {
+        let way = along(&start, &to_begin, STEPS)?;
         let told = report::motion(&input.file, &driven, held, &way);
         if let Some(message) = told.message {
-            return Err(stopped(input, &format!("on the way to FROM, {message}")));
+            return Err(Failure::Stopped(format!("on the way to FROM, {message}")));
         }
         if let Some(last) = way.waypoints.last() {
-            system = system.at(last.coordinates.clone())?;
+            start = last.coordinates.clone();
         }
     }
     let mut count = None;
     for leg in legs {
         if let Some(step) = leg.step {
-            let steps = ((leg.to - system.home()[leg.coordinate]) / step).abs();
+            let steps = ((leg.to - start[leg.coordinate]) / step).abs();
             #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³")]
             if steps > MOST_STEPS as f64 {
                 let text = format!("a way has at most {MOST_STEPS} steps; take a larger STEP");
@@ -270,7 +275,29 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
     }
     let drives: Vec<Drive> =
         legs.iter().map(|leg| Drive { coordinate: leg.coordinate, to: leg.to }).collect();
-    Ok(drive(&system, &drives, &free, count.unwrap_or(STEPS))?)
+    Ok(along(&start, &drives, count.unwrap_or(STEPS))?)
+}
+
+/// Drives along a way: virtual joints give way where there are any, and many loops are left to sparse algebra.
+fn along(
+    mechanism: &Mechanism,
+    from: &DVector<f64>,
+    drives: &[Drive],
+    held: &[usize],
+    count: usize,
+) -> Result<Motion, Error> {
+    if !MechanismSystem::fits(mechanism) {
+        return SparseSystem::new(mechanism, from.clone())?.drive(drives, held, count);
+    }
+    let driven = |k: &usize| drives.iter().any(|drive| drive.coordinate == *k);
+    let free: Vec<usize> =
+        (0..mechanism.joint_freedoms()).filter(|k| !driven(k) && !held.contains(k)).collect();
+    let system = MechanismSystem::new(mechanism, from.clone())?;
+    if mechanism.virtual_joints().is_empty() {
+        drive(&system, drives, &free, count)
+    } else {
+        drive_relieved(&system, drives, &free, count)
+    }
 }
 
 fn write(
@@ -287,7 +314,7 @@ fn write(
     };
     let first = driven.first().copied().unwrap_or_default();
     let others: Vec<Follower> =
-        (0..input.coordinates.joints()).filter(|&k| k != first).map(follower).collect();
+        (0..input.coordinates.all().len()).filter(|&k| k != first).map(follower).collect();
     let singular: Vec<f64> = report
         .singular
         .iter()

@@ -187,10 +187,7 @@ fn compare_shows_shifts_of_opposite_sign() {
 #[test]
 fn texts() {
     let desk = Desk::new();
-    let mut settings = insta::Settings::clone_current();
-    // Round-off differs from machine to machine.
-    settings.add_filter(r"\d\.\d+e-1[0-9]", "[round-off]");
-    settings.bind(|| {
+    crate::desk::without_round_off().bind(|| {
         for line in [
             "forward --q-mm 500,501,502",
             "forward --q-mm 500,501,502 --virtualization polar",

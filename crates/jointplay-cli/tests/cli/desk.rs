@@ -80,3 +80,10 @@ pub(crate) fn three(value: &Value) -> [f64; 3] {
     let numbers: Vec<f64> = value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect();
     numbers.try_into().unwrap()
 }
+
+/// Settings for snapshots in which what is zero but for round-off is told as such: it differs from machine to machine.
+pub(crate) fn without_round_off() -> insta::Settings {
+    let mut settings = insta::Settings::clone_current();
+    settings.add_filter(r"\d\.\d+e-1[0-9]|\b0\.0{6}\b", "[round-off]");
+    settings
+}

@@ -31,14 +31,19 @@ impl Class {
     /// The class that follows from a finite mobility with its evidence.
     #[must_use]
     pub fn of(found: &FiniteMobility) -> Self {
-        let first = &found.instantaneous;
-        match found.mobility {
-            None => Self::Undecided,
-            Some(finite) if finite < first.mobility => Self::Shaky,
-            Some(0) if first.redundancy == 0 => Self::Rigid,
-            Some(0) => Self::OverconstrainedRigid,
-            Some(_) if first.redundancy == 0 => Self::Movable,
-            Some(_) => Self::OverconstrainedMovable,
+        Self::counted(found.mobility, found.instantaneous.mobility, found.instantaneous.redundancy)
+    }
+
+    /// The class that follows from finite mobility, mobility to first order, and redundancy.
+    #[must_use]
+    pub fn counted(finite: Option<usize>, instantaneous: usize, redundancy: usize) -> Self {
+        match (finite, redundancy) {
+            (None, _) => Self::Undecided,
+            (Some(finite), _) if finite < instantaneous => Self::Shaky,
+            (Some(0), 0) => Self::Rigid,
+            (Some(0), _) => Self::OverconstrainedRigid,
+            (Some(_), 0) => Self::Movable,
+            (Some(_), _) => Self::OverconstrainedMovable,
         }
     }
 

@@ -202,20 +202,17 @@ impl<'a> Kinematics<'a> {
             }
         }
         let mut screws = vec![(Vector3::zeros(), Vector3::zeros()); self.dimensions.len()];
-        let mut rates = Vec::new();
-        for (j, chain) in self.chains.iter().enumerate() {
-            let mut pose = links[self.mechanism.joints()[j].links[0]];
-            let mut rates_of_joint = Vec::new();
-            for element in &chain.elements {
-                pose *= element.before;
-                let after = pose * element.transform(home, by);
-                element.screws(&pose, &after, by, reference, &mut screws);
+        let mut rates = Vec::with_capacity(self.chains.len());
+        for j in 0..self.chains.len() {
+            let first = links[self.mechanism.joints()[j].links[0]];
+            let mut of_joint = Vec::new();
+            self.through_elements(j, first, home, by, |element, before, after| {
+                element.screws(before, after, by, reference, &mut screws);
                 if let Some(along) = along {
-                    rates_of_joint.push(element.rate(&after, by, along));
+                    of_joint.push(element.rate(after, by, along));
                 }
-                pose = after;
-            }
-            rates.push(rates_of_joint);
+            });
+            rates.push(of_joint);
         }
         let mismatches = self
             .cuts
@@ -226,6 +223,28 @@ impl<'a> Kinematics<'a> {
             })
             .collect();
         Placed { links, screws, mismatches, rates }
+    }
+
+    /// Goes through a joint from its first link's pose; returns the pose that it gives its second link.
+    ///
+    /// `see` gets each element with the poses before and behind it.
+    pub(super) fn through_elements(
+        &self,
+        joint: usize,
+        first: Pose,
+        home: &DVector<f64>,
+        by: &DVector<f64>,
+        mut see: impl FnMut(&Element, &Pose, &Pose),
+    ) -> Pose {
+        let chain = &self.chains[joint];
+        let mut pose = first;
+        for element in &chain.elements {
+            pose *= element.before;
+            let after = pose * element.transform(home, by);
+            see(element, &pose, &after);
+            pose = after;
+        }
+        pose * chain.end
     }
 
     /// The joints between the base and a link, each with the sense in which it is walked.
@@ -251,6 +270,9 @@ impl<'a> Kinematics<'a> {
         placed: &Placed,
         along: &DVector<f64>,
     ) -> (Vec<Motion>, Vec<Motion>) {
+        let through = |j: usize, from: &Motion| {
+            self.through(&placed.screws, &placed.rates[j], j, along, from)
+        };
         let still = (Vector3::zeros(), Vector3::zeros());
         let mut links = vec![Motion { velocity: still, acceleration: still }; placed.links.len()];
         for &(j, against) in &self.tree {
@@ -258,18 +280,15 @@ impl<'a> Kinematics<'a> {
             if against {
                 let own = self.velocity_of(placed, j, along);
                 let velocity = minus(&links[second].velocity, &own);
-                let beyond =
-                    self.through(placed, j, along, &Motion { velocity, acceleration: still });
+                let beyond = through(j, &Motion { velocity, acceleration: still });
                 let acceleration = minus(&links[second].acceleration, &beyond.acceleration);
                 links[first] = Motion { velocity, acceleration };
             } else {
-                links[second] = self.through(placed, j, along, &links[first]);
+                links[second] = through(j, &links[first]);
             }
         }
-        let closing = self
-            .cuts
-            .iter()
-            .map(|&j| self.through(placed, j, along, &links[self.mechanism.joints()[j].links[0]]));
+        let closing =
+            self.cuts.iter().map(|&j| through(j, &links[self.mechanism.joints()[j].links[0]]));
         let closing = closing.collect();
         (links, closing)
     }
@@ -281,19 +300,20 @@ impl<'a> Kinematics<'a> {
     }
 
     /// Motion of a joint's second link, given that of its first.
-    fn through(
+    pub(super) fn through(
         &self,
-        placed: &Placed,
+        screws: &[Twist],
+        rates: &[Vector3<f64>],
         joint: usize,
         along: &DVector<f64>,
         from: &Motion,
     ) -> Motion {
         let mut motion = *from;
-        for (element, rate) in self.chains[joint].elements.iter().zip(&placed.rates[joint]) {
+        for (element, rate) in self.chains[joint].elements.iter().zip(rates) {
             let own = (0..element.factor.coordinates().len())
                 .map(|k| element.coordinate + k)
                 .fold((Vector3::zeros(), Vector3::zeros()), |sum, k| {
-                    plus(&sum, &scaled(&placed.screws[k], along[k]))
+                    plus(&sum, &scaled(&screws[k], along[k]))
                 });
             motion.acceleration = plus(&motion.acceleration, &bracket(&motion.velocity, &own));
             // Only balls have a rate of their own: about a center, which need not be the reference point.
@@ -327,7 +347,7 @@ impl Element {
     }
 
     /// Twists of its coordinates in the base frame, the linear part at the reference point.
-    fn screws(
+    pub(super) fn screws(
         &self,
         before: &Pose,
         after: &Pose,

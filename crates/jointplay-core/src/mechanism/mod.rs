@@ -12,6 +12,7 @@ mod kinematics;
 mod motion;
 mod position;
 mod relief;
+mod sparse;
 mod suggest;
 mod system;
 mod tree;
@@ -24,8 +25,9 @@ pub use description::{
 pub use evidence::{Class, LinkMotion, SelfStress, link_motion, self_stresses};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
-pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive};
+pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive, drive_relieved};
 pub use position::{Position, PositionSolver};
 pub use relief::{Relief, ReliefSolver, relieve, virtual_weights};
+pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
 pub use system::{MAX_DENSE, MechanismSystem};

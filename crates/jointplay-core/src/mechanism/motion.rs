@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Closure, MechanismSystem, close};
+use super::{Closure, MechanismSystem, PositionSolver, ReliefSolver, close, relieve};
 use crate::Error;
 use crate::constraint::{System, scaled_jacobian, units};
 use crate::linalg::{Svd, svd};
@@ -139,6 +139,80 @@ pub fn drive(
     }
     if motion.stopped.is_some() && motion.waypoints.last() != Some(&here) {
         motion.waypoints.push(here);
+    }
+    Ok(motion)
+}
+
+/// Drives joint coordinates along a straight line with the virtual joints giving way as little as they can.
+///
+/// # Arguments
+/// * `start` – virtual joints at rest
+/// * `free` – joint coordinates that follow; all other joint coordinates are commanded
+/// * `count` – number of steps to report
+///
+/// # Errors
+/// [`Error::NotRelieved`] if not even the start can be relieved.
+/// A motion that stops is not an error: see [`Motion::stopped`].
+///
+/// # Numerics
+/// Each waypoint is the least displacement near the one before, by [`PositionSolver`], or by [`super::relieve`] from rest where that does not converge; singular configurations are not looked for.
+pub fn drive_relieved(
+    start: &MechanismSystem<'_>,
+    drives: &[Drive],
+    free: &[usize],
+    count: usize,
+) -> Result<Motion, Error> {
+    let run = Run::new(start, drives, free);
+    let joints = start.coordinate_dimensions().len();
+    let commanded: Vec<usize> = (0..joints).filter(|k| !free.contains(k)).collect();
+    let mut solver = match PositionSolver::new(start, &commanded) {
+        Ok(solver) => Some(solver),
+        Err(Error::PartlyCommanded { .. }) => None,
+        Err(other) => return Err(other),
+    };
+    let first = relieve(start, &commanded, ReliefSolver::LeastNorm)?;
+    let closed = |coordinates: DVector<f64>, residual: f64, iterations: usize| Closure {
+        coordinates,
+        residual,
+        iterations,
+    };
+    let mut here = closed(first.coordinates, first.residual, first.iterations);
+    let decomposition = run.decomposed(&here.coordinates)?;
+    let regular_rank = decomposition.rank(STEP_THRESHOLD);
+    let mut motion = Motion {
+        waypoints: vec![run.waypoint(0.0, here.clone(), &decomposition, regular_rank)],
+        singular: Vec::new(),
+        stopped: None,
+        steps: 0,
+    };
+    #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
+    for k in 1..=count {
+        motion.steps += 1;
+        let share = k as f64 / count as f64;
+        let mut to = here.coordinates.clone();
+        for (drive, from) in drives.iter().zip(&run.from) {
+            to[drive.coordinate] = from + (drive.to - from) * share;
+        }
+        let mut position = to.clone();
+        let solved = solver
+            .as_mut()
+            .and_then(|solver| solver.solve(position.as_mut_slice(), ReliefSolver::LeastNorm).ok());
+        here = match solved {
+            Some(found) => closed(position, found.residual, found.iterations),
+            None => {
+                to.rows_mut(joints, to.len() - joints).fill(0.0);
+                match relieve(&start.at(to)?, &commanded, ReliefSolver::LeastNorm) {
+                    Ok(found) => closed(found.coordinates, found.residual, found.iterations),
+                    Err(Error::NotRelieved { .. }) => {
+                        motion.stopped = Some(Stop::Incompatible);
+                        break;
+                    }
+                    Err(other) => return Err(other),
+                }
+            }
+        };
+        let decomposition = run.decomposed(&here.coordinates)?;
+        motion.waypoints.push(run.waypoint(share, here.clone(), &decomposition, regular_rank));
     }
     Ok(motion)
 }

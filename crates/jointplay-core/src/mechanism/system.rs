@@ -42,14 +42,8 @@ impl<'a> MechanismSystem<'a> {
     /// # Errors
     /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::TooLarge`] beyond [`MAX_DENSE`].
     pub fn new(mechanism: &'a Mechanism, home: DVector<f64>) -> Result<Self, Error> {
-        let sizes = [
-            ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),
-            ("closure equations", 6 * mechanism.loops()),
-        ];
-        for (what, found) in sizes {
-            if found > MAX_DENSE {
-                return Err(Error::TooLarge { what, found, allowed: MAX_DENSE });
-            }
+        if let Some((what, found)) = too_large(mechanism) {
+            return Err(Error::TooLarge { what, found, allowed: MAX_DENSE });
         }
         let kinematics = Kinematics::new(mechanism);
         check(&home, kinematics.dimensions().len())?;
@@ -57,6 +51,12 @@ impl<'a> MechanismSystem<'a> {
         let characteristic_length = mechanism.characteristic_length().unwrap_or(spread);
         let (cycles, orthonormalizer) = orthonormal_cycles(&kinematics);
         Ok(Self { kinematics, home, reference, characteristic_length, cycles, orthonormalizer })
+    }
+
+    /// Whether a mechanism is small enough for the dense algebra of a system; larger ones are for [`super::SparseSystem`].
+    #[must_use]
+    pub fn fits(mechanism: &Mechanism) -> bool {
+        too_large(mechanism).is_none()
     }
 
     /// The same mechanism about another home.
@@ -267,6 +267,15 @@ impl System for MechanismSystem<'_> {
         }
         self.combined(&raw).column(0).into_owned()
     }
+}
+
+/// What a mechanism has too much of for dense algebra, and how many.
+fn too_large(mechanism: &Mechanism) -> Option<(&'static str, usize)> {
+    let sizes = [
+        ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),
+        ("closure equations", 6 * mechanism.loops()),
+    ];
+    sizes.into_iter().find(|&(_, found)| found > MAX_DENSE)
 }
 
 /// Whether a coordinate vector has as many numbers as needed, all finite.

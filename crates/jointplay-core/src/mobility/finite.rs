@@ -73,7 +73,7 @@ pub fn finite_mobility<S: System + ?Sized>(
         });
     }
     let second_order = second_order(system, at, &instantaneous)?;
-    let neighbours = neighbours(system, at, &instantaneous)?;
+    let neighbours = neighbours(system, at, &instantaneous, &second_order)?;
     let (lower_bound, upper_bound) = (neighbours.dimension, second_order.upper_bound);
     Ok(FiniteMobility {
         mobility: (lower_bound == upper_bound).then_some(lower_bound),

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{InstantaneousMobility, instantaneous_mobility};
+use super::{InstantaneousMobility, SecondOrder, instantaneous_mobility};
 use crate::Error;
 use crate::constraint::{Configuration, System, scaled_jacobian, scaled_residual, units};
 use crate::linalg::svd;
@@ -43,7 +43,7 @@ const MAX_CHORDS: usize = 100;
 /// Configurations found near a given one, and what they span.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Neighbours {
-    /// How many starts were tried about the given configuration.
+    /// How many starts were tried about the given configuration, up to the one that decided.
     pub tried: usize,
     /// How many of them ended on another configuration nearby.
     pub found: usize,
@@ -61,44 +61,47 @@ pub(super) fn neighbours<S: System + ?Sized>(
     system: &S,
     at: &Configuration,
     first: &InstantaneousMobility,
+    second: &SecondOrder,
 ) -> Result<Neighbours, Error> {
     let search = Search::new(system, at, first.characteristic_length);
-    if let Some(all) = search.all_kept(at, first) {
+    if let Some(all) = search.all_kept(at, first, &first.null_space) {
         return Ok(all);
     }
-    let displacements = search.around(at, &first.null_space, RADIUS)?;
-    let tried = displacements.len();
-    let mut found: Vec<DVector<f64>> = displacements.into_iter().flatten().collect();
-    found.retain(|displacement| displacement.norm() > SAME_POINT * RADIUS);
-    let mut best = Neighbours { tried, found: found.len(), dimension: 0, spans: Vec::new() };
-    for displacement in found.iter().take(BRANCHES) {
-        // Out to where the given point, which may be singular, is as far away as what is looked for.
-        let Some(outward) = search.corrected(at, displacement * STRIDE, RADIUS * STRIDE)? else {
-            continue;
-        };
-        let neighbour = search.moved(at, &outward);
-        let there = instantaneous_mobility(system, &neighbour, NEIGHBOUR_RANK_THRESHOLD)?;
-        let close: Vec<DVector<f64>> = search
-            .around(&neighbour, &there.null_space, INNER_RADIUS)?
-            .into_iter()
-            .flatten()
-            .collect();
-        if close.is_empty() {
+    // Where second order stops all other motions, what it leaves free is all that is asked for.
+    if second.definite && second.free > 0 {
+        let free = &first.null_space * &second.free_motions;
+        if let Some(all) = search.all_kept(at, first, &free) {
+            return Ok(all);
+        }
+    }
+    let mut random = Random(1);
+    let mut best = Neighbours { tried: 0, found: 0, dimension: 0, spans: Vec::new() };
+    for _ in 0..first.mobility + 2 {
+        best.tried += 1;
+        let direction = random_direction(&mut random, first.mobility);
+        let start = &first.null_space * direction * RADIUS;
+        let Some(displacement) = search.corrected(at, start, RADIUS)? else { continue };
+        if displacement.norm() <= SAME_POINT * RADIUS {
             continue;
         }
-        let near = svd(&(DMatrix::from_columns(&close) / INNER_RADIUS))?;
-        let directions = near.singular_values.iter().filter(|&&span| span > SPAN_THRESHOLD).count();
-        let mut directions = near.u.columns(0, directions).into_owned();
-        for mut direction in directions.column_iter_mut() {
-            direction *= 1.0_f64.copysign(direction.dot(&outward));
+        best.found += 1;
+        if best.found > BRANCHES {
+            continue;
         }
-        let spans = search.led_on(&neighbour, &directions)?;
+        let Some(spans) = search.branch(at, &displacement)? else { continue };
         let dimension = spans.iter().filter(|&&span| span > LED_ON).count();
         if dimension > best.dimension || best.spans.is_empty() {
             best = Neighbours { dimension, spans, ..best };
         }
+        if best.dimension >= second.upper_bound {
+            break;
+        }
     }
     Ok(best)
+}
+
+fn random_direction(random: &mut Random, count: usize) -> DVector<f64> {
+    DVector::from_fn(count, |_, _| random.next()).normalize()
 }
 
 /// A search for configurations, in dimensionless coordinates.
@@ -125,16 +128,21 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
         }
     }
 
-    /// Whether every motion allowed to first order leads on, without changing direction: the common case, and far cheaper to see than a branch is to find.
+    /// Whether every one of some motions leads on, without changing direction: the common case, and far cheaper to see than a branch is to find.
     ///
     /// Corrections keep out of the null space, so that each start asks whether its very direction is a motion; random directions fail together where any does.
-    fn all_kept(&self, at: &Configuration, first: &InstantaneousMobility) -> Option<Neighbours> {
-        let h = first.mobility;
+    fn all_kept(
+        &self,
+        at: &Configuration,
+        first: &InstantaneousMobility,
+        motions: &DMatrix<f64>,
+    ) -> Option<Neighbours> {
+        let h = motions.ncols();
         let mut random = Random(2);
         let tried = h + 2;
         for _ in 0..tried {
-            let direction = DVector::from_fn(h, |_, _| random.next()).normalize();
-            let mut displacement = &first.null_space * direction * KEPT_RADIUS;
+            let direction = random_direction(&mut random, h);
+            let mut displacement = motions * direction * KEPT_RADIUS;
             let mut before = f64::INFINITY;
             let mut kept = false;
             for _ in 0..MAX_CHORDS {
@@ -162,21 +170,48 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
         Some(Neighbours { tried, found: tried, dimension: h, spans: vec![1.0; h] })
     }
 
-    /// Displacements to configurations at about `radius`, started in random directions of the null space; `None` for a start that led nowhere.
+    /// How far a branch leads on in each direction that it has, as a share of the way asked for; `None` where it ends at once.
+    fn branch(
+        &self,
+        at: &Configuration,
+        displacement: &DVector<f64>,
+    ) -> Result<Option<Vec<f64>>, Error> {
+        // Out to where the given point, which may be singular, is as far away as what is looked for.
+        let Some(outward) = self.corrected(at, displacement * STRIDE, RADIUS * STRIDE)? else {
+            return Ok(None);
+        };
+        let neighbour = self.moved(at, &outward);
+        let there = instantaneous_mobility(self.system, &neighbour, NEIGHBOUR_RANK_THRESHOLD)?;
+        // Independent constraints leave a manifold, all of whose directions lead on.
+        if there.redundancy == 0 {
+            return Ok(Some(vec![1.0; there.mobility]));
+        }
+        let close = self.around(&neighbour, &there.null_space, INNER_RADIUS)?;
+        if close.is_empty() {
+            return Ok(None);
+        }
+        let near = svd(&(DMatrix::from_columns(&close) / INNER_RADIUS))?;
+        let directions = near.singular_values.iter().filter(|&&span| span > SPAN_THRESHOLD).count();
+        let mut directions = near.u.columns(0, directions).into_owned();
+        for mut direction in directions.column_iter_mut() {
+            direction *= 1.0_f64.copysign(direction.dot(&outward));
+        }
+        self.led_on(&neighbour, &directions).map(Some)
+    }
+
+    /// Displacements to configurations at about `radius`, from more starts than there are motions to first order.
     fn around(
         &self,
         from: &Configuration,
         null_space: &DMatrix<f64>,
         radius: f64,
-    ) -> Result<Vec<Option<DVector<f64>>>, Error> {
+    ) -> Result<Vec<DVector<f64>>, Error> {
         let mut random = Random(1);
-        (0..null_space.ncols() + 2)
-            .map(|_| {
-                let direction =
-                    DVector::from_fn(null_space.ncols(), |_, _| random.next()).normalize();
-                self.corrected(from, null_space * direction * radius, radius)
-            })
-            .collect()
+        let starts = (0..null_space.ncols() + 2).filter_map(|_| {
+            let direction = random_direction(&mut random, null_space.ncols());
+            self.corrected(from, null_space * direction * radius, radius).transpose()
+        });
+        starts.collect()
     }
 
     /// How far some orthonormal directions lead on, as shares of the way asked for: singular values, so that a combination of directions counts once.

@@ -16,6 +16,11 @@ const QUADRIC_THRESHOLD: f64 = 1e-8;
 /// Steps of the search for a positive definite combination; a search that needs more ends as "none found", which only weakens the bound.
 const COMBINATION_STEPS: usize = 400;
 
+/// Starts and steps of the search for a direction on which all quadrics vanish, and the share of a direction that a step has to leave.
+const ZERO_STARTS: usize = 3;
+const ZERO_STEPS: usize = 20;
+const LEAST_LEFT: f64 = 0.1;
+
 /// What the second derivatives say of the motions allowed to first order.
 ///
 /// Each self-stress s gives a quadric Q_s(a) = sᵀ Φ''[N a, N a] on the coordinates a of the null space; a finite motion has to start where all are zero.
@@ -25,6 +30,8 @@ pub struct SecondOrder {
     pub quadrics: Vec<DMatrix<f64>>,
     /// Dimension of the motions on which every quadric vanishes identically together with its gradient.
     pub free: usize,
+    /// (mobility, free) orthonormal basis of them.
+    pub free_motions: DMatrix<f64>,
     /// Whether some combination of the quadrics is positive on all other motions, which stops them all.
     pub definite: bool,
     /// No finite motion has more freedoms.
@@ -36,29 +43,64 @@ pub(super) fn second_order<S: System + ?Sized>(
     at: &Configuration,
     first: &InstantaneousMobility,
 ) -> Result<SecondOrder, Error> {
-    let quadrics = quadrics(system, at, first);
-    let mobility = first.mobility;
-    let largest = quadrics.iter().map(DMatrix::amax).fold(0.0, f64::max);
-    let stacked = DMatrix::from_fn(mobility * quadrics.len(), mobility, |row, column| {
-        quadrics[row / mobility][(row % mobility, column)]
-    });
-    let decomposition = svd(&stacked)?;
-    // Against the largest possible quadric, not the largest found: a null result has to stay null.
-    let cut = QUADRIC_THRESHOLD * largest.max(1.0);
-    let stopped = decomposition.singular_values.iter().filter(|&&value| value > cut).count();
-    let free = mobility - stopped;
-    let directions = decomposition.v.columns(0, stopped);
-    let restricted: Vec<DMatrix<f64>> =
-        quadrics.iter().map(|quadric| directions.transpose() * quadric * directions).collect();
-    let definite = stopped > 0 && has_definite_combination(&restricted, cut);
-    let upper_bound = match (stopped, definite) {
-        (0, _) => mobility,
-        (_, true) => free,
-        // One quadric that is not identically zero takes at least one dimension; one that is no product of planes shares no component with another, so that the two take two.
-        (_, false) if has_irreducible_pair(&restricted, cut)? => mobility - 2,
-        (_, false) => mobility - 1,
-    };
-    Ok(SecondOrder { quadrics, free, definite, upper_bound })
+    SecondOrder::of(quadrics(system, at, first), first.mobility)
+}
+
+impl SecondOrder {
+    /// What follows from the quadrics of some motions.
+    pub(crate) fn of(quadrics: Vec<DMatrix<f64>>, mobility: usize) -> Result<Self, Error> {
+        let largest = quadrics.iter().map(DMatrix::amax).fold(0.0, f64::max);
+        let stacked = DMatrix::from_fn(mobility * quadrics.len(), mobility, |row, column| {
+            quadrics[row / mobility][(row % mobility, column)]
+        });
+        let decomposition = svd(&stacked)?;
+        // Against the largest possible quadric, not the largest found: a null result has to stay null.
+        let cut = QUADRIC_THRESHOLD * largest.max(1.0);
+        let stopped = decomposition.singular_values.iter().filter(|&&value| value > cut).count();
+        let free = mobility - stopped;
+        let directions = decomposition.v.columns(0, stopped);
+        let restricted: Vec<DMatrix<f64>> =
+            quadrics.iter().map(|quadric| directions.transpose() * quadric * directions).collect();
+        // Where all vanish, no combination is positive: seen in a few steps, the other in hundreds.
+        let definite = stopped > 0
+            && !have_common_zero(&restricted, cut)?
+            && has_definite_combination(&restricted, cut);
+        let upper_bound = match (stopped, definite) {
+            (0, _) => mobility,
+            (_, true) => free,
+            // One quadric that is not identically zero takes at least one dimension; one that is no product of planes shares no component with another, so that the two take two.
+            (_, false) if has_irreducible_pair(&restricted, cut)? => mobility - 2,
+            (_, false) => mobility - 1,
+        };
+        let free_motions = decomposition.v.columns(stopped, free).into_owned();
+        Ok(Self { quadrics, free, free_motions, definite, upper_bound })
+    }
+}
+
+/// Whether all quadrics vanish on some direction, as far as Newton's method finds one from a few starts.
+fn have_common_zero(quadrics: &[DMatrix<f64>], cut: f64) -> Result<bool, Error> {
+    let size = quadrics[0].nrows();
+    let mut random = Random(6);
+    for _ in 0..ZERO_STARTS {
+        let mut there = DVector::from_fn(size, |_, _| random.next()).normalize();
+        for _ in 0..ZERO_STEPS {
+            let products: Vec<DVector<f64>> = quadrics.iter().map(|q| q * &there).collect();
+            let values = products.iter().map(|product| product.dot(&there));
+            let values = DVector::from_iterator(products.len(), values);
+            if values.amax() <= cut {
+                return Ok(true);
+            }
+            let gradients = DMatrix::from_columns(&products).transpose() * 2.0;
+            let decomposition = svd(&gradients)?;
+            there -= decomposition.solve(&values, decomposition.rank(QUADRIC_THRESHOLD));
+            let norm = there.norm();
+            if norm < LEAST_LEFT {
+                break;
+            }
+            there /= norm;
+        }
+    }
+    Ok(false)
 }
 
 /// Whether two of the quadrics are independent and some combination of them is of rank 3 or more, which makes it irreducible over the complex numbers.

@@ -2,7 +2,8 @@
 
 use jointplay_core::Error;
 use jointplay_core::mechanism::{
-    Class, Closure, MechanismSystem, Relief, link_motion, self_stresses,
+    Class, Closure, Mechanism, MechanismSystem, Relief, SparseMobility, SparseSystem, link_motion,
+    self_stresses,
 };
 use jointplay_core::mobility::{FiniteMobility, kutzbach_mobility};
 use nalgebra::DVector;
@@ -148,6 +149,83 @@ pub struct MechanismMobilityReport {
     pub self_stress: Vec<Vec<f64>>,
 }
 
+/// What `mobility` answers of a mechanism with too many loops for dense algebra: the same, but for what would take a matrix of all.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SparseMobilityReport {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Units of the coordinates.
+    pub units: UnitsReport,
+    /// Coordinates of the configuration by name.
+    pub coordinates: ByName<f64>,
+    /// Freedoms of all joints together.
+    pub joint_freedoms: usize,
+    /// Independent loops.
+    pub loops: usize,
+    /// Freedoms by the Kutzbach–Grübler count.
+    pub kutzbach_mobility: i64,
+    /// Freedoms to first order.
+    pub instantaneous_mobility: usize,
+    /// Freedoms for real; `null` where undecided.
+    pub finite_mobility: Option<usize>,
+    /// Bounds between which the finite mobility lies.
+    pub finite_mobility_bounds: [usize; 2],
+    /// Independent constraints.
+    pub rank: usize,
+    /// Constraints that say nothing new.
+    pub redundancy: usize,
+    /// What class of mechanism this makes it, in words.
+    pub class: &'static str,
+    /// Largest singular value of the joint closures in link twists.
+    pub largest_singular_value: f64,
+    /// The least that counts, if one does.
+    pub smallest_counted: Option<f64>,
+    /// The largest that counts as zero, if one does.
+    pub largest_uncounted: Option<f64>,
+    /// Values at or below it count as zero.
+    pub threshold: f64,
+    /// Length in which the Jacobian is scaled [mm].
+    pub characteristic_length_mm: f64,
+    /// Independent motions to first order, one an entry, in radians and characteristic lengths; order of the coordinates.
+    pub null_space: Vec<Vec<f64>>,
+}
+
+/// Tells what of a mechanism with many loops can move.
+#[must_use]
+pub fn sparse_mobility(
+    file: &MechanismFile,
+    system: &SparseSystem<'_>,
+    found: &SparseMobility,
+) -> SparseMobilityReport {
+    let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
+    SparseMobilityReport {
+        name: mechanism.name().to_owned(),
+        units: UnitsReport::of(&coordinates),
+        coordinates: by_name(&coordinates, system.coordinates()),
+        joint_freedoms: mechanism.joint_freedoms(),
+        loops: mechanism.loops(),
+        kutzbach_mobility: counted(mechanism),
+        instantaneous_mobility: found.mobility,
+        finite_mobility: found.finite,
+        finite_mobility_bounds: [found.lower_bound, found.upper_bound],
+        rank: found.rank,
+        redundancy: found.redundancy,
+        class: Class::counted(found.finite, found.mobility, found.redundancy).words(),
+        largest_singular_value: found.largest,
+        smallest_counted: found.smallest_counted,
+        largest_uncounted: found.largest_uncounted,
+        threshold: found.threshold,
+        characteristic_length_mm: mm(found.characteristic_length),
+        null_space: columns(&found.motions),
+    }
+}
+
+fn counted(mechanism: &Mechanism) -> i64 {
+    let freedoms: Vec<usize> =
+        mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
+    kutzbach_mobility(mechanism.links().len(), &freedoms)
+}
+
 /// A constraint that says nothing new, as the wrench that the mechanism can carry in itself.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct CarriedTwiceReport {
@@ -188,8 +266,6 @@ pub fn mechanism_mobility(
     finite: &FiniteMobility,
 ) -> Result<MechanismMobilityReport, Error> {
     let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
-    let freedoms: Vec<usize> =
-        mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
     let first = &finite.instantaneous;
     let carried_twice = self_stresses(system, first)?.into_iter().map(|stress| {
         let joints = stress.wrenches.iter().map(|(j, ..)| mechanism.joints()[*j].name.clone());
@@ -217,7 +293,7 @@ pub fn mechanism_mobility(
         virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
         joint_freedoms: mechanism.joint_freedoms(),
         loops: mechanism.loops(),
-        kutzbach_mobility: kutzbach_mobility(mechanism.links().len(), &freedoms),
+        kutzbach_mobility: counted(mechanism),
         instantaneous_mobility: first.mobility,
         finite_mobility: finite.mobility,
         finite_mobility_bounds: [finite.lower_bound, finite.upper_bound],

@@ -24,7 +24,10 @@ pub struct MotionReport {
     pub largest_residual: f64,
     /// Singular configurations on the way.
     pub singular: Vec<SingularReport>,
-    /// Coordinates that went beyond their limits.
+    /// Largest displacement of each virtual joint on the way, if there are any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub largest_displacements: Option<ByName<f64>>,
+    /// Coordinates that went beyond their limits, and virtual joints that went beyond their clearance.
     pub limits_broken: Vec<String>,
     /// `locked` or `incompatible`; `null` at the end of the way.
     pub stopped: Option<&'static str>,
@@ -70,7 +73,7 @@ pub fn motion(
         least_singular_value: there.least_singular_value,
         coordinates: by_name(&coordinates, &there.coordinates),
     });
-    let series = (0..coordinates.joints()).map(|k| {
+    let series = (0..coordinates.all().len()).map(|k| {
         let values = motion.waypoints.iter().map(|at| coordinates.from_si(k, at.coordinates[k]));
         (coordinates.column(k), values.collect())
     });
@@ -100,6 +103,7 @@ pub fn motion(
         steps: motion.steps,
         largest_residual: motion.waypoints.iter().map(|at| at.residual).fold(0.0, f64::max),
         singular: singular.collect(),
+        largest_displacements: largest_displacements(&coordinates, motion),
         limits_broken: beyond_limits(file, &coordinates, motion),
         stopped: why.map(|(word, _)| word),
         message: why.map(|(_, reason)| format!("stopped at {}: {reason}", where_it_stands())),
@@ -119,13 +123,28 @@ impl MotionReport {
     }
 }
 
-/// Names of the coordinates that are beyond their limits somewhere on the way.
+fn largest_displacements(coordinates: &Coordinates, motion: &Motion) -> Option<ByName<f64>> {
+    let named = coordinates.all().iter().enumerate().skip(coordinates.joints());
+    let largest = named.map(|(k, one)| {
+        let values = motion.waypoints.iter().map(|at| at.coordinates[k].abs());
+        (one.name.clone(), coordinates.from_si(k, values.fold(0.0, f64::max)))
+    });
+    let largest: Vec<_> = largest.collect();
+    (!largest.is_empty()).then_some(ByName(largest))
+}
+
+/// Names of the coordinates that are beyond their limits somewhere on the way, and of virtual joints beyond their clearance.
 fn beyond_limits(file: &MechanismFile, coordinates: &Coordinates, motion: &Motion) -> Vec<String> {
     let limits = file
         .mechanism
         .joints()
         .iter()
         .flat_map(|joint| (0..joint.kind.freedoms()).map(|k| joint.limits.get(k).copied()));
+    let clearances = file
+        .mechanism
+        .virtual_joints()
+        .iter()
+        .map(|joint| joint.clearance.map(|most| [-most, most]));
     let beyond = |k: usize, [least, most]: [f64; 2]| {
         // Round-off at the very end of a way to a limit is not beyond it.
         let slack = 1e-9 * (most - least);
@@ -135,6 +154,7 @@ fn beyond_limits(file: &MechanismFile, coordinates: &Coordinates, motion: &Motio
         })
     };
     limits
+        .chain(clearances)
         .enumerate()
         .filter(|&(k, limits)| limits.is_some_and(|limits| beyond(k, limits)))
         .map(|(k, _)| coordinates.all()[k].name.clone())

@@ -1,0 +1,322 @@
+//! Mobility of mechanisms with many loops.
+
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::{Linear, SparseSystem};
+use crate::Error;
+use crate::linalg::svd;
+use crate::mechanism::kinematics::Motion;
+use crate::mobility::SecondOrder;
+use crate::random::Random;
+
+/// Scaled residual up to which a configuration counts as closed, as for [`crate::mobility::finite_mobility`].
+const CLOSED: f64 = 1e-9;
+/// Rounds of inverse iteration: each gains the square of damping over the least singular value that counts.
+const ROUNDS: usize = 6;
+/// Rounds of the power iteration for the largest singular value, which is needed to a few per cent.
+const POWER_ROUNDS: usize = 30;
+/// How far the fastest coordinate is led on in every direction, in radians and characteristic lengths.
+const KEPT: f64 = 0.3;
+/// The shortest step of that, as a share of it.
+const SHORTEST_STEP: f64 = 1e-2;
+/// Changes of a projection onto what joints can meet below this share of it are the end.
+const SETTLED: f64 = 1e-12;
+
+/// Mobility of a mechanism with many loops, with its evidence.
+///
+/// Rank and redundancy are those of the loop closures, as in [`crate::mobility::InstantaneousMobility`]; singular values are those of the joint closures in link twists.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SparseMobility {
+    /// Dimension of the motions that all constraints allow to first order.
+    pub mobility: usize,
+    /// Independent loop closures.
+    pub rank: usize,
+    /// Loop closures that say nothing new.
+    pub redundancy: usize,
+    /// The dimension for real, or `None` where the bounds do not meet.
+    pub finite: Option<usize>,
+    /// Every direction of so many has been followed a good way, or 0.
+    pub lower_bound: usize,
+    /// Dimension that first and second order leave room for.
+    pub upper_bound: usize,
+    /// (f, mobility) rates of the joints in independent motions; lengths in characteristic lengths.
+    pub motions: DMatrix<f64>,
+    /// Largest singular value.
+    pub largest: f64,
+    /// Least singular value that counts, if there is one.
+    pub smallest_counted: Option<f64>,
+    /// Largest singular value that counts as zero, if one does.
+    pub largest_uncounted: Option<f64>,
+    /// Values at or below this one count as zero.
+    pub threshold: f64,
+    /// Length by which lengths and angles are compared [m].
+    pub characteristic_length: f64,
+}
+
+/// The small end of the singular values.
+pub(super) struct Spectrum {
+    /// The least values, ascending: all that count as zero, and at least one more if there is one.
+    pub(super) values: Vec<f64>,
+    /// (6·(links − 1), values) twists of links that belong to them.
+    pub(super) vectors: DMatrix<f64>,
+    /// How many count as zero.
+    pub(super) zeros: usize,
+    pub(super) largest: f64,
+}
+
+impl Linear {
+    /// Least singular values by inverse iteration on a block that grows until one of them counts.
+    pub(super) fn smallest(
+        &self,
+        relative_threshold: f64,
+        block: usize,
+    ) -> Result<Spectrum, Error> {
+        let largest = self.largest();
+        let mut block = block.min(self.size());
+        loop {
+            let (values, vectors) = self.least(block)?;
+            let zeros =
+                values.iter().filter(|&&value| value <= relative_threshold * largest).count();
+            if zeros < block || block == self.size() {
+                return Ok(Spectrum { values, vectors, zeros, largest });
+            }
+            block = (2 * block).min(self.size());
+        }
+    }
+
+    /// The `block` least singular values, ascending, and their vectors.
+    fn least(&self, block: usize) -> Result<(Vec<f64>, DMatrix<f64>), Error> {
+        let mut random = Random(4);
+        let mut x = DMatrix::from_fn(self.size(), block, |_, _| random.next());
+        self.solve(&mut x);
+        for _ in 0..ROUNDS {
+            x = x.qr().q();
+            // N⁻¹ δ² x, but from what x really breaks, which loses nothing.
+            let mut broken = self.apply_transposed_all(&self.apply_all(&x));
+            self.solve(&mut broken);
+            x -= broken;
+        }
+        let x = x.qr().q();
+        let triangle = self.apply_all(&x).qr().r();
+        let found = svd(&triangle)?;
+        let ascending: Vec<usize> = (0..block).rev().collect();
+        let vectors = (x * found.v).select_columns(&ascending);
+        let value = |k: usize| found.singular_values.get(k).copied().unwrap_or(0.0);
+        Ok((ascending.into_iter().map(value).collect(), vectors))
+    }
+
+    fn largest(&self) -> f64 {
+        let mut random = Random(5);
+        let mut x = DVector::from_fn(self.size(), |_, _| random.next());
+        let mut size = 0.0;
+        for _ in 0..POWER_ROUNDS {
+            let norm = x.norm();
+            if norm == 0.0 {
+                return 0.0;
+            }
+            x /= norm;
+            let y = self.apply(x.as_slice());
+            size = y.norm();
+            x = self.apply_transposed(&y);
+        }
+        size
+    }
+
+    fn apply_all(&self, x: &DMatrix<f64>) -> DMatrix<f64> {
+        let columns: Vec<_> = x.column_iter().map(|column| self.apply(column.as_slice())).collect();
+        DMatrix::from_columns(&columns)
+    }
+
+    fn apply_transposed_all(&self, y: &DMatrix<f64>) -> DMatrix<f64> {
+        let columns: Vec<_> =
+            y.column_iter().map(|column| self.apply_transposed(&column.into_owned())).collect();
+        DMatrix::from_columns(&columns)
+    }
+}
+
+impl SparseSystem<'_> {
+    /// Mobility of the closed mechanism, to first order and for real.
+    ///
+    /// # Arguments
+    /// * `relative_threshold` – [`crate::mobility::RANK_THRESHOLD`], or another share of the largest singular value
+    ///
+    /// # Errors
+    /// [`Error::NotClosed`] if a joint is open.
+    ///
+    /// # Numerics
+    /// Least singular values by inverse iteration with the sparse factor of the damped normal equations; what each vector breaks is formed without squaring, so that zeros are told to round-off.
+    /// All motions are finite if every direction of a few at random, more than there are motions, can be followed for 0.3 rad of its fastest joint.
+    /// Otherwise second derivatives bound the mobility from above, and the lower bound is left at zero: a search for branches is not done here.
+    ///
+    /// # Source
+    /// [GolubVanLoan], section 8.2, for the iteration; the bounds as in [`crate::mobility::finite_mobility`]
+    pub fn mobility(&self, relative_threshold: f64) -> Result<SparseMobility, Error> {
+        let residual = self.residual();
+        if residual.is_nan() || residual > CLOSED {
+            return Err(Error::NotClosed { residual, allowed: CLOSED });
+        }
+        let held = self.held([]);
+        let linear = self.linear(&held)?;
+        let spectrum = linear.smallest(relative_threshold, 4)?;
+        let mechanism = self.kinematics.mechanism();
+        let freedoms = mechanism.joint_freedoms();
+        let independent: usize = linear.joints.iter().map(|joint| joint.freedoms).sum();
+        // Links that stay where they are while a coordinate moves: joints whose own motions depend on each other.
+        let idle = freedoms - independent;
+        let mobility = spectrum.zeros + idle;
+        let rank = freedoms - mobility;
+        let redundancy = 6 * mechanism.loops() - rank;
+        let twists = spectrum.vectors.columns(0, spectrum.zeros).into_owned();
+        let still = DVector::zeros(6 * linear.joints.len());
+        let rates: Vec<DVector<f64>> = twists
+            .column_iter()
+            .map(|x| linear.rates(x.as_slice(), &still, self.coordinates.len()))
+            .collect();
+        let first_order_decides = redundancy == 0 || mobility == 0;
+        let (lower_bound, upper_bound) =
+            if first_order_decides || (idle == 0 && self.all_kept(&rates)?) {
+                (mobility, mobility)
+            } else {
+                let quadrics = self.quadrics(&linear, &twists, &rates)?;
+                (0, SecondOrder::of(quadrics, spectrum.zeros)?.upper_bound + idle)
+            };
+        let units = self.units();
+        let motions =
+            rates.iter().map(|rates| rates.component_div(&units).rows(0, freedoms).into_owned());
+        let motions: Vec<_> = motions.collect();
+        Ok(SparseMobility {
+            mobility,
+            rank,
+            redundancy,
+            finite: (lower_bound == upper_bound).then_some(lower_bound),
+            lower_bound,
+            upper_bound,
+            motions: if motions.is_empty() {
+                DMatrix::zeros(freedoms, 0)
+            } else {
+                DMatrix::from_columns(&motions)
+            },
+            largest: spectrum.largest,
+            smallest_counted: spectrum.values.get(spectrum.zeros).copied(),
+            largest_uncounted: spectrum.zeros.checked_sub(1).map(|last| spectrum.values[last]),
+            threshold: relative_threshold * spectrum.largest,
+            characteristic_length: self.length,
+        })
+    }
+
+    /// Whether motions in random directions, each given by as many coordinates as there are motions, all lead on.
+    fn all_kept(&self, rates: &[DVector<f64>]) -> Result<bool, Error> {
+        let units = self.units();
+        let leading = leading(rates, &units);
+        let held = self.held(leading.iter().copied());
+        let mut random = Random(2);
+        for _ in 0..rates.len() + 2 {
+            let mut direction = DVector::zeros(self.coordinates.len());
+            for rate in rates {
+                direction.axpy(random.next(), rate, 1.0);
+            }
+            direction *= KEPT / self.largest(&direction);
+            let mut way = DVector::zeros(direction.len());
+            for &k in &leading {
+                way[k] = direction[k];
+            }
+            let done = self.clone().follow(&way, &held, &mut 0.5, SHORTEST_STEP)?;
+            if done < 1.0 {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// What second derivatives break that no first-order motion can mend, as quadrics of the motions.
+    fn quadrics(
+        &self,
+        linear: &Linear,
+        twists: &DMatrix<f64>,
+        rates: &[DVector<f64>],
+    ) -> Result<Vec<DMatrix<f64>>, Error> {
+        let h = rates.len();
+        let pairs: Vec<(usize, usize)> =
+            (0..h).flat_map(|a| (0..=a).map(move |b| (a, b))).collect();
+        let open: Vec<DVector<f64>> = pairs
+            .iter()
+            .map(|&(a, b)| {
+                let along = |sign: f64| {
+                    let x = twists.column(a) + twists.column(b) * sign;
+                    self.second_derivative(linear, &x, &(&rates[a] + &rates[b] * sign))
+                };
+                let mixed = (along(1.0) - along(-1.0)) * 0.25;
+                let met = linear.apply(linear.solve_least(&mixed, SETTLED).as_slice());
+                mixed - met
+            })
+            .collect();
+        if open.is_empty() {
+            return Ok(Vec::new());
+        }
+        let combined = DMatrix::from_columns(&open).qr().r();
+        let quadrics = combined.row_iter().map(|row| {
+            let mut quadric = DMatrix::zeros(h, h);
+            for (&(a, b), &value) in pairs.iter().zip(row.iter()) {
+                quadric[(a, b)] = value;
+                quadric[(b, a)] = value;
+            }
+            quadric
+        });
+        Ok(quadrics.collect())
+    }
+
+    /// What each joint breaks as links and coordinates go on at constant speed: second derivative of its closure.
+    fn second_derivative(
+        &self,
+        linear: &Linear,
+        x: &DVector<f64>,
+        rates: &DVector<f64>,
+    ) -> DVector<f64> {
+        let still = Vector3::zeros();
+        let mut broken = DVector::zeros(6 * linear.joints.len());
+        for (j, joint) in linear.joints.iter().enumerate() {
+            let (angular, at_point) =
+                joint.links[0].checked_sub(1).map_or((still, still), |link| {
+                    let angular = x.fixed_rows::<3>(6 * link).into_owned();
+                    let linear = x.fixed_rows::<3>(6 * link + 3) + angular.cross(&joint.arms[0]);
+                    (angular, linear * self.length)
+                });
+            let from = Motion { velocity: (angular, at_point), acceleration: (still, still) };
+            let no_rates = vec![still; self.kinematics.chains()[j].elements.len()];
+            let beyond = self.kinematics.through(&linear.screws, &no_rates, j, rates, &from);
+            let (angular, linear) = beyond.acceleration;
+            broken.fixed_rows_mut::<6>(6 * j).copy_from(&self.scaled(&angular, &linear));
+        }
+        linear.refused(&broken)
+    }
+
+    fn units(&self) -> DVector<f64> {
+        crate::constraint::units(self.kinematics.dimensions(), self.length)
+    }
+}
+
+/// Coordinates by which the motions can be told apart best, one for each.
+fn leading(rates: &[DVector<f64>], units: &DVector<f64>) -> Vec<usize> {
+    let mut rest: Vec<DVector<f64>> = rates.iter().map(|rate| rate.component_div(units)).collect();
+    let mut leading = Vec::with_capacity(rest.len());
+    for motion in 0..rest.len() {
+        let mut best = (motion, 0, -1.0);
+        for (m, rate) in rest.iter().enumerate().skip(motion) {
+            let k = rate.iamax();
+            if rate[k].abs() > best.2 {
+                best = (m, k, rate[k].abs());
+            }
+        }
+        let (m, k, size) = best;
+        rest.swap(motion, m);
+        leading.push(k);
+        if size > 0.0 {
+            let pivot = &rest[motion] / rest[motion][k];
+            for rate in rest.iter_mut().skip(motion + 1) {
+                let factor = rate[k];
+                *rate -= &pivot * factor;
+            }
+        }
+    }
+    leading
+}

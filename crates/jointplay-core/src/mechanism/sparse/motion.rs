@@ -1,0 +1,229 @@
+//! Closing and driving by sparse algebra.
+
+use nalgebra::DVector;
+
+use super::{Linear, SparseSystem};
+use crate::Error;
+use crate::constraint::Dimension;
+use crate::mechanism::{CLOSED, Closure, Drive, Motion, Stop, Waypoint};
+use crate::mobility::RANK_THRESHOLD;
+
+/// Changes of a step by refinement below this share of it are the end: Newton's method mends the rest.
+const SETTLED: f64 = 1e-6;
+/// Corrections after each step.
+const MAX_CORRECTIONS: usize = 20;
+/// A correction longer than this share of its step may have left the branch.
+const LARGEST_CORRECTION: f64 = 0.2;
+/// The longest step of a coordinate, in radians and characteristic lengths.
+const LONGEST_STEP: f64 = 0.3;
+/// The shortest step, as a share of the whole way: what cannot go so far is locked.
+const SHORTEST_STEP: f64 = 1e-5;
+/// A least singular value below this share of that at the start is a dead point.
+const DEAD: f64 = 1e-2;
+
+impl SparseSystem<'_> {
+    /// Corrects links and coordinates until all joints are closed, by Gauss–Newton steps of least norm; returns how many.
+    ///
+    /// # Arguments
+    /// * `held` – indices of the coordinates that keep their values; virtual joints always do
+    ///
+    /// # Errors
+    /// [`Error::NotReached`]: the system is then as near as it came.
+    pub fn close(&mut self, held: &[usize], max_iterations: usize) -> Result<usize, Error> {
+        let held = self.held(held.iter().copied());
+        self.correct(&held, max_iterations).map(|(iterations, _)| iterations)
+    }
+
+    /// Closes all joints; returns the steps done and the longest way of a coordinate.
+    fn correct(&mut self, held: &[bool], max_iterations: usize) -> Result<(usize, f64), Error> {
+        let mut residual = self.residual();
+        let (mut iterations, mut moved) = (0, DVector::zeros(self.coordinates.len()));
+        while residual > 0.01 * CLOSED && iterations < max_iterations {
+            iterations += 1;
+            let linear = self.linear(held)?;
+            let (x, by) = self.least_step(&linear, None);
+            let mut share = (LONGEST_STEP / self.largest(&by)).min(1.0);
+            let mut better = None;
+            for _ in 0..10 {
+                let mut there = self.clone();
+                let reached = there.displace((&x * share).as_slice(), &(&by * share));
+                if reached < residual {
+                    better = Some((there, reached));
+                    break;
+                }
+                share *= 0.5;
+            }
+            let Some((there, reached)) = better else { break };
+            moved += &by * share;
+            let stalled = residual <= CLOSED && reached > 0.5 * residual;
+            (*self, residual) = (there, reached);
+            if stalled {
+                break;
+            }
+        }
+        if residual <= CLOSED {
+            Ok((iterations, self.largest(&moved)))
+        } else {
+            Err(Error::NotReached { residual, allowed: CLOSED, iterations })
+        }
+    }
+
+    /// Twists of links and rates of coordinates that close the joints to first order while drives go their way.
+    fn least_step(
+        &self,
+        linear: &Linear,
+        drives: Option<&DVector<f64>>,
+    ) -> (DVector<f64>, DVector<f64>) {
+        let mut beyond = DVector::zeros(6 * linear.joints.len());
+        for (j, joint) in linear.joints.iter().enumerate() {
+            let mut twist = joint.mismatch;
+            if let Some(drives) = drives {
+                for k in self.kinematics.columns_of(j).filter(|&k| drives[k] != 0.0) {
+                    let (angular, linear) = &linear.screws[k];
+                    twist += self.scaled(angular, linear) * drives[k];
+                }
+            }
+            beyond.fixed_rows_mut::<6>(6 * j).copy_from(&twist);
+        }
+        let x = linear.solve_least(&-linear.refused(&beyond), SETTLED);
+        let mut by = linear.rates(x.as_slice(), &beyond, self.coordinates.len());
+        if let Some(drives) = drives {
+            by += drives;
+        }
+        (x, by)
+    }
+
+    /// The longest way of a coordinate, in radians and characteristic lengths.
+    pub(super) fn largest(&self, by: &DVector<f64>) -> f64 {
+        let sizes =
+            by.iter().zip(self.kinematics.dimensions()).map(|(value, dimension)| match dimension {
+                Dimension::Angle => value.abs(),
+                Dimension::Length | Dimension::SquaredLength => value.abs() / self.length,
+            });
+        sizes.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// Goes a way in some coordinates, by steps whose corrections stay small; returns the share done.
+    ///
+    /// # Arguments
+    /// * `way` – (f + M) how far each driven coordinate goes; zero for those that follow
+    pub(super) fn follow(
+        &mut self,
+        way: &DVector<f64>,
+        held: &[bool],
+        step: &mut f64,
+        shortest: f64,
+    ) -> Result<f64, Error> {
+        let mut done = 0.0;
+        while done < 1.0 {
+            let share = if done + *step > 1.0 - 0.01 * shortest { 1.0 - done } else { *step };
+            let linear = self.linear(held)?;
+            let (x, by) = self.least_step(&linear, Some(&(way * share)));
+            let size = self.largest(&by);
+            let mut there = self.clone();
+            there.displace(x.as_slice(), &by);
+            let stayed = size <= LONGEST_STEP
+                && matches!(
+                    there.correct(held, MAX_CORRECTIONS),
+                    Ok((_, moved)) if moved <= LARGEST_CORRECTION * size
+                );
+            if stayed {
+                *self = there;
+                done = if share == 1.0 - done { 1.0 } else { done + share };
+                *step *= 2.0;
+            } else {
+                *step *= 0.5;
+                if *step < shortest {
+                    break;
+                }
+            }
+        }
+        Ok(done)
+    }
+
+    /// Drives coordinates to their values along a straight line, as [`crate::mechanism::drive`] does.
+    ///
+    /// # Arguments
+    /// * `drives` – where to; all arrive together
+    /// * `still` – indices of other coordinates that keep their values
+    /// * `count` – number of steps to report
+    ///
+    /// # Errors
+    /// [`Error::NotReached`] if the start does not close.
+    /// A motion that stops is not an error: see [`Motion::stopped`].
+    ///
+    /// # Numerics
+    /// Least singular values are told at each waypoint, but singular configurations between them are not looked for.
+    pub fn drive(
+        mut self,
+        drives: &[Drive],
+        still: &[usize],
+        count: usize,
+    ) -> Result<Motion, Error> {
+        let driven = drives.iter().map(|drive| drive.coordinate);
+        let held = self.held(driven.chain(still.iter().copied()));
+        self.correct(&held, MAX_CORRECTIONS)?;
+        let mut way = DVector::zeros(self.coordinates.len());
+        for drive in drives {
+            way[drive.coordinate] = drive.to - self.coordinates[drive.coordinate];
+        }
+        let from = self.coordinates.clone();
+        let first = self.waypoint(0.0, &held, None)?;
+        let regular = first.free_mobility;
+        let mut motion =
+            Motion { waypoints: vec![first], singular: Vec::new(), stopped: None, steps: 0 };
+        let mut step = 1.0;
+        #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
+        for k in 1..=count {
+            let part = &way / count as f64;
+            motion.steps += 1;
+            let done = self.follow(&part, &held, &mut step, SHORTEST_STEP)?;
+            let share = (k as f64 - 1.0 + done) / count as f64;
+            if done == 1.0 {
+                // Sums of many steps would be off by round-off.
+                for drive in drives {
+                    let k = drive.coordinate;
+                    self.coordinates[k] = from[k] + way[k] * share;
+                }
+            }
+            motion.waypoints.push(self.waypoint(share, &held, Some(regular))?);
+            if done < 1.0 {
+                let least = |w: &Waypoint| w.least_singular_value;
+                let dead = motion
+                    .waypoints
+                    .last()
+                    .is_some_and(|last| least(last) < DEAD * least(&motion.waypoints[0]).min(1.0));
+                motion.stopped = Some(if dead { Stop::Locked } else { Stop::Incompatible });
+                break;
+            }
+        }
+        Ok(motion)
+    }
+
+    fn waypoint(
+        &self,
+        share: f64,
+        held: &[bool],
+        regular: Option<usize>,
+    ) -> Result<Waypoint, Error> {
+        let spectrum = self.linear(held)?.smallest(RANK_THRESHOLD, regular.map_or(2, |h| h + 1))?;
+        let free = spectrum.zeros;
+        let least =
+            spectrum.values.get(regular.unwrap_or(free)).copied().unwrap_or(spectrum.largest);
+        Ok(Waypoint {
+            share,
+            coordinates: self.coordinates.clone(),
+            residual: self.residual(),
+            free_mobility: free,
+            least_singular_value: least / spectrum.largest.max(f64::MIN_POSITIVE),
+        })
+    }
+}
+
+impl SparseSystem<'_> {
+    /// The configuration as a closure.
+    #[must_use]
+    pub fn closure(&self, iterations: usize) -> Closure {
+        Closure { coordinates: self.coordinates.clone(), residual: self.residual(), iterations }
+    }
+}

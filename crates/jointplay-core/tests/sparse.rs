@@ -1,0 +1,110 @@
+//! Sparse algebra against dense, and mechanisms too large for dense.
+#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+
+mod families;
+mod robot;
+
+use families::{bennett_row, scissor_lift};
+use jointplay_core::Error;
+use jointplay_core::mechanism::{
+    Drive, Mechanism, MechanismSystem, SparseMobility, SparseSystem, assemble, guess,
+};
+use jointplay_core::mobility::{RANK_THRESHOLD, finite_mobility};
+use jointplay_core::nalgebra::Vector3;
+
+fn mobility(mechanism: &Mechanism) -> SparseMobility {
+    let mut system = SparseSystem::new(mechanism, guess(mechanism)).unwrap();
+    system.close(&[], 100).unwrap();
+    system.mobility(RANK_THRESHOLD).unwrap()
+}
+
+/// By dense algebra and by sparse: the same counts, and the same answer where sparse algebra has one.
+#[track_caller]
+fn check(mechanism: &Mechanism) {
+    let closed = assemble(mechanism, &guess(mechanism), &[], 0).unwrap();
+    let dense = MechanismSystem::new(mechanism, closed.coordinates).unwrap();
+    let expected = finite_mobility(&dense, &dense.at_home(), RANK_THRESHOLD).unwrap();
+    let found = mobility(mechanism);
+    let first = &expected.instantaneous;
+    assert_eq!(
+        (found.mobility, found.rank, found.redundancy, found.finite),
+        (first.mobility, first.rank, first.redundancy, expected.mobility)
+    );
+    assert_eq!(found.motions.shape(), (mechanism.joint_freedoms(), found.mobility));
+}
+
+#[test]
+fn both_algebras_agree() {
+    check(&scissor_lift(3));
+    check(&bennett_row(2));
+    // Level, the robot is shaky: three motions to first order, one for real.
+    let robot = robot::gpr(|_, _| Vec::new());
+    let mut level = robot::home(&robot);
+    (0..3).for_each(|k| level[4 * k] = 0.5);
+    let found = SparseSystem::new(&robot, level).unwrap().mobility(RANK_THRESHOLD).unwrap();
+    assert_eq!((found.mobility, found.rank, found.redundancy), (3, 9, 3));
+    assert_eq!((found.lower_bound, found.upper_bound, found.finite), (0, 1, None));
+}
+
+#[test]
+fn a_thousand_loops() {
+    // A lift turns about its foot, and folds.
+    let lift = mobility(&scissor_lift(1001));
+    assert_eq!((lift.mobility, lift.redundancy, lift.finite), (2, 3000, Some(2)));
+    let row = mobility(&bennett_row(1000));
+    assert_eq!((row.mobility, row.redundancy, row.finite), (1, 3000, Some(1)));
+    for found in [lift, row] {
+        // What counts as zero and what does not are far from the threshold.
+        assert!(found.largest_uncounted.unwrap() < 0.3 * found.threshold);
+        assert!(found.smallest_counted.unwrap() > 1e4 * found.threshold);
+    }
+}
+
+#[test]
+fn a_tall_lift_folds() {
+    let stages = 200;
+    let mechanism = scissor_lift(stages);
+    let [foot, middle] = ["foot", "middle 0"].map(|name| mechanism.joint(name).unwrap());
+    let system = SparseSystem::new(&mechanism, guess(&mechanism)).unwrap();
+    let coordinate = |joint| system.kinematics().coordinates_of(joint).start;
+    // The first bar stays, the other folds onto it by half a radian and more.
+    let drives = [
+        Drive { coordinate: coordinate(foot), to: 0.0 },
+        Drive { coordinate: coordinate(middle), to: 0.6 },
+    ];
+    let motion = system.clone().drive(&drives, &[], 4).unwrap();
+    assert_eq!((motion.stopped, motion.waypoints.len()), (None, 5));
+    for waypoint in &motion.waypoints {
+        assert!(waypoint.residual < 1e-11 && waypoint.free_mobility == 0);
+        // Bars of odd stages stay parallel to the first, and each stage shifts the next by the other bar's rise.
+        let angle = std::f64::consts::PI - 1.0 + waypoint.coordinates[coordinate(middle)];
+        let poses = {
+            let mut there = SparseSystem::new(&mechanism, waypoint.coordinates.clone()).unwrap();
+            there.close(&drives.map(|drive| drive.coordinate), 10).unwrap();
+            there.link_poses().to_vec()
+        };
+        let bar = |turn: f64| Vector3::new((0.5 + turn).cos(), (0.5 + turn).sin(), 0.0);
+        let left_of_a_stage = bar(0.0) + bar(angle);
+        for stage in 0..stages {
+            #[expect(clippy::cast_precision_loss, reason = "a count of stages")]
+            let expected = left_of_a_stage * stage as f64;
+            let off = poses[2 * stage + 1].translation.vector - expected;
+            assert!(off.norm() < 1e-9, "stage {stage}: {off:?}");
+        }
+    }
+}
+
+#[test]
+fn what_does_not_close_is_told() {
+    let mut joints = bennett_row(50).joints().to_vec();
+    // A link that is a tenth of a millimetre too long, in a row that no play makes up for.
+    joints[60].frames[0].translation.vector.x += 1e-4;
+    let names = (0..102).map(|k| format!("link {k}")).collect();
+    let mechanism = Mechanism::new("row", names, joints).unwrap();
+    let mut system = SparseSystem::new(&mechanism, guess(&mechanism)).unwrap();
+    let error = system.close(&[], 50).unwrap_err();
+    let Error::NotReached { residual, .. } = error else { panic!("{error}") };
+    assert!((1e-8..1e-2).contains(&residual), "{residual:e}");
+    assert_eq!(residual, system.residual());
+    assert!(matches!(system.mobility(RANK_THRESHOLD), Err(Error::NotClosed { .. })));
+}
