@@ -3,7 +3,7 @@
 
     python3 bench/run.py                 everything, into bench/results
     python3 bench/run.py --rounds 3      fewer rounds
-    python3 bench/run.py --only gpr      one work: gpr, linkages or words
+    python3 bench/run.py --only gpr      one work: gpr, linkages, words or scaling
 
 It needs Python 3.11, a C++ compiler, cargo, and the network once, for the packages of bench/requirements.txt.
 What cannot be installed, built or run is reported as missing, with the reason.
@@ -21,7 +21,7 @@ HERE = Path(__file__).resolve().parent
 VENV = HERE / ".venv"
 BUILD = HERE / ".build"
 PYTHON = VENV / "bin" / "python"
-WORKS = ["gpr", "linkages", "words"]
+WORKS = ["gpr", "linkages", "words", "scaling"]
 
 
 def main():

@@ -18,6 +18,7 @@ import workers
 HERE = Path(__file__).resolve().parent
 PEERS = HERE.parent / "peers"
 LINKAGES = ["four-bar", "bennett", "sarrus", "3-rps", "hexapod", "delta"]
+LOOPS = [1, 2, 5, 10, 20, 30, 50, 100, 200, 500, 1000]
 PACKAGES = ["pin", "mujoco", "drake", "exudyn", "scipy", "numpy", "cmeel-eigen"]
 
 
@@ -38,6 +39,8 @@ def main(build, out, rounds, only):
         report.linkages(out, document)
     if "words" in only:
         report.words(out, {**circumstances(missing), "work": words(build, folder.parent / "words")})
+    if "scaling" in only:
+        report.scaling(out, {**circumstances(missing), "work": scaling(build)})
 
 
 def gpr(build, folder, rounds):
@@ -111,6 +114,20 @@ def words(build, folder):
         except subprocess.TimeoutExpired:
             said[name] = {"failed": "no answer in five minutes"}
     return said
+
+
+def scaling(build):
+    """How long jointplay takes for mechanisms of many loops, by family."""
+    families = {}
+    for family in ["scissor-lift", "bennett-row"]:
+        families[family] = []
+        for loops in LOOPS:
+            note(f"{family} of {loops} loops")
+            done = subprocess.run([build / "jointplay", "scaling", family, str(loops)], capture_output=True, text=True)
+            if done.returncode != 0:
+                raise SystemExit(f"scaling {family} {loops} failed: {done.stderr.strip()}")
+            families[family].append(json.loads(done.stdout))
+    return families
 
 
 def peer(name, *words):

@@ -278,6 +278,57 @@ def words(out, document):
     write(out, "words", document, lines)
 
 
+SCALED = {
+    "mobility_dense": ("mobility, dense", THEIRS, "--"),
+    "mobility_sparse": ("mobility, sparse", OURS, "-"),
+    "drive_dense": ("drive, dense", THEIRS, ":"),
+    "drive_sparse": ("drive, sparse", OURS, "-."),
+}
+
+
+def scaling(out, document):
+    def seconds(row, key):
+        return None if row[key] is None else row[key].get("seconds")
+
+    def cell(row, key):
+        if row[key] is None:
+            return "–"
+        if "error" in row[key]:
+            return f"error: {row[key]['error']}"
+        return f"{1e3 * row[key]['seconds']:.3g}"
+
+    lines = [
+        "# Cost against loops",
+        "",
+        *about(document, "python3 bench/run.py --only scaling"),
+        "The shortest of as many times as fit into 0.3 s, one core; on another machine only the ratios mean something.",
+        "",
+        "Scissor lifts and rows of Bennett linkages, in ms: *mobility* is mobility to first order and for real, *drive* ten steps over 0.1 rad.",
+        "Dense algebra is not asked beyond 30 loops.",
+    ]
+    for family, rows in document["work"].items():
+        names = [name for name, _, _ in SCALED.values()]
+        lines += ["", f"| {family}, loops | joints | finite mobility | {' | '.join(names)} |"]
+        lines.append("| ---: | ---: | ---: | ---: | ---: | ---: | ---: |")
+        for row in rows:
+            cells = [cell(row, key) for key in SCALED]
+            finite = (row["mobility_sparse"] or {}).get("answer")
+            lines.append(f"| {row['loops']} | {row['joints']} | {finite} | {' | '.join(cells)} |")
+    lines += ["", "![Cost against loops](scaling.svg)"]
+    write(out, "scaling", document, lines)
+    figure, panels = pyplot.subplots(1, 2, figsize=(9, 3.8), sharey=True, layout="constrained")
+    for axes, (family, rows) in zip(panels, document["work"].items()):
+        for key, (label, color, line) in SCALED.items():
+            points = [(row["loops"], seconds(row, key)) for row in rows if seconds(row, key) is not None]
+            axes.plot(*zip(*points), line, color=color, marker="o", markersize=4, label=label)
+        axes.set(xscale="log", yscale="log", title=family, xlabel="loops")
+        axes.grid(alpha=0.3)
+        axes.spines[["top", "right"]].set_visible(False)
+    panels[0].set_ylabel("time, s")
+    panels[1].legend(frameon=False)
+    save(figure, out / "scaling.svg")
+
+
 def conclusions(mechanisms, pinocchio, exudyn):
     """What the table of mechanisms comes to."""
     lines = [

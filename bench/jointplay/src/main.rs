@@ -1,10 +1,17 @@
 //! The work of the side-by-side bench, done by jointplay.
 //!
 //! `write FOLDER` writes the work for every program, `words FOLDER` what jointplay says of mechanisms; `gpr own SOLVER`, `gpr general SOLVER` and `linkage NAME` do it, with newton or least-norm as the solver.
+//! `scaling FAMILY LOOPS` says how long mechanisms of many loops take.
 //! A worker says `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers.
 
+// The families know the façade by the name of the crate below it.
+extern crate jointplay as jointplay_core;
+
+#[path = "../../../crates/jointplay-core/tests/families/mod.rs"]
+mod families;
 mod gpr;
 mod linkage;
+mod scaling;
 mod tree;
 mod words;
 
@@ -38,8 +45,9 @@ fn main() -> ExitCode {
             Some(mut linkage) => serve(&mut linkage),
             None => Err(format!("no linkage is called {name:?}").into()),
         },
+        ["scaling", family, loops] => scale(family, loops),
         _ => Err(
-            "say one of: write FOLDER, words FOLDER, gpr own SOLVER, gpr general SOLVER, linkage NAME; SOLVER is newton or least-norm"
+            "say one of: write FOLDER, words FOLDER, gpr own SOLVER, gpr general SOLVER, linkage NAME, scaling FAMILY LOOPS; SOLVER is newton or least-norm"
                 .into(),
         ),
     };
@@ -62,6 +70,13 @@ fn write(folder: &Path) -> Outcome {
         let linkage = linkage::Linkage::new(name).ok_or("a mechanism is not in the catalogue")?;
         std::fs::write(folder.join(format!("{name}.txt")), linkage.text())?;
     }
+    Ok(())
+}
+
+fn scale(family: &str, loops: &str) -> Outcome {
+    let times = scaling::scaling(family, loops.parse()?)
+        .ok_or_else(|| format!("no family is called {family:?}"))?;
+    writeln!(std::io::stdout(), "{times}")?;
     Ok(())
 }
 
@@ -143,7 +158,8 @@ mod tests {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
             std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"))
         };
-        let results = ["gpr", "linkages"].map(|name| read(&format!("bench/results/{name}.md")));
+        let results =
+            ["gpr", "linkages", "scaling"].map(|name| read(&format!("bench/results/{name}.md")));
         let results = results.concat();
         let document = read("docs/speed.md");
         let (_, section) = document.split_once("## Beside other programs").expect("the section");
