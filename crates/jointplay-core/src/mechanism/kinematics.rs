@@ -6,7 +6,7 @@ use super::description::{Carrier, Mechanism, VirtualMotion};
 use super::joint::{Coordinate, Factor, Twist};
 use super::tree::{Branch, spanning_tree};
 use crate::constraint::Dimension;
-use crate::spatial::Pose;
+use crate::spatial::{Pose, rotation_vector};
 
 /// Joints of a mechanism as chains of elementary motions, and the tree and the loops that they form.
 ///
@@ -158,7 +158,7 @@ impl<'a> Kinematics<'a> {
             if matches!(element.factor, Factor::Ball) {
                 let k = element.coordinate;
                 let rotation = ball(home, k) * cayley(&by.fixed_rows::<3>(k).into_owned());
-                moved.fixed_rows_mut::<3>(k).copy_from(&rotation.scaled_axis());
+                moved.fixed_rows_mut::<3>(k).copy_from(&rotation_vector(&rotation));
             }
         }
         moved

@@ -1,6 +1,8 @@
 //! Where a body is and how it is turned.
 
-use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector2, Vector3};
+use nalgebra::{
+    IsometryMatrix3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3,
+};
 
 /// A rigid transform, named by where it goes and where it comes from: `base_from_platform`.
 ///
@@ -35,6 +37,15 @@ pub fn leaning(normal: &Vector3<f64>) -> Rotation3<f64> {
         -y,
         z,
     ))
+}
+
+/// Axis times angle of a rotation, the angle from 0 to π [rad].
+///
+/// # Numerics
+/// By the quaternion, exact to round-off everywhere; from the cosine of the angle it would be off by 10⁻⁸ for small turns, and not a number where round-off puts the cosine above one.
+#[must_use]
+pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
+    UnitQuaternion::from_rotation_matrix(rotation).scaled_axis()
 }
 
 /// The pose that carries three points of a platform's own plane onto three points of space, fitted within the plane.
@@ -154,5 +165,32 @@ mod tests {
             assert!(error(turn, x, y) > least && error(-turn, -x, -y) > least);
         }
         assert_eq!(found.translation.z, 2.0);
+    }
+
+    #[test]
+    fn rotation_vectors_of_small_and_half_turns() {
+        let half = std::f64::consts::PI;
+        for vector in [
+            Vector3::zeros(),
+            Vector3::new(1e-9, -2e-9, 3e-9),
+            Vector3::new(1e-4, 0.0, 0.0),
+            Vector3::new(1.0, 2.0, -1.0),
+            Vector3::new(0.0, half - 1e-9, 0.0),
+            Vector3::new(0.0, 0.0, half),
+        ] {
+            let found = rotation_vector(&Rotation3::new(vector));
+            // A half turn is one about either sense of its axis.
+            let off = (found - vector).norm().min(if vector.norm() == half {
+                (found + vector).norm()
+            } else {
+                f64::INFINITY
+            });
+            assert!(off < 1e-14, "{vector} {found}");
+        }
+        // A product of turns and their inverses, whose trace round-off puts above three.
+        let mut noisy = Matrix3::identity();
+        noisy[(0, 0)] += 4.0 * f64::EPSILON;
+        let found = rotation_vector(&Rotation3::from_matrix_unchecked(noisy));
+        assert!(found.norm() < 1e-14, "{found}");
     }
 }

@@ -18,13 +18,19 @@ pub(super) struct Elimination {
     rows: usize,
     passive: usize,
     virtuals: usize,
-    /// (rows, passive + virtuals + 1) by columns, −r last.
+    /// (rows, passive + virtuals) by columns: the equations, and once factored the triangle with its mirrors below.
     pub(super) matrix: Vec<f64>,
+    /// (rows) −r.
+    pub(super) right: Vec<f64>,
     /// (passive + virtuals) the step.
     pub(super) step: Vec<f64>,
     /// Which passive column stands where.
     order: Vec<usize>,
-    /// (rows, rows) lower triangle of what virtual joints can do about what is open.
+    /// First entry of each mirror, which the triangle leaves no room for, and twice the inverse of its square.
+    mirrors: Vec<[f64; 2]>,
+    /// How many passive columns are independent.
+    rank: usize,
+    /// (rows, rows) factor of what virtual joints can do about what is open: L, and D on its diagonal, by rows.
     gram: Vec<f64>,
     /// (rows) multipliers.
     multipliers: Vec<f64>,
@@ -36,9 +42,12 @@ impl Elimination {
             rows,
             passive,
             virtuals,
-            matrix: vec![0.0; rows * (passive + virtuals + 1)],
+            matrix: vec![0.0; rows * (passive + virtuals)],
+            right: vec![0.0; rows],
             step: vec![0.0; passive + virtuals],
             order: vec![0; passive],
+            mirrors: vec![[0.0; 2]; passive],
+            rank: 0,
             gram: vec![0.0; rows * rows],
             multipliers: vec![0.0; rows],
         }
@@ -48,43 +57,49 @@ impl Elimination {
         self.rows
     }
 
-    /// Solves for the step; `y` are the virtual joints in their metric.
-    pub(super) fn solve(&mut self, y: &[f64], solver: ReliefSolver) {
-        let rank = self.triangulate();
-        self.step.fill(0.0);
-        if self.virtuals > 0 {
-            self.relieve(rank, y, solver);
-        }
-        // What the virtual joints leave to the passive ones.
-        let (m, right) = (self.rows, self.passive + self.virtuals);
-        for v in 0..self.virtuals {
-            let step = self.step[self.passive + v];
-            for row in 0..rank {
-                self.matrix[right * m + row] -= self.matrix[(self.passive + v) * m + row] * step;
-            }
-        }
-        for k in (0..rank).rev() {
-            let value = self.matrix[right * m + k] / self.matrix[k * m + k];
-            self.step[self.order[k]] = value;
-            for row in 0..k {
-                self.matrix[right * m + row] -= self.matrix[k * m + row] * value;
-            }
+    /// Factors the equations in `matrix`.
+    pub(super) fn factor(&mut self) {
+        // The usual sizes, one loop or ball or two, get code of their own.
+        match self.rows {
+            3 => self.factor_rows(3),
+            6 => self.factor_rows(6),
+            12 => self.factor_rows(12),
+            m => self.factor_rows(m),
         }
     }
 
-    /// Reflects the passive columns to a triangle, the longest first, and all others along; returns their rank.
-    fn triangulate(&mut self) -> usize {
-        let (m, n) = (self.rows, self.passive);
-        let columns = n + self.virtuals + 1;
+    #[inline(always)]
+    fn factor_rows(&mut self, m: usize) {
+        self.rank = self.triangulate(m);
+        let (rank, open) = (self.rank, m - self.rank);
+        if self.virtuals == 0 || open == 0 {
+            return;
+        }
+        let gram = &mut self.gram[..open * open];
+        gram.fill(0.0);
+        for column in self.matrix[self.passive * m..].chunks_exact(m) {
+            let below = &column[rank..];
+            for (i, &a) in below.iter().enumerate() {
+                for (entry, &b) in gram[i * open..].iter_mut().zip(&below[..=i]) {
+                    *entry += a * b;
+                }
+            }
+        }
+        factor_symmetric(gram, open);
+    }
+
+    /// Reflects the passive columns to a triangle, the longest first, and the virtual ones along; returns their rank.
+    #[inline(always)]
+    fn triangulate(&mut self, m: usize) -> usize {
+        let n = self.passive;
         for (k, place) in self.order.iter_mut().enumerate() {
             *place = k;
         }
         let mut largest = 0.0;
         for k in 0..n.min(m) {
             let (mut best, mut best_square) = (k, -1.0);
-            for column in k..n {
-                let below = &self.matrix[column * m + k..(column + 1) * m];
-                let square = below.iter().map(|value| value * value).sum::<f64>();
+            for (column, entries) in self.matrix[..n * m].chunks_exact(m).enumerate().skip(k) {
+                let square = entries[k..].iter().map(|value| value * value).sum::<f64>();
                 if square > best_square {
                     (best, best_square) = (column, square);
                 }
@@ -107,53 +122,90 @@ impl Elimination {
             let onto = -norm.copysign(head);
             mirror[0] = head - onto;
             let scale = 1.0 / (norm * (norm + head.abs()));
-            for column in right[..(columns - k - 1) * m].chunks_exact_mut(m) {
-                let below = &mut column[k..];
-                let dot: f64 = mirror.iter().zip(below.iter()).map(|(a, b)| a * b).sum();
-                for (value, normal) in below.iter_mut().zip(mirror.iter()) {
-                    *value -= scale * dot * normal;
-                }
+            for column in right.chunks_exact_mut(m) {
+                reflect(&mut column[k..], mirror, scale);
             }
+            self.mirrors[k] = [mirror[0], scale];
             mirror[0] = onto;
         }
         n.min(m)
     }
 
-    /// The least virtual displacements that meet the equations which no passive joint can.
-    fn relieve(&mut self, rank: usize, y: &[f64], solver: ReliefSolver) {
-        let (m, n) = (self.rows, self.passive);
-        let open = m - rank;
-        let least_norm = solver == ReliefSolver::LeastNorm;
+    /// Solves for the step with the equations as factored; `y` are the virtual joints in their metric.
+    pub(super) fn solve(&mut self, y: &[f64], solver: ReliefSolver) {
+        match self.rows {
+            3 => self.solve_rows(3, y, solver),
+            6 => self.solve_rows(6, y, solver),
+            12 => self.solve_rows(12, y, solver),
+            m => self.solve_rows(m, y, solver),
+        }
+    }
+
+    #[inline(always)]
+    fn solve_rows(&mut self, m: usize, y: &[f64], solver: ReliefSolver) {
+        let (n, rank) = (self.passive, self.rank);
+        let right = &mut self.right[..m];
+        for (k, column) in self.matrix[..n * m].chunks_exact_mut(m).enumerate().take(rank) {
+            let [head, scale] = self.mirrors[k];
+            let onto = std::mem::replace(&mut column[k], head);
+            reflect(&mut right[k..], &column[k..], scale);
+            column[k] = onto;
+        }
+        self.step.fill(0.0);
+        let (passive_step, virtual_step) = self.step.split_at_mut(n);
         let virtual_part = &self.matrix[n * m..];
-        let (virtual_part, right) = virtual_part.split_at(self.virtuals * m);
-        self.multipliers[..open].copy_from_slice(&right[rank..m]);
-        self.gram[..open * open].fill(0.0);
-        for (column, &value) in virtual_part.chunks_exact(m).zip(y) {
-            let below = &column[rank..];
-            for (i, &a) in below.iter().enumerate() {
-                if least_norm {
-                    self.multipliers[i] += a * value;
-                }
-                for (j, &b) in below[..=i].iter().enumerate() {
-                    self.gram[i * open + j] += a * b;
+        if self.virtuals > 0 && rank < m {
+            // The least virtual displacements that meet the equations which no passive joint can.
+            let open = m - rank;
+            let least_norm = solver == ReliefSolver::LeastNorm;
+            let multipliers = &mut self.multipliers[..open];
+            multipliers.copy_from_slice(&right[rank..]);
+            if least_norm {
+                for (column, &value) in virtual_part.chunks_exact(m).zip(y) {
+                    for (multiplier, &a) in multipliers.iter_mut().zip(&column[rank..]) {
+                        *multiplier += a * value;
+                    }
                 }
             }
+            solve_symmetric(&self.gram[..open * open], multipliers);
+            for ((column, &value), step) in
+                virtual_part.chunks_exact(m).zip(y).zip(virtual_step.iter_mut())
+            {
+                let reached: f64 =
+                    column[rank..].iter().zip(multipliers.iter()).map(|(a, b)| a * b).sum();
+                *step = if least_norm { reached - value } else { reached };
+            }
         }
-        solve_symmetric(&mut self.gram[..open * open], &mut self.multipliers[..open]);
-        for ((column, &value), step) in virtual_part.chunks_exact(m).zip(y).zip(&mut self.step[n..])
-        {
-            let reached: f64 =
-                column[rank..].iter().zip(&self.multipliers).map(|(a, b)| a * b).sum();
-            *step = if least_norm { reached - value } else { reached };
+        // What the virtual joints leave to the passive ones.
+        for (column, step) in virtual_part.chunks_exact(m).zip(virtual_step.iter()) {
+            for (entry, &a) in right[..rank].iter_mut().zip(column) {
+                *entry -= a * step;
+            }
+        }
+        for k in (0..rank).rev() {
+            let column = &self.matrix[k * m..(k + 1) * m];
+            let value = right[k] / column[k];
+            passive_step[self.order[k]] = value;
+            for (entry, &a) in right[..k].iter_mut().zip(column) {
+                *entry -= a * value;
+            }
         }
     }
 }
 
-/// Solves G x = b in place by L D Lᵀ of a matrix with no negative direction; equations that depend on those before them are left out.
+/// Reflects a vector by a mirror; `scale` is twice the inverse of the mirror's square.
+#[inline(always)]
+fn reflect(vector: &mut [f64], mirror: &[f64], scale: f64) {
+    let dot: f64 = mirror.iter().zip(vector.iter()).map(|(a, b)| a * b).sum();
+    for (value, normal) in vector.iter_mut().zip(mirror) {
+        *value -= scale * dot * normal;
+    }
+}
+
+/// Factors G = L D Lᵀ of a matrix with no negative direction in place; equations that depend on those before them get a zero in D.
 ///
 /// `gram` holds the lower triangle by rows.
-fn solve_symmetric(gram: &mut [f64], b: &mut [f64]) {
-    let n = b.len();
+fn factor_symmetric(gram: &mut [f64], n: usize) {
     let largest = (0..n).map(|k| gram[k * n + k]).fold(0.0, f64::max);
     for i in 0..n {
         for j in 0..=i {
@@ -171,18 +223,23 @@ fn solve_symmetric(gram: &mut [f64], b: &mut [f64]) {
             };
         }
     }
+}
+
+/// Solves L D Lᵀ x = b in place; x is zero for equations that were left out.
+fn solve_symmetric(factor: &[f64], b: &mut [f64]) {
+    let n = b.len();
     for i in 0..n {
         for k in 0..i {
-            b[i] -= gram[i * n + k] * b[k];
+            b[i] -= factor[i * n + k] * b[k];
         }
     }
     for i in 0..n {
-        let pivot = gram[i * n + i];
+        let pivot = factor[i * n + i];
         b[i] = if pivot > 0.0 { b[i] / pivot } else { 0.0 };
     }
     for i in (0..n).rev() {
         for k in i + 1..n {
-            b[i] -= gram[k * n + i] * b[k];
+            b[i] -= factor[k * n + i] * b[k];
         }
     }
 }

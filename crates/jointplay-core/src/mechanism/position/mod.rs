@@ -6,13 +6,14 @@ mod walk;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use self::elimination::Elimination;
-use self::walk::{Frame, Part, Screw, Walk};
+use self::walk::{Frame, Part, Screw, Turned, Walk};
 use super::kinematics::cayley;
 use super::system::skew_part;
 use super::tree::spanning_tree;
 use super::{CLOSED, MechanismSystem, ReliefSolver, virtual_weights};
 use crate::Error;
 use crate::constraint::{Dimension, System};
+use crate::spatial::rotation_vector;
 
 /// Scaled residual at which the iteration ends; the next step would only move round-off.
 const ROUND_OFF: f64 = 1e-13;
@@ -49,7 +50,9 @@ pub struct PositionSolver {
     length: f64,
     // Room to work in.
     links: Vec<Frame>,
-    turns: Vec<Matrix3<f64>>,
+    turns: Vec<Turned>,
+    /// How each ball is turned.
+    orientations: Vec<Matrix3<f64>>,
     screws: Vec<Screw>,
     relieved: Vec<f64>,
     elimination: Elimination,
@@ -167,7 +170,9 @@ impl PositionSolver {
         let ball_at = |k: usize| {
             balls.iter().position(|ball| ball.coordinate == k).expect("every ball is listed")
         };
-        let walk = |j: usize, part: Part| Walk::new(&chains[j], part, column, ball_at);
+        let mut turns = 0;
+        let mut walk =
+            |j: usize, part: Part| Walk::new(&chains[j], part, column, ball_at, &mut turns);
 
         let tree: Vec<TreeWalk> = branches
             .iter()
@@ -206,7 +211,8 @@ impl PositionSolver {
         let virtuals = unknowns.len() - passive;
         Ok(Self {
             links: vec![Frame::BASE; mechanism.links().len()],
-            turns: vec![Matrix3::identity(); balls.len()],
+            turns: vec![Turned::NONE; turns],
+            orientations: vec![Matrix3::identity(); balls.len()],
             screws: vec![Screw::STILL; unknowns.len()],
             relieved: vec![0.0; virtuals],
             elimination: Elimination::new(row, passive, virtuals),
@@ -241,7 +247,8 @@ impl PositionSolver {
         for &value in coordinates.iter() {
             crate::error::finite(what, value)?;
         }
-        for (turn, ball) in self.turns.iter_mut().zip(&self.balls) {
+        self.turns.iter_mut().for_each(Turned::refresh);
+        for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
             let k = ball.coordinate;
             let vector = Vector3::new(coordinates[k], coordinates[k + 1], coordinates[k + 2]);
             *turn = if vector == Vector3::zeros() {
@@ -260,8 +267,14 @@ impl PositionSolver {
             if (at_the_end && settled) || iterations == MAX_ITERATIONS || residual.is_nan() {
                 break residual;
             }
-            before = residual;
+            // Newton's steps square the mismatch; by the last factor the next one still takes a share as large as the last step left.
+            // What is least depends on the derivatives here, so that they have to be fresh for it.
+            let with_last_factor = 2.0 * residual * residual / before;
+            if iterations == 0 || with_last_factor > ROUND_OFF || least_norm {
+                self.linearize();
+            }
             iterations += 1;
+            before = residual;
             let moved = self.step(coordinates, solver) / self.length;
             settled = !least_norm
                 || moved <= SETTLED
@@ -269,8 +282,8 @@ impl PositionSolver {
             moved_before = moved;
         };
         self.close_balls();
-        for (turn, ball) in self.turns.iter().zip(&self.balls) {
-            let vector = Rotation3::from_matrix_unchecked(*turn).scaled_axis();
+        for (turn, ball) in self.orientations.iter().zip(&self.balls) {
+            let vector = rotation_vector(&Rotation3::from_matrix_unchecked(*turn));
             coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
         }
         if residual <= CLOSED && settled {
@@ -282,22 +295,33 @@ impl PositionSolver {
 
     /// Walks all joints; the largest mismatch, in radians and characteristic lengths.
     fn mismatch(&mut self, coordinates: &[f64]) -> f64 {
-        let right = self.unknowns.len() * self.elimination.rows();
         for TreeWalk { from, to, walk } in &self.tree {
             let mut frame = self.links[*from];
-            walk.follow(&mut frame, coordinates, &self.turns, &mut self.screws);
+            walk.follow(
+                &mut frame,
+                coordinates,
+                &self.orientations,
+                &mut self.turns,
+                &mut self.screws,
+            );
             self.links[*to] = frame;
         }
         let mut largest = 0.0_f64;
         for closing in &mut self.closings {
             for side in 0..2 {
                 let mut frame = self.links[closing.links[side]];
-                closing.sides[side].follow(&mut frame, coordinates, &self.turns, &mut self.screws);
+                closing.sides[side].follow(
+                    &mut frame,
+                    coordinates,
+                    &self.orientations,
+                    &mut self.turns,
+                    &mut self.screws,
+                );
                 closing.frames[side] = frame;
             }
             let [first, second] = &closing.frames;
             let apart = (first.origin - second.origin) / self.length;
-            let entries = &mut self.elimination.matrix[right + closing.row..];
+            let entries = &mut self.elimination.right[closing.row..];
             entries[..3].copy_from_slice((-apart).as_slice());
             largest = larger(largest, apart.norm());
             if closing.ball.is_none() {
@@ -311,10 +335,10 @@ impl PositionSolver {
         largest
     }
 
-    /// One step from where [`Self::mismatch`] was; returns how far virtual joints moved in their metric.
-    fn step(&mut self, coordinates: &mut [f64], solver: ReliefSolver) -> f64 {
+    /// Factors the equations where [`Self::mismatch`] was.
+    fn linearize(&mut self) {
         let m = self.elimination.rows();
-        self.elimination.matrix[..self.unknowns.len() * m].fill(0.0);
+        self.elimination.matrix.fill(0.0);
         for closing in &self.closings {
             for &(column, sense, side) in &closing.moved_by {
                 let screw = &self.screws[column];
@@ -322,14 +346,19 @@ impl PositionSolver {
                 let first = column * m + closing.row;
                 let linear =
                     screw.velocity_of(&closing.frames[side].origin) * (scale / self.length);
-                self.elimination.matrix[first..first + 3].copy_from_slice(linear.as_slice());
+                let entries = &mut self.elimination.matrix[first..];
+                entries[..3].copy_from_slice(linear.as_slice());
                 if closing.ball.is_none() {
                     let angular = screw.angular * scale;
-                    self.elimination.matrix[first + 3..first + 6]
-                        .copy_from_slice(angular.as_slice());
+                    entries[3..6].copy_from_slice(angular.as_slice());
                 }
             }
         }
+        self.elimination.factor();
+    }
+
+    /// One step from where [`Self::mismatch`] was, by the last factor; returns how far virtual joints moved in their metric.
+    fn step(&mut self, coordinates: &mut [f64], solver: ReliefSolver) -> f64 {
         for (value, unknown) in self.relieved.iter_mut().zip(&self.unknowns[self.passive..]) {
             *value = coordinates[unknown.coordinate] / unknown.unit;
         }
@@ -342,7 +371,7 @@ impl PositionSolver {
         for (unknown, value) in self.unknowns.iter().zip(step.iter()) {
             coordinates[unknown.coordinate] += value * unknown.unit;
         }
-        for (turn, ball) in self.turns.iter_mut().zip(&self.balls) {
+        for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
             if let Some(column) = ball.column {
                 let by = Vector3::from_column_slice(&step[column..column + 3]);
                 *turn *= cayley(&by).matrix();
@@ -356,7 +385,7 @@ impl PositionSolver {
         for closing in &self.closings {
             if let Some(ball) = closing.ball {
                 let [first, second] = &closing.frames;
-                self.turns[ball] = first.rotation.transpose() * second.rotation;
+                self.orientations[ball] = first.rotation.transpose() * second.rotation;
             }
         }
     }

@@ -22,13 +22,25 @@ impl Frame {
         origin: Vector3::new(0.0, 0.0, 0.0),
     };
 
-    #[inline]
-    fn displace(&mut self, by: Option<&Frame>) {
-        if let Some(by) = by {
-            self.origin += self.rotation * by.origin;
-            self.rotation *= by.rotation;
+    #[inline(always)]
+    fn displace(&mut self, by: &Lead) {
+        match by {
+            Lead::Nothing => {}
+            Lead::Shift(shift) => self.origin += self.rotation * shift,
+            Lead::Frame(by) => {
+                self.origin += self.rotation * by.origin;
+                self.rotation *= by.rotation;
+            }
         }
     }
+}
+
+/// A fixed displacement, as simple as it is.
+#[derive(Debug, Clone, Copy)]
+enum Lead {
+    Nothing,
+    Shift(Vector3<f64>),
+    Frame(Frame),
 }
 
 /// How a link moves with one coordinate, in the base frame.
@@ -56,12 +68,12 @@ impl Screw {
 
 #[derive(Debug, Clone, Copy)]
 enum Motion {
-    /// About z.
-    Turn,
+    /// About z: which of the turns.
+    Turn(usize),
     /// Along a direction.
     Slide(Vector3<f64>),
-    /// About z, with an advance along it for one radian [m/rad].
-    Screw(f64),
+    /// About z: which of the turns, and the advance along it for one radian [m/rad].
+    Screw(usize, f64),
     /// Any rotation: which of the balls.
     Ball(usize),
 }
@@ -69,7 +81,7 @@ enum Motion {
 /// A fixed displacement, then an elementary motion.
 #[derive(Debug, Clone, Copy)]
 struct Step {
-    lead: Option<Frame>,
+    lead: Lead,
     motion: Motion,
     coordinate: usize,
     /// −1 where walked against the sense of the coordinate.
@@ -82,7 +94,7 @@ struct Step {
 #[derive(Debug, Clone)]
 pub(super) struct Walk {
     steps: Vec<Step>,
-    tail: Option<Frame>,
+    tail: Lead,
 }
 
 /// Which elements of a joint are walked, and which way.
@@ -99,12 +111,13 @@ pub(super) enum Part {
 }
 
 impl Walk {
-    /// Lays out a part of a chain; `column` and `ball` tell the place of a coordinate among unknowns and balls.
+    /// Lays out a part of a chain; `column` and `ball` tell the place of a coordinate among unknowns and balls, `turns` counts the turns so far.
     pub(super) fn new(
         chain: &Chain,
         part: Part,
         column: impl Fn(usize) -> Option<usize>,
         ball: impl Fn(usize) -> usize,
+        turns: &mut usize,
     ) -> Self {
         let count = chain.elements.len();
         let (elements, against): (&[Element], bool) = match part {
@@ -114,15 +127,16 @@ impl Walk {
             Part::From(first) => (&chain.elements[first..], true),
         };
         let (mut steps, mut pending) = (Vec::new(), Pose::identity());
+        let mut turn = || std::mem::replace(turns, *turns + 1);
         let mut push = |pending: &mut Pose, element: &Element| {
             let (to_z, motion) = match element.factor {
-                Factor::Turn { axis, point } => (along_z(&axis, &point), Motion::Turn),
+                Factor::Turn { axis, point } => (along_z(&axis, &point), Motion::Turn(turn())),
                 Factor::Slide { axis } => (Pose::identity(), Motion::Slide(axis.into_inner())),
-                Factor::Screw { lead } => (Pose::identity(), Motion::Screw(lead)),
+                Factor::Screw { lead } => (Pose::identity(), Motion::Screw(turn(), lead)),
                 Factor::Ball => (Pose::identity(), Motion::Ball(ball(element.coordinate))),
             };
             steps.push(Step {
-                lead: frame(&(*pending * to_z)),
+                lead: lead(&(*pending * to_z)),
                 motion,
                 coordinate: element.coordinate,
                 sign: if against { -element.sign } else { element.sign },
@@ -147,7 +161,7 @@ impl Walk {
                 _ => chain.end,
             };
         }
-        Self { steps, tail: frame(&pending) }
+        Self { steps, tail: lead(&pending) }
     }
 
     /// Columns of the unknowns on the way.
@@ -164,17 +178,18 @@ impl Walk {
         &self,
         frame: &mut Frame,
         coordinates: &[f64],
-        turns: &[Matrix3<f64>],
+        balls: &[Matrix3<f64>],
+        turns: &mut [Turned],
         screws: &mut [Screw],
     ) {
         for step in &self.steps {
-            frame.displace(step.lead.as_ref());
+            frame.displace(&step.lead);
             match step.motion {
-                Motion::Turn | Motion::Screw(_) => {
+                Motion::Turn(turn) | Motion::Screw(turn, _) => {
                     let angle = step.sign * coordinates[step.coordinate];
                     let z: Vector3<f64> = frame.rotation.column(2).into_owned();
                     let advance = match step.motion {
-                        Motion::Screw(lead) => z * lead,
+                        Motion::Screw(_, lead) => z * lead,
                         _ => Vector3::zeros(),
                     };
                     if let Some(column) = step.column {
@@ -182,7 +197,8 @@ impl Walk {
                         screws[column] = Screw { angular, linear, at: frame.origin };
                     }
                     frame.origin += advance * angle;
-                    turn_about_z(&mut frame.rotation, angle);
+                    turns[turn].to(angle);
+                    turns[turn].about_z(&mut frame.rotation);
                 }
                 Motion::Slide(axis) => {
                     let direction = frame.rotation * axis * step.sign;
@@ -194,7 +210,7 @@ impl Walk {
                 Motion::Ball(ball) => {
                     let forward = step.sign > 0.0;
                     let before = frame.rotation;
-                    let turn = &turns[ball];
+                    let turn = &balls[ball];
                     frame.rotation =
                         if forward { before * turn } else { before * turn.transpose() };
                     if let Some(column) = step.column {
@@ -209,20 +225,67 @@ impl Walk {
                 }
             }
         }
-        frame.displace(self.tail.as_ref());
+        frame.displace(&self.tail);
     }
 }
 
-#[inline]
-fn turn_about_z(rotation: &mut Matrix3<f64>, angle: f64) {
-    if angle == 0.0 {
-        return;
+/// Angles below this have sine and cosine to round-off by a few terms of their series.
+const SMALL: f64 = 0.05;
+
+/// A turn, and its sine and cosine.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turned {
+    angle: f64,
+    sine: f64,
+    cosine: f64,
+    /// Whether by trigonometry, not by small steps since.
+    exact: bool,
+}
+
+impl Turned {
+    pub(super) const NONE: Self = Self { angle: 0.0, sine: 0.0, cosine: 1.0, exact: true };
+
+    /// Forgets a sine and cosine that small steps have led to, so that their round-off does not add up.
+    pub(super) fn refresh(&mut self) {
+        if !self.exact {
+            self.angle = f64::NAN;
+        }
     }
-    let (sine, cosine) = angle.sin_cos();
-    for row in 0..3 {
-        let (x, y) = (rotation[(row, 0)], rotation[(row, 1)]);
-        rotation[(row, 0)] = cosine * x + sine * y;
-        rotation[(row, 1)] = cosine * y - sine * x;
+
+    /// Turns to another angle; small steps take no trigonometry.
+    #[inline(always)]
+    fn to(&mut self, angle: f64) {
+        let step = angle - self.angle;
+        if step == 0.0 {
+            return;
+        }
+        self.exact = step.abs().partial_cmp(&SMALL) != Some(std::cmp::Ordering::Less);
+        if self.exact {
+            (self.sine, self.cosine) = angle.sin_cos();
+        } else {
+            let square = step * step;
+            let sine = step
+                * (1.0
+                    - square / 6.0
+                        * (1.0 - square / 20.0 * (1.0 - square / 42.0 * (1.0 - square / 72.0))));
+            let versine = 0.5
+                * square
+                * (1.0 - square / 12.0 * (1.0 - square / 30.0 * (1.0 - square / 56.0)));
+            (self.sine, self.cosine) = (
+                self.sine - self.sine * versine + self.cosine * sine,
+                self.cosine - self.cosine * versine - self.sine * sine,
+            );
+        }
+        self.angle = angle;
+    }
+
+    #[inline(always)]
+    fn about_z(&self, rotation: &mut Matrix3<f64>) {
+        for row in 0..3 {
+            let (x, y) = (rotation[(row, 0)], rotation[(row, 1)]);
+            rotation[(row, 0)] = self.cosine * x + self.sine * y;
+            rotation[(row, 1)] = self.cosine * y - self.sine * x;
+        }
     }
 }
 
@@ -238,9 +301,35 @@ fn along_z(axis: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
     Pose::from_parts(Translation3::from(*point), rotation)
 }
 
-fn frame(pose: &Pose) -> Option<Frame> {
+fn lead(pose: &Pose) -> Lead {
     let rotation = *pose.rotation.matrix();
     let origin = pose.translation.vector;
-    let still = (rotation - Matrix3::identity()).amax() <= NOTHING && origin.amax() == 0.0;
-    (!still).then_some(Frame { rotation, origin })
+    if (rotation - Matrix3::identity()).amax() > NOTHING {
+        Lead::Frame(Frame { rotation, origin })
+    } else if origin.amax() > 0.0 {
+        Lead::Shift(origin)
+    } else {
+        Lead::Nothing
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_steps_of_a_turn_lead_where_trigonometry_does() {
+        let mut turned = Turned::NONE;
+        let mut angle = 0.0;
+        for step in [0.3, 0.049, -0.02, 1e-3, -1e-9, 0.05, -2.0, 0.0499] {
+            angle += step;
+            turned.to(angle);
+            assert!((turned.sine - angle.sin()).abs() < 1e-15, "{angle}");
+            assert!((turned.cosine - angle.cos()).abs() < 1e-15, "{angle}");
+        }
+        assert!(!turned.exact);
+        turned.refresh();
+        turned.to(angle);
+        assert!(turned.exact && turned.sine == angle.sin());
+    }
 }
