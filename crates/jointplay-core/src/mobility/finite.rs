@@ -1,6 +1,6 @@
 //! Mobility for real: in how many directions the mechanism can go a finite way.
 
-use super::neighbours::{Neighbours, neighbours};
+use super::neighbours::{Neighbours, all_kept, neighbours};
 use super::second_order::{SecondOrder, second_order};
 use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
@@ -23,7 +23,7 @@ pub struct FiniteMobility {
     pub upper_bound: usize,
     /// The first-order analysis.
     pub instantaneous: InstantaneousMobility,
-    /// The second-order analysis; `None` where all constraints are independent, so that first order decides.
+    /// The second-order analysis; `None` where it is not needed: all constraints are independent, or every motion to first order was seen to lead on.
     pub second_order: Option<SecondOrder>,
     /// The search for neighbours; `None` where first order decides.
     pub neighbours: Option<Neighbours>,
@@ -32,8 +32,9 @@ pub struct FiniteMobility {
 /// Finite mobility of the mechanism with its virtual joints held.
 ///
 /// 1. Where all constraints are independent, the implicit function theorem makes every first-order motion finite.
-/// 2. Otherwise a motion v is the start of a finite one only if sᵀ Φ''[v, v] = 0 for every self-stress s: these quadrics bound the dimension from above.
-/// 3. Configurations near the given one are searched for from many directions; the dimension of what is found is the lower bound.
+/// 2. Where every motion allowed to first order, in random directions, leads on a good way, all are finite.
+/// 3. Otherwise a motion v is the start of a finite one only if sᵀ Φ''[v, v] = 0 for every self-stress s: these quadrics bound the dimension from above.
+/// 4. Configurations near the given one are searched for from many directions; the dimension of what is found is the lower bound.
 ///
 /// # Arguments
 /// * `at` – a configuration that satisfies the constraints
@@ -61,16 +62,19 @@ pub fn finite_mobility<S: System + ?Sized>(
     if residual.is_nan() || residual > CLOSED {
         return Err(Error::NotClosed { residual, allowed: CLOSED });
     }
+    let by_first_order = |instantaneous: InstantaneousMobility, neighbours| FiniteMobility {
+        mobility: Some(instantaneous.mobility),
+        lower_bound: instantaneous.mobility,
+        upper_bound: instantaneous.mobility,
+        instantaneous,
+        second_order: None,
+        neighbours,
+    };
     if instantaneous.redundancy == 0 || instantaneous.mobility == 0 {
-        let mobility = instantaneous.mobility;
-        return Ok(FiniteMobility {
-            mobility: Some(mobility),
-            lower_bound: mobility,
-            upper_bound: mobility,
-            instantaneous,
-            second_order: None,
-            neighbours: None,
-        });
+        return Ok(by_first_order(instantaneous, None));
+    }
+    if let Some(all) = all_kept(system, at, &instantaneous) {
+        return Ok(by_first_order(instantaneous, Some(all)));
     }
     let second_order = second_order(system, at, &instantaneous)?;
     let neighbours = neighbours(system, at, &instantaneous, &second_order)?;

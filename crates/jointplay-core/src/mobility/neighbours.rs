@@ -53,6 +53,15 @@ pub struct Neighbours {
     pub spans: Vec<f64>,
 }
 
+/// Whether every motion allowed to first order is seen to lead on, without a search.
+pub(super) fn all_kept<S: System + ?Sized>(
+    system: &S,
+    at: &Configuration,
+    first: &InstantaneousMobility,
+) -> Option<Neighbours> {
+    Search::new(system, at, first.characteristic_length).all_kept(at, first, &first.null_space)
+}
+
 /// Looks for neighbours, then for the neighbours of a few of them.
 ///
 /// The second look is what counts: where branches cross, as they may at the given point, the neighbours of the crossing span more than any branch has.
@@ -64,9 +73,6 @@ pub(super) fn neighbours<S: System + ?Sized>(
     second: &SecondOrder,
 ) -> Result<Neighbours, Error> {
     let search = Search::new(system, at, first.characteristic_length);
-    if let Some(all) = search.all_kept(at, first, &first.null_space) {
-        return Ok(all);
-    }
     // Where second order stops all other motions, what it leaves free is all that is asked for.
     if second.definite && second.free > 0 {
         let free = &first.null_space * &second.free_motions;
