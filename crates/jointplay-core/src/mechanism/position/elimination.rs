@@ -4,6 +4,8 @@ use crate::mechanism::ReliefSolver;
 
 /// Columns of which elimination leaves no more than this share are combinations of those before them.
 const DEPENDENT: f64 = 1e-9;
+/// Columns of which elimination leaves this share of the longest are taken as they come, without a search for longer ones.
+const LONG_ENOUGH: f64 = 0.05;
 /// Equations between virtual joints that are combinations of others: the share is squared in a product of the matrix with itself.
 const DEPENDENT_SQUARED: f64 = 1e-14;
 
@@ -59,11 +61,12 @@ impl Elimination {
 
     /// Factors the equations in `matrix`.
     pub(super) fn factor(&mut self) {
-        // The usual sizes, one loop or ball or two, get code of their own.
+        // The usual sizes, one loop or a few balls, get code of their own.
         match self.rows {
             3 => self.factor_rows(3),
+            5 => self.factor_rows(5),
             6 => self.factor_rows(6),
-            12 => self.factor_rows(12),
+            15 => self.factor_rows(15),
             m => self.factor_rows(m),
         }
     }
@@ -88,7 +91,7 @@ impl Elimination {
         factor_symmetric(gram, open);
     }
 
-    /// Reflects the passive columns to a triangle, the longest first, and the virtual ones along; returns their rank.
+    /// Reflects the passive columns to a triangle, short ones last, and the virtual ones along; returns their rank.
     #[inline(always)]
     fn triangulate(&mut self, m: usize) -> usize {
         let n = self.passive;
@@ -97,11 +100,16 @@ impl Elimination {
         }
         let mut largest = 0.0;
         for k in 0..n.min(m) {
-            let (mut best, mut best_square) = (k, -1.0);
-            for (column, entries) in self.matrix[..n * m].chunks_exact(m).enumerate().skip(k) {
-                let square = entries[k..].iter().map(|value| value * value).sum::<f64>();
-                if square > best_square {
-                    (best, best_square) = (column, square);
+            let below = |column: &[f64]| column[k..].iter().map(|value| value * value).sum::<f64>();
+            let columns = self.matrix[..n * m].chunks_exact(m);
+            // The next column, if it is long enough to go by; else the longest.
+            let (mut best, mut best_square) = (k, below(&self.matrix[k * m..(k + 1) * m]));
+            if k == 0 || best_square < (LONG_ENOUGH * largest).powi(2) || best_square.is_nan() {
+                for (column, entries) in columns.enumerate().skip(k + 1) {
+                    let square = below(entries);
+                    if square > best_square {
+                        (best, best_square) = (column, square);
+                    }
                 }
             }
             let norm = best_square.sqrt();
@@ -135,8 +143,9 @@ impl Elimination {
     pub(super) fn solve(&mut self, y: &[f64], solver: ReliefSolver) {
         match self.rows {
             3 => self.solve_rows(3, y, solver),
+            5 => self.solve_rows(5, y, solver),
             6 => self.solve_rows(6, y, solver),
-            12 => self.solve_rows(12, y, solver),
+            15 => self.solve_rows(15, y, solver),
             m => self.solve_rows(m, y, solver),
         }
     }

@@ -3,11 +3,14 @@
 mod elimination;
 mod walk;
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use self::elimination::Elimination;
 use self::walk::{Frame, Part, Screw, Turned, Walk};
-use super::kinematics::cayley;
+use super::joint::Factor;
+use super::kinematics::{Element, cayley};
 use super::system::skew_part;
 use super::tree::spanning_tree;
 use super::{CLOSED, MechanismSystem, ReliefSolver, virtual_weights};
@@ -28,7 +31,7 @@ const MAX_ITERATIONS: usize = 50;
 /// Closes the loops of a mechanism for commanded coordinates, again and again.
 ///
 /// Everything that does not depend on the coordinates is laid out once; a solution allocates nothing.
-/// Loops are opened where most freedoms pass: a ball joint leaves three equations between two points, and its three coordinates follow.
+/// Loops are opened where most freedoms pass: a ball leaves three equations between two points, a hinge five between two axes, and its own coordinates follow.
 ///
 /// One solver serves one thread; clone it for more.
 ///
@@ -93,13 +96,33 @@ struct Unknown {
 struct Closing {
     links: [usize; 2],
     sides: [Walk; 2],
-    /// The ball in which points meet; where there is none, frames have to.
-    ball: Option<usize>,
+    meeting: Meeting,
     row: usize,
     /// Unknowns that move one side only, and the sense in which they change the mismatch.
     moved_by: Vec<(usize, f64, usize)>,
     /// The two sides, as they stand.
     frames: [Frame; 2],
+}
+
+/// What of the two sides of a loop has to meet.
+#[derive(Debug, Clone, Copy)]
+enum Meeting {
+    /// The origins, in which of the balls.
+    Points(usize),
+    /// The origins and the z axes, in the hinge of a coordinate.
+    Axes(usize),
+    /// All.
+    Frames,
+}
+
+impl Meeting {
+    fn equations(self) -> usize {
+        match self {
+            Self::Points(_) => 3,
+            Self::Axes(_) => 5,
+            Self::Frames => 6,
+        }
+    }
 }
 
 impl PositionSolver {
@@ -116,13 +139,17 @@ impl PositionSolver {
         let (mechanism, chains) = (kinematics.mechanism(), kinematics.chains());
         let dimensions = kinematics.dimensions();
         let free = |k: usize| !commanded.contains(&k);
-        let ball_of = |j: usize| {
-            let mut elements = chains[j].elements.iter();
-            elements.position(|e| e.factor == super::joint::Factor::Ball && free(e.coordinate))
+        let joint_freedoms = mechanism.joint_freedoms();
+        // The motion of a joint at which a loop is best opened: a ball, else a hinge.
+        let opening = |j: usize| {
+            let elements = &chains[j].elements;
+            let own = |e: &Element| e.coordinate < joint_freedoms && free(e.coordinate);
+            let ball = elements.iter().position(|e| e.factor == Factor::Ball && own(e));
+            ball.or_else(|| elements.iter().position(|e| e.factor == Factor::turn(2) && own(e)))
         };
         let mut balls = Vec::new();
         for element in chains.iter().flat_map(|chain| &chain.elements) {
-            if element.factor == super::joint::Factor::Ball {
+            if element.factor == Factor::Ball {
                 let k = element.coordinate;
                 if (k + 1..k + 3).any(|other| free(other) != free(k)) {
                     return Err(Error::PartlyCommanded { coordinate: k });
@@ -132,8 +159,10 @@ impl PositionSolver {
         }
         let freedoms_of = |j: usize| {
             let of_joint = kinematics.coordinates_of(j).filter(|&k| free(k)).count();
-            // Opening at a ball spares six unknowns and equations in all.
-            if ball_of(j).is_some() { 6 + of_joint } else { of_joint }
+            // Opening at a ball spares six unknowns and equations in all, at a hinge two.
+            let spared =
+                opening(j).map_or(0, |e| 2 * chains[j].elements[e].factor.coordinates().len());
+            of_joint + spared
         };
         let branches = spanning_tree(mechanism, freedoms_of);
         let mut in_tree = vec![false; chains.len()];
@@ -142,15 +171,15 @@ impl PositionSolver {
 
         let follows = |k: usize| {
             let of_cut = |&j: &usize| {
-                ball_of(j).is_some_and(|e| {
-                    let first = chains[j].elements[e].coordinate;
-                    (first..first + 3).contains(&k)
+                opening(j).is_some_and(|e| {
+                    let element = &chains[j].elements[e];
+                    let count = element.factor.coordinates().len();
+                    (element.coordinate..element.coordinate + count).contains(&k)
                 })
             };
             cuts.iter().any(of_cut)
         };
         let length = system.characteristic_length();
-        let joint_freedoms = mechanism.joint_freedoms();
         let weights = virtual_weights(system);
         let unknowns: Vec<Unknown> = (0..dimensions.len())
             .filter(|&k| free(k) && !follows(k))
@@ -189,19 +218,25 @@ impl PositionSolver {
         let closings: Vec<Closing> = cuts
             .iter()
             .map(|&j| {
-                let ball = ball_of(j);
-                // At a ball, the points on both sides of it; elsewhere, the frames behind all motions.
+                // Both sides up to the motion that is left out; else the frames behind all motions.
                 let count = chains[j].elements.len();
-                let (before, from) = ball.map_or((count, count), |e| (e, e + 1));
+                let (before, from) = opening(j).map_or((count, count), |e| (e, e + 1));
                 let sides = [walk(j, Part::Before(before)), walk(j, Part::From(from))];
+                let meeting = opening(j).map_or(Meeting::Frames, |e| {
+                    let element = &chains[j].elements[e];
+                    match element.factor {
+                        Factor::Ball => Meeting::Points(ball_at(element.coordinate)),
+                        _ => Meeting::Axes(element.coordinate),
+                    }
+                });
                 let links = mechanism.joints()[j].links;
                 let first = row;
-                row += if ball.is_some() { 3 } else { 6 };
+                row += meeting.equations();
                 Closing {
                     links,
                     moved_by: moved_by(&tree, links, &sides),
                     sides,
-                    ball: ball.map(|e| ball_at(chains[j].elements[e].coordinate)),
+                    meeting,
                     row: first,
                     frames: [Frame::BASE; 2],
                 }
@@ -281,7 +316,7 @@ impl PositionSolver {
                 || (moved <= SETTLING && moved > 0.5 * moved_before);
             moved_before = moved;
         };
-        self.close_balls();
+        self.close_openings(coordinates);
         for (turn, ball) in self.orientations.iter().zip(&self.balls) {
             let vector = rotation_vector(&Rotation3::from_matrix_unchecked(*turn));
             coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
@@ -324,13 +359,22 @@ impl PositionSolver {
             let entries = &mut self.elimination.right[closing.row..];
             entries[..3].copy_from_slice((-apart).as_slice());
             largest = larger(largest, apart.norm());
-            if closing.ball.is_none() {
-                let turned = skew_part(&(first.rotation * second.rotation.transpose()));
-                entries[3..6].copy_from_slice((-turned).as_slice());
-                // Half turns leave no antisymmetric part behind, but are no closure.
-                let size = (first.rotation - second.rotation).norm() / std::f64::consts::SQRT_2;
-                largest = larger(largest, size);
-            }
+            // Half turns leave no antisymmetric part behind, but are no closure: distances see them.
+            let off = match closing.meeting {
+                Meeting::Points(_) => continue,
+                Meeting::Axes(_) => {
+                    let z = first.rotation.column(2);
+                    entries[3] = -second.rotation.column(0).dot(&z);
+                    entries[4] = -second.rotation.column(1).dot(&z);
+                    (z - second.rotation.column(2)).norm()
+                }
+                Meeting::Frames => {
+                    let turned = skew_part(&(first.rotation * second.rotation.transpose()));
+                    entries[3..6].copy_from_slice((-turned).as_slice());
+                    (first.rotation - second.rotation).norm() / std::f64::consts::SQRT_2
+                }
+            };
+            largest = larger(largest, off);
         }
         largest
     }
@@ -340,6 +384,10 @@ impl PositionSolver {
         let m = self.elimination.rows();
         self.elimination.matrix.fill(0.0);
         for closing in &self.closings {
+            let [first_side, second_side] = &closing.frames;
+            let z: Vector3<f64> = first_side.rotation.column(2).into_owned();
+            // How the components of the first z along the second x and y change with a turn.
+            let across = [0, 1].map(|axis| z.cross(&second_side.rotation.column(axis)));
             for &(column, sense, side) in &closing.moved_by {
                 let screw = &self.screws[column];
                 let scale = sense * self.unknowns[column].unit;
@@ -348,9 +396,14 @@ impl PositionSolver {
                     screw.velocity_of(&closing.frames[side].origin) * (scale / self.length);
                 let entries = &mut self.elimination.matrix[first..];
                 entries[..3].copy_from_slice(linear.as_slice());
-                if closing.ball.is_none() {
-                    let angular = screw.angular * scale;
-                    entries[3..6].copy_from_slice(angular.as_slice());
+                let angular = screw.angular * scale;
+                match closing.meeting {
+                    Meeting::Points(_) => {}
+                    Meeting::Axes(_) => {
+                        entries[3] = across[0].dot(&angular);
+                        entries[4] = across[1].dot(&angular);
+                    }
+                    Meeting::Frames => entries[3..6].copy_from_slice(angular.as_slice()),
                 }
             }
         }
@@ -380,12 +433,23 @@ impl PositionSolver {
         step[self.passive..].iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
-    /// Turns of the balls at which loops are open.
-    fn close_balls(&mut self) {
+    /// Coordinates of the balls and hinges at which loops are open.
+    fn close_openings(&mut self, coordinates: &mut [f64]) {
         for closing in &self.closings {
-            if let Some(ball) = closing.ball {
-                let [first, second] = &closing.frames;
-                self.orientations[ball] = first.rotation.transpose() * second.rotation;
+            let [first, second] = &closing.frames;
+            match closing.meeting {
+                Meeting::Points(ball) => {
+                    self.orientations[ball] = first.rotation.transpose() * second.rotation;
+                }
+                Meeting::Axes(hinge) => {
+                    let x: Vector3<f64> = second.rotation.column(0).into_owned();
+                    let angle =
+                        first.rotation.column(1).dot(&x).atan2(first.rotation.column(0).dot(&x));
+                    // As many full turns as the start had.
+                    let turns = ((coordinates[hinge] - angle) / TAU).round();
+                    coordinates[hinge] = angle + turns * TAU;
+                }
+                Meeting::Frames => {}
             }
         }
     }
