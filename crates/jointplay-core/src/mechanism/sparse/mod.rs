@@ -13,7 +13,7 @@ use self::linear::{JointRow, Linear, Pattern};
 pub use self::mobility::SparseMobility;
 use super::kinematics::cayley;
 use super::system::{check, skew_part};
-use super::{Kinematics, Mechanism};
+use super::{Closure, Kinematics, Mechanism};
 use crate::Error;
 use crate::spatial::Pose;
 
@@ -96,6 +96,12 @@ impl<'a> SparseSystem<'a> {
             }
         }
         largest
+    }
+
+    /// The configuration, and how well its joints are closed.
+    #[must_use]
+    pub fn closure(&self, iterations: usize) -> Closure {
+        Closure { coordinates: self.coordinates.clone(), residual: self.residual(), iterations }
     }
 
     /// What all joints ask of the links to first order; coordinates for which `held` is true do not follow.

@@ -5,7 +5,7 @@ use nalgebra::DVector;
 use super::{Linear, SparseSystem};
 use crate::Error;
 use crate::constraint::Dimension;
-use crate::mechanism::{CLOSED, Closure, Drive, Motion, Stop, Waypoint};
+use crate::mechanism::{CLOSED, Drive, Motion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
 /// Changes of a step by refinement below this share of it are the end: Newton's method mends the rest.
@@ -217,13 +217,5 @@ impl SparseSystem<'_> {
             free_mobility: free,
             least_singular_value: least / spectrum.largest.max(f64::MIN_POSITIVE),
         })
-    }
-}
-
-impl SparseSystem<'_> {
-    /// The configuration as a closure.
-    #[must_use]
-    pub fn closure(&self, iterations: usize) -> Closure {
-        Closure { coordinates: self.coordinates.clone(), residual: self.residual(), iterations }
     }
 }
