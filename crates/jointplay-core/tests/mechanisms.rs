@@ -8,7 +8,7 @@ use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
     Carrier, Class, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
     PositionSolver, ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble, branches, close,
-    drive, guess, link_motion, relieve, self_stresses, suggest,
+    drive, exaggerated, guess, link_motion, relieve, self_stresses, suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
@@ -240,8 +240,56 @@ fn a_rocker_locks_at_its_dead_point() {
     let motion = drive(&system, &way, &[0, 1, 2], 60).unwrap();
     assert_eq!(motion.stopped, Some(Stop::Locked));
     let last = motion.waypoints.last().unwrap();
-    assert!(last.share > 0.01 && last.share < 0.9, "{}", last.share);
     assert!(last.residual < 1e-11);
+    // Crank and coupler are in line there: the rocker's pin is as far from the crank's as both are long.
+    let pins = system.kinematics().link_poses(&last.coordinates).unwrap();
+    let rocker_pin = (pins[3] * nalgebra_point([3.0, 2.0, 0.0])).coords;
+    let far = 1.0 + 10.0_f64.sqrt();
+    assert!((rocker_pin.norm() - far).abs() < 1e-12, "{}", rocker_pin.norm() - far);
+    let [there] = &motion.singular[..] else { panic!("{:?}", motion.singular) };
+    assert_eq!((there.share, &there.coordinates), (last.share, &last.coordinates));
+    assert_eq!((there.instantaneous_mobility, there.branches), (1, Some(1)));
+}
+
+#[test]
+fn a_motion_starts_off_a_dead_point_one_way_only() {
+    let mechanism = four_bar();
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let way = [Drive { coordinate: 3, to: 3.0 }];
+    let dead = drive(&system, &way, &[0, 1, 2], 60).unwrap().waypoints.pop().unwrap().coordinates;
+    let there = system.at(dead).unwrap();
+    let on = [Drive { coordinate: 3, to: there.home()[3] + 0.1 }];
+    let stuck = drive(&there, &on, &[0, 1, 2], 5).unwrap();
+    assert_eq!(stuck.stopped, Some(Stop::SingularStart { free_mobility: 1 }));
+    assert_eq!((stuck.waypoints.len(), stuck.singular.len()), (1, 1));
+    let back = [Drive { coordinate: 3, to: 0.0 }];
+    let free = drive(&there, &back, &[0, 1, 2], 5).unwrap();
+    assert_eq!(free.stopped, None);
+    assert_eq!((free.singular[0].share, free.singular[0].branches), (0.0, Some(1)));
+    assert!(free.waypoints.iter().all(|point| point.residual < 1e-11));
+}
+
+#[test]
+fn a_step_may_end_in_a_crossing_and_a_motion_may_start_there() {
+    let flat = ring(
+        &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0], [2.0, 0.0, 0.0]],
+        &[[0.0, 0.0, 1.0]; 4],
+    );
+    let system = MechanismSystem::new(&flat, home(&flat)).unwrap();
+    let motion = drive(&system, &[Drive { coordinate: 0, to: 1.0 }], &[1, 2, 3], 10).unwrap();
+    assert_eq!(motion.stopped, None);
+    assert_eq!((motion.singular[0].share, motion.singular[0].branches), (0.0, Some(2)));
+    // From one side to the other, with a step that ends in the crossing.
+    let side = system.at(motion.waypoints[10].coordinates.clone()).unwrap();
+    let across = drive(&side, &[Drive { coordinate: 0, to: -1.0 }], &[1, 2, 3], 10).unwrap();
+    assert_eq!(across.stopped, None);
+    assert_eq!(across.singular.len(), 1, "{:?}", across.singular);
+    assert_eq!(across.singular[0].branches, Some(2));
+    let [from, to] = [&across.waypoints[0], &across.waypoints[10]].map(|point| &point.coordinates);
+    assert!((from + to).amax() < 1e-6, "{from} {to}");
+    let ends = drive(&side, &[Drive { coordinate: 0, to: 0.0 }], &[1, 2, 3], 10).unwrap();
+    assert_eq!((ends.stopped, ends.singular.len()), (None, 1));
+    assert_eq!(ends.singular[0].share, 1.0);
 }
 
 #[test]
@@ -257,6 +305,7 @@ fn a_parallelogram_passes_through_its_flat_bifurcation() {
     let flat = &motion.singular[0];
     assert!((flat.share * 3.0 - std::f64::consts::FRAC_PI_2).abs() < 1e-4);
     assert_eq!(flat.instantaneous_mobility, 2);
+    assert_eq!(flat.branches, Some(2));
     // Still a parallelogram beyond.
     let last = motion.waypoints.last().unwrap();
     assert!((last.coordinates[0] + last.coordinates[1]).abs() < 1e-9, "{}", last.coordinates);
@@ -445,4 +494,43 @@ fn what_dense_algebra_cannot_do_is_refused() {
     let mechanism = ring(&points, &vec![[0.0, 0.0, 1.0]; points.len()]);
     let error = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap_err();
     assert_eq!(error, Error::TooLarge { what: "coordinates", found: 700, allowed: 240 });
+}
+
+/// Play shown larger: the truth at 1, none at 0, and in proportion between for slides.
+#[test]
+fn exaggerated_play_grows_from_the_truth() {
+    for give in [radial, polar, planar] {
+        let mechanism = gpr(give);
+        let mut start = home(&mechanism);
+        (0..3).for_each(|k| start[4 * k] = [0.505, 0.5, 0.498][k]);
+        let system = MechanismSystem::new(&mechanism, start).unwrap();
+        let found = relieve(&system, &[0, 4, 8], ReliefSolver::LeastNorm).unwrap();
+        let links = system.kinematics().link_poses(&found.coordinates).unwrap();
+        let apart = |factor: f64| -> Vec<f64> {
+            let shown = exaggerated(&mechanism, &found.coordinates, factor).unwrap();
+            assert_eq!(shown.factor, factor);
+            for (j, joint) in mechanism.joints().iter().enumerate() {
+                for side in 0..2 {
+                    let seat = (links[joint.links[side]] * joint.frames[side]).to_homogeneous();
+                    let off = (shown.seats[j][side].to_homogeneous() - seat).amax();
+                    assert!(factor != 1.0 || off < 1e-15, "{off:e}");
+                }
+            }
+            let gap = |(seat, joint): (&[_; 2], &[_; 2])| {
+                let [seat, joint]: [&jointplay_core::spatial::Pose; 2] = [&seat[1], &joint[1]];
+                (seat.translation.vector - joint.translation.vector).norm()
+            };
+            shown.seats.iter().zip(&shown.joints).map(gap).collect()
+        };
+        let truth = apart(1.0);
+        assert!(truth.iter().copied().fold(0.0, f64::max) > 1e-5);
+        assert!(apart(0.0).iter().all(|&gap| gap < 1e-15));
+        for factor in [1.0 + 1e-9, 500.0] {
+            for (large, small) in apart(factor).iter().zip(&truth) {
+                // Turns grow by their chord, which a small one all but is.
+                assert!((large - factor * small).abs() < 0.05 * factor * small + 1e-14);
+            }
+        }
+        assert!(exaggerated(&mechanism, &found.coordinates, f64::NAN).is_err());
+    }
 }

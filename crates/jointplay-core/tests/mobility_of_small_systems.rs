@@ -2,7 +2,9 @@
 #![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::constraint::{Configuration, Dimension, System};
-use jointplay_core::mobility::{FiniteMobility, RANK_THRESHOLD, finite_mobility};
+use jointplay_core::mobility::{
+    FiniteMobility, RANK_THRESHOLD, branch_dimensions, finite_mobility,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// A polynomial: terms of a factor and an exponent for each unknown.
@@ -327,4 +329,29 @@ fn watts_linkage_in_a_straight_slot_is_undecided() {
         slots: vec![(4, [0.0, 1.0])],
     };
     bars(&system, 1, 0, false);
+}
+
+#[test]
+fn branches_of_different_dimension_are_told() {
+    let xz: Polynomial = &[(1.0, &[1, 0, 1])];
+    let yz: Polynomial = &[(1.0, &[0, 1, 1])];
+    let xy: Polynomial = &[(1.0, &[1, 1, 0])];
+    let touching: Polynomial = &[(1.0, &[0, 2, 0]), (-1.0, &[4, 0, 0])];
+    let flat: Polynomial = &[(1.0, &[0, 0, 1])];
+    let none: Polynomial = &[(1.0, &[2, 0, 0]), (1.0, &[0, 2, 0]), (1.0, &[0, 0, 2])];
+    // A plane and the line across it; two planes; two curves that touch; a point; all of space.
+    let cases: [(&[Polynomial], &[usize]); 5] = [
+        (&[xz, yz], &[1, 2]),
+        (&[xy], &[2]),
+        (&[touching, flat], &[1]),
+        (&[none], &[]),
+        (&[flat], &[2]),
+    ];
+    for (polynomials, expected) in cases {
+        let system = Polynomials(3, polynomials);
+        let at =
+            Configuration { coordinates: DVector::zeros(3), virtual_joints: DVector::zeros(0) };
+        let found = finite_mobility(&system, &at, RANK_THRESHOLD).unwrap();
+        assert_eq!(branch_dimensions(&system, &at, &found).unwrap(), expected, "{polynomials:?}");
+    }
 }

@@ -18,6 +18,8 @@ use crate::{folder, output};
 const PNG_WIDTH: u32 = 1800;
 /// Steps on the way to the configuration that is shown faintly.
 const STEPS: usize = 60;
+/// Play is shown larger by this much at most: a nanometre as a metre.
+const LARGEST_FACTOR: f64 = 1e9;
 /// What every picture of a mechanism holds: the hatching of its base.
 const MARK: &str = "<pattern id=\"base\"";
 
@@ -30,7 +32,8 @@ const MARK: &str = "<pattern id=\"base\"";
 Examples:
   jointplay draw bennett
   jointplay draw four-bar --at A=30 --ghost A=120 --figure motion.png
-  jointplay draw hexapod --view=-30,20 --figure hexapod.svg")]
+  jointplay draw hexapod --view=-30,20 --figure hexapod.svg
+  jointplay draw gpr-mechanism --at \"rod 1=5,rod 2=0,rod 3=0\" --exaggerate 500 --figure play.svg")]
 pub(crate) struct Draw {
     /// Mechanism file (TOML), or a name from `jointplay catalogue`
     #[arg(value_name = "FILE")]
@@ -43,6 +46,9 @@ pub(crate) struct Draw {
     /// Show the links faintly where they are once these joints are driven to these values
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
     ghost: Vec<Assignment>,
+    /// Show the play that the configuration takes larger by this factor; all joints stay where they truly are
+    #[arg(long, value_name = "FACTOR", value_parser = factor)]
+    exaggerate: Option<f64>,
     /// From where it is seen: azimuth and elevation of the eye in degrees, z being up
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view, allow_hyphen_values = true)]
     view: Option<View>,
@@ -62,13 +68,26 @@ fn view(text: &str) -> Result<View, String> {
     Ok(View { azimuth, elevation: elevation.to_radians() })
 }
 
+fn factor(text: &str) -> Result<f64, String> {
+    let factor = finite(text)?;
+    if (1.0..=LARGEST_FACTOR).contains(&factor) {
+        Ok(factor)
+    } else {
+        Err(format!("play is shown larger by a factor from 1 to {LARGEST_FACTOR:e}, not {text}"))
+    }
+}
+
 impl Draw {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let input = Input::parse(&Source::read(&self.file)?, &self.set.set)?;
         let path = self.path()?;
-        let at = input.posed(&input.commands(&self.at)?)?.values;
-        let mut picture = MechanismPicture::new(&input.file.mechanism, at);
-        picture.view = self.view;
+        let posed = input.posed(&input.commands(&self.at)?)?;
+        if self.exaggerate.is_some() && posed.relief.is_none() {
+            let text = "--exaggerate: this configuration takes no play that could be shown larger; say one with --at that closes by the file's virtual joints only";
+            return Err(Failure::Misused(text.to_owned()));
+        }
+        let mut picture = MechanismPicture::new(&input.file.mechanism, posed.values);
+        (picture.view, picture.exaggeration) = (self.view, self.exaggerate);
         if !self.ghost.is_empty() {
             picture.ghost = Some(self.driven(&input, picture.coordinates.clone())?);
         }

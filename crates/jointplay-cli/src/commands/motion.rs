@@ -179,7 +179,13 @@ impl Move {
                 })
                 .collect();
             let mobility = there.instantaneous_mobility;
-            let _ = writeln!(text, "  {}: mobility to first order {mobility}", at.join(", "));
+            let branches = match there.branches {
+                Some(1) => "one branch, on which the drives come to a stop".to_owned(),
+                Some(count) => format!("{count} branches cross"),
+                None => "branches undecided".to_owned(),
+            };
+            let at = at.join(", ");
+            let _ = writeln!(text, "  {at}: mobility to first order {mobility}, {branches}");
         }
         if let Some(folder) = &self.out {
             let _ = writeln!(text, "3 files written into {}", folder.display());

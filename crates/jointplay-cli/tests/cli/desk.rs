@@ -47,7 +47,15 @@ impl Desk {
 
     pub(crate) fn command(&self, line: &str) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_jointplay"));
-        command.args(line.split_whitespace()).current_dir(self.path());
+        // What is quoted is one argument.
+        for (k, part) in line.split('"').enumerate() {
+            if k % 2 == 1 {
+                command.arg(part);
+            } else {
+                command.args(part.split_whitespace());
+            }
+        }
+        command.current_dir(self.path());
         command
     }
 

@@ -42,6 +42,24 @@ fn a_picture_shows_what_is_asked_for() {
     // Play is drawn too, also where it has to give way.
     desk.done("draw gpr-mechanism --figure play.svg");
     assert!(desk.read("play.svg").contains(">virtual joint<"));
+    // Shown larger, it is said to be.
+    let tilted = "draw gpr-mechanism --figure tilted.svg --at \"rod 1=5,rod 2=0,rod 3=0\"";
+    let shown = |options: &str| {
+        desk.done(&format!("{tilted} {options}"));
+        desk.read("tilted.svg")
+    };
+    let (truth, larger) = (shown(""), shown("--exaggerate 500"));
+    assert!(larger.contains(">play ×500<") && !truth.contains("play ×"));
+    assert_ne!(larger.replace("500", "400"), shown("--exaggerate 400"));
+    for (line, message) in [
+        ("draw gpr-mechanism --exaggerate 500", "takes no play"),
+        ("draw bennett --exaggerate 500", "takes no play"),
+        ("draw gpr-mechanism --exaggerate 0.5", "by a factor from 1 to 1e9"),
+    ] {
+        let run = desk.run(line);
+        assert_eq!(run.code, 2, "{line}");
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    }
 }
 
 #[test]

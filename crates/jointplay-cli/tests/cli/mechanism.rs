@@ -209,6 +209,40 @@ fn a_motion_that_stops_says_where() {
     assert_eq!(found["stopped"], "locked");
     assert!(run.stderr.contains("stopped at D = "), "{}", run.stderr);
     assert!(run.stderr.contains("a dead point"), "{}", run.stderr);
+    // That point is singular, and the last of the series.
+    let there = &found["singular"][0];
+    assert_eq!(there["branches"], 1);
+    assert_eq!(
+        there["coordinates"]["D"],
+        *found["series"]["D_deg"].as_array().unwrap().last().unwrap()
+    );
+}
+
+#[test]
+fn a_singular_start_is_left_where_a_branch_leads_on() {
+    let desk = Desk::new();
+    let text = desk.done("move 3-upu-snu --drive P1=0:20");
+    assert!(text.contains("P1 = 0.000000 mm: mobility to first order 5"), "{text}");
+    // A parallelogram through flat, with a step that ends there.
+    let flat = "move four-bar --set coupler=0.3,rocker=0.1 --drive A=0:-160:10 --format json";
+    let found: serde_json::Value = serde_json::from_str(&desk.done(flat)).unwrap();
+    let [there] = &found["singular"].as_array().unwrap()[..] else { panic!("{found}") };
+    assert_eq!(there["branches"], 2, "{there}");
+    assert!((there["drives"]["A"].as_f64().unwrap() + 70.0).abs() < 1e-6, "{there}");
+}
+
+#[test]
+fn branches_of_different_freedom_are_told() {
+    let desk = Desk::new();
+    let line = "mobility wunderlich-12-bar --set t=0";
+    let text = desk.done(line);
+    let words = "branches of different freedom meet here (1, 2): a kinematotropic candidate";
+    assert!(text.contains(words), "{text}");
+    let json = desk.done(&format!("{line} --format json"));
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(found["branch_dimensions"], serde_json::json!([1, 2]));
+    let one = desk.done("mobility wunderlich-12-bar --format json");
+    assert!(!one.contains("branch_dimensions"));
 }
 
 #[test]

@@ -23,6 +23,8 @@ pub enum Class {
     Movable,
     /// Moves for real although constraints are redundant.
     OverconstrainedMovable,
+    /// Branches of different freedom meet here, so that the mechanism can change how many it has.
+    Kinematotropic,
     /// The bounds of the finite mobility do not meet: branches of different freedom may cross here.
     Undecided,
 }
@@ -47,6 +49,12 @@ impl Class {
         }
     }
 
+    /// The class once the dimensions of the branches that meet are known, see [`crate::mobility::branch_dimensions`].
+    #[must_use]
+    pub fn with_branches(self, dimensions: &[usize]) -> Self {
+        if dimensions.len() > 1 { Self::Kinematotropic } else { self }
+    }
+
     /// The class in words.
     #[must_use]
     pub fn words(self) -> &'static str {
@@ -56,6 +64,9 @@ impl Class {
             Self::Shaky => "shaky: some motions are only instantaneous",
             Self::Movable => "movable",
             Self::OverconstrainedMovable => "overconstrained and movable",
+            Self::Kinematotropic => {
+                "branches of different freedom meet here: a kinematotropic candidate"
+            }
             Self::Undecided => "undecided: branches of different freedom may cross here",
         }
     }

@@ -382,7 +382,7 @@ impl Element {
     }
 }
 
-fn factor_of(motion: VirtualMotion) -> Factor {
+pub(super) fn factor_of(motion: VirtualMotion) -> Factor {
     match motion {
         VirtualMotion::Slide(axis) => Factor::Slide { axis },
         VirtualMotion::Turn { axis, point } => Factor::Turn { axis, point },

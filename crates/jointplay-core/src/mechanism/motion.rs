@@ -2,11 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{Closure, MechanismSystem, PositionSolver, ReliefSolver, close, relieve};
+use super::singular::{OnWay, SINGULAR};
+use super::{Closure, MechanismSystem, close};
 use crate::Error;
 use crate::constraint::{System, scaled_jacobian, units};
 use crate::linalg::{Svd, svd};
-use crate::mobility::instantaneous_mobility;
+use crate::mobility::{finite_mobility, instantaneous_mobility};
+use crate::random::Random;
 
 /// Corrections after each step.
 const MAX_CORRECTIONS: usize = 20;
@@ -15,9 +17,17 @@ const LARGEST_CORRECTION: f64 = 0.2;
 /// The shortest step, as a share of the whole way: what cannot go so far is locked.
 const SHORTEST_STEP: f64 = 1e-7;
 /// Singular values up to this share of the largest are left out of a step.
-const STEP_THRESHOLD: f64 = 1e-9;
-/// Singular values below this share of the largest make a configuration singular.
-const SINGULAR: f64 = 1e-6;
+pub(super) const STEP_THRESHOLD: f64 = 1e-9;
+/// A singular configuration is looked for no closer than to this least singular value, as a share of the largest.
+const FOUND: f64 = 1e-3 * SINGULAR;
+/// A turning point this near, as a share of the whole way, is what stops a step.
+const AT_ONCE: f64 = 1e-4;
+/// First steps off a singular start, in radians and characteristic lengths of the drives, the longest first.
+const FIRST_STEPS: [f64; 3] = [1e-3, 1e-4, 1e-5];
+/// Corrections of a first step, which starts where the constraints are singular.
+const MAX_FIRST_CORRECTIONS: usize = 100;
+/// A branch is reached from a singular start if a quarter of a step leads to no more than this share of the way: half where the way goes by the root of the step, a quarter where by the step.
+const NEARER: f64 = 0.75;
 
 /// A joint coordinate driven from where it is to a value.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,13 +64,20 @@ pub struct Singular {
     pub instantaneous_mobility: usize,
     /// The least singular value found there, as a share of the largest.
     pub least_singular_value: f64,
+    /// How many branches of the motion meet there: 1 where the drives come to a stop and none cross, `None` where second order does not tell.
+    pub branches: Option<usize>,
 }
 
 /// Why a motion stopped before its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stop {
-    /// The drives cannot go on: a dead point, where the motion would turn back.
+    /// The drives cannot go on: a dead point, where the motion would turn back; the last waypoint is that point.
     Locked,
+    /// The start is singular, and no branch was found that leads on from it.
+    SingularStart {
+        /// Motions there to first order with the drives held.
+        free_mobility: usize,
+    },
     /// The loops do not stay closed: the drives pull against each other or against redundant constraints.
     Incompatible,
 }
@@ -92,6 +109,8 @@ pub struct Motion {
 ///
 /// # Numerics
 /// Tangent step of least norm, then corrections; a step is halved until its correction is small against it, so that the motion stays on its branch.
+/// A singular configuration on the way is passed along the tangent before it.
+/// Off a singular start a small step is tried, from the tangent and from random motions to first order; where several branches lead on, the first found is taken.
 pub fn drive(
     start: &MechanismSystem<'_>,
     drives: &[Drive],
@@ -104,7 +123,7 @@ pub fn drive(
         return Err(Error::NotClosed { residual: closed.residual, allowed: super::CLOSED });
     }
     let first = run.decomposed(&closed.coordinates)?;
-    let regular_rank = first.rank(STEP_THRESHOLD);
+    let mut regular_rank = first.rank(STEP_THRESHOLD);
     let mut here = run.waypoint(0.0, closed, &first, regular_rank);
     let mut motion =
         Motion { waypoints: vec![here.clone()], singular: Vec::new(), stopped: None, steps: 0 };
@@ -120,114 +139,65 @@ pub fn drive(
             } else {
                 here.share + step
             };
-            if let Some(there) = run.step(&here, share, regular_rank)? {
-                here = there;
-                trail.push(here.clone());
-                step *= 2.0;
-                run.note_singular(&trail, regular_rank, &mut motion.singular)?;
-            } else {
-                step *= 0.5;
-                if step < SHORTEST_STEP {
-                    let dead =
-                        here.least_singular_value < 1e-2 * trail[0].least_singular_value.min(1.0);
-                    motion.stopped = Some(if dead { Stop::Locked } else { Stop::Incompatible });
+            let mut there = run.step(&here, &here, share, regular_rank)?;
+            if let (None, [.., before, _]) = (&there, trail.as_slice())
+                && here.least_singular_value < SINGULAR
+            {
+                there = run.step(&here, before, share, regular_rank)?;
+            }
+            if there.is_none() && 0.5 * step < SHORTEST_STEP {
+                if trail.len() == 1 {
+                    there = run.off_start(&here, target, regular_rank)?;
+                }
+                if there.is_none() {
+                    motion.stopped =
+                        Some(run.stop(&mut here, &trail, regular_rank, &mut motion)?);
                     break 'way;
                 }
             }
+            let Some(there) = there else {
+                step *= 0.5;
+                continue;
+            };
+            here = there;
+            step *= 2.0;
+            if trail.len() == 1 && here.free_mobility < trail[0].free_mobility {
+                // The start is singular: what is regular shows beyond it.
+                regular_rank = free.len() - here.free_mobility;
+                for point in [&mut trail[0], &mut motion.waypoints[0], &mut here] {
+                    point.least_singular_value = run.least(&point.coordinates, regular_rank)?;
+                }
+                motion.singular.push(run.singular(&trail[0], regular_rank)?);
+            }
+            trail.push(here.clone());
+            run.note_singular(&trail, regular_rank, &mut motion.singular)?;
         }
         motion.waypoints.push(here.clone());
     }
     if motion.stopped.is_some() && motion.waypoints.last() != Some(&here) {
         motion.waypoints.push(here);
+    } else if motion.stopped.is_none() && here.least_singular_value < SINGULAR && trail.len() > 1 {
+        motion.singular.push(run.singular(&here, regular_rank)?);
     }
     Ok(motion)
 }
 
-/// Drives joint coordinates along a straight line with the virtual joints giving way as little as they can.
-///
-/// # Arguments
-/// * `start` – virtual joints at rest
-/// * `free` – joint coordinates that follow; all other joint coordinates are commanded
-/// * `count` – number of steps to report
-///
-/// # Errors
-/// [`Error::NotRelieved`] if not even the start can be relieved.
-/// A motion that stops is not an error: see [`Motion::stopped`].
-///
-/// # Numerics
-/// Each waypoint is the least displacement near the one before, by [`PositionSolver`], or by [`super::relieve`] from rest where that does not converge; singular configurations are not looked for.
-pub fn drive_relieved(
-    start: &MechanismSystem<'_>,
-    drives: &[Drive],
-    free: &[usize],
-    count: usize,
-) -> Result<Motion, Error> {
-    let run = Run::new(start, drives, free);
-    let joints = start.coordinate_dimensions().len();
-    let commanded: Vec<usize> = (0..joints).filter(|k| !free.contains(k)).collect();
-    let mut solver = match PositionSolver::new(start, &commanded) {
-        Ok(solver) => Some(solver),
-        Err(Error::PartlyCommanded { .. }) => None,
-        Err(other) => return Err(other),
-    };
-    let first = relieve(start, &commanded, ReliefSolver::LeastNorm)?;
-    let closed = |coordinates: DVector<f64>, residual: f64, iterations: usize| Closure {
-        coordinates,
-        residual,
-        iterations,
-    };
-    let mut here = closed(first.coordinates, first.residual, first.iterations);
-    let decomposition = run.decomposed(&here.coordinates)?;
-    let regular_rank = decomposition.rank(STEP_THRESHOLD);
-    let mut motion = Motion {
-        waypoints: vec![run.waypoint(0.0, here.clone(), &decomposition, regular_rank)],
-        singular: Vec::new(),
-        stopped: None,
-        steps: 0,
-    };
-    #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
-    for k in 1..=count {
-        motion.steps += 1;
-        let share = k as f64 / count as f64;
-        let mut to = here.coordinates.clone();
-        for (drive, from) in drives.iter().zip(&run.from) {
-            to[drive.coordinate] = from + (drive.to - from) * share;
-        }
-        let mut position = to.clone();
-        let solved = solver
-            .as_mut()
-            .and_then(|solver| solver.solve(position.as_mut_slice(), ReliefSolver::LeastNorm).ok());
-        here = match solved {
-            Some(found) => closed(position, found.residual, found.iterations),
-            None => {
-                to.rows_mut(joints, to.len() - joints).fill(0.0);
-                match relieve(&start.at(to)?, &commanded, ReliefSolver::LeastNorm) {
-                    Ok(found) => closed(found.coordinates, found.residual, found.iterations),
-                    Err(Error::NotRelieved { .. }) => {
-                        motion.stopped = Some(Stop::Incompatible);
-                        break;
-                    }
-                    Err(other) => return Err(other),
-                }
-            }
-        };
-        let decomposition = run.decomposed(&here.coordinates)?;
-        motion.waypoints.push(run.waypoint(share, here.clone(), &decomposition, regular_rank));
-    }
-    Ok(motion)
-}
-
-struct Run<'a> {
+/// A drive: what goes where, and what follows.
+pub(super) struct Run<'a> {
     system: &'a MechanismSystem<'a>,
     drives: &'a [Drive],
     free: &'a [usize],
-    from: Vec<f64>,
+    pub(super) from: Vec<f64>,
     rows: DVector<f64>,
     columns: DVector<f64>,
 }
 
 impl<'a> Run<'a> {
-    fn new(system: &'a MechanismSystem<'a>, drives: &'a [Drive], free: &'a [usize]) -> Self {
+    pub(super) fn new(
+        system: &'a MechanismSystem<'a>,
+        drives: &'a [Drive],
+        free: &'a [usize],
+    ) -> Self {
         let length = system.characteristic_length();
         Self {
             system,
@@ -247,11 +217,24 @@ impl<'a> Run<'a> {
         Ok(scaled_jacobian(&jacobian, &self.rows, &columns))
     }
 
-    fn decomposed(&self, coordinates: &DVector<f64>) -> Result<Svd, Error> {
+    pub(super) fn decomposed(&self, coordinates: &DVector<f64>) -> Result<Svd, Error> {
         svd(&self.jacobian(coordinates, self.free)?)
     }
 
-    fn waypoint(&self, share: f64, closed: Closure, svd: &Svd, regular_rank: usize) -> Waypoint {
+    /// The least singular value that counts at regular configurations, as a share of the largest.
+    fn least(&self, coordinates: &DVector<f64>, regular_rank: usize) -> Result<f64, Error> {
+        let svd = self.decomposed(coordinates)?;
+        let least = regular_rank.checked_sub(1).map_or(1.0, |last| svd.singular_values[last]);
+        Ok(if svd.largest() > 0.0 { least / svd.largest() } else { 1.0 })
+    }
+
+    pub(super) fn waypoint(
+        &self,
+        share: f64,
+        closed: Closure,
+        svd: &Svd,
+        regular_rank: usize,
+    ) -> Waypoint {
         let least = regular_rank.checked_sub(1).map_or(1.0, |last| svd.singular_values[last]);
         Waypoint {
             share,
@@ -263,36 +246,166 @@ impl<'a> Run<'a> {
     }
 
     /// The next configuration on the branch, if a step to this share of the way stays on it.
+    ///
+    /// # Arguments
+    /// * `tangent_at` – where the direction of the step is taken
     fn step(
         &self,
         here: &Waypoint,
+        tangent_at: &Waypoint,
         share: f64,
         regular_rank: usize,
     ) -> Result<Option<Waypoint>, Error> {
-        let driven: Vec<usize> = self.drives.iter().map(|drive| drive.coordinate).collect();
-        let mut by = DVector::zeros(here.coordinates.len());
-        for (drive, from) in self.drives.iter().zip(&self.from) {
-            let to = from + (drive.to - from) * share;
-            by[drive.coordinate] = to - here.coordinates[drive.coordinate];
-        }
-        let asked =
-            DVector::from_iterator(driven.len(), driven.iter().map(|&k| by[k] / self.columns[k]));
-        let pull = self.jacobian(&here.coordinates, &driven)? * &asked;
-        let svd = self.decomposed(&here.coordinates)?;
-        let follow = -svd.solve(&pull, svd.rank(STEP_THRESHOLD));
-        for (&k, value) in self.free.iter().zip(follow.iter()) {
-            by[k] = value * self.columns[k];
-        }
+        let by = self.predicted(here, tangent_at, share)?;
         let predicted = self.system.at(here.coordinates.clone())?.moved(&by)?;
         let closed = close(&predicted, self.free, MAX_CORRECTIONS)?;
-        let size = |by: &DVector<f64>| by.component_div(&self.columns).norm();
-        let correction = size(&(&closed.coordinates - predicted.home()));
-        let stayed = correction <= LARGEST_CORRECTION * size(&by).max(1e-9) && size(&by) < 0.5;
+        let correction = self.size(&(&closed.coordinates - predicted.home()));
+        let size = self.size(&by);
+        let stayed = correction <= LARGEST_CORRECTION * size.max(1e-9) && size < 0.5;
         if !closed.is_closed() || !stayed {
             return Ok(None);
         }
         let there = self.decomposed(&closed.coordinates)?;
         Ok(Some(self.waypoint(share, closed, &there, regular_rank)))
+    }
+
+    /// Length of a displacement, in radians and characteristic lengths.
+    fn size(&self, by: &DVector<f64>) -> f64 {
+        by.component_div(&self.columns).norm()
+    }
+
+    /// What the drives do from here to a share of the way.
+    fn driven(&self, here: &Waypoint, share: f64) -> DVector<f64> {
+        let mut by = DVector::zeros(here.coordinates.len());
+        for (drive, from) in self.drives.iter().zip(&self.from) {
+            let to = from + (drive.to - from) * share;
+            by[drive.coordinate] = to - here.coordinates[drive.coordinate];
+        }
+        by
+    }
+
+    /// The drives' step with what follows to first order at another configuration.
+    fn predicted(
+        &self,
+        here: &Waypoint,
+        tangent_at: &Waypoint,
+        share: f64,
+    ) -> Result<DVector<f64>, Error> {
+        let driven: Vec<usize> = self.drives.iter().map(|drive| drive.coordinate).collect();
+        let mut by = self.driven(here, share);
+        let asked =
+            DVector::from_iterator(driven.len(), driven.iter().map(|&k| by[k] / self.columns[k]));
+        let pull = self.jacobian(&tangent_at.coordinates, &driven)? * &asked;
+        let svd = self.decomposed(&tangent_at.coordinates)?;
+        let follow = -svd.solve(&pull, svd.rank(STEP_THRESHOLD));
+        for (&k, value) in self.free.iter().zip(follow.iter()) {
+            by[k] = value * self.columns[k];
+        }
+        Ok(by)
+    }
+
+    /// A configuration a small step off a singular start, on a branch that leads back to it.
+    fn off_start(
+        &self,
+        start: &Waypoint,
+        target: f64,
+        regular_rank: usize,
+    ) -> Result<Option<Waypoint>, Error> {
+        let whole = self.size(&self.driven(start, 1.0));
+        let svd = self.decomposed(&start.coordinates)?;
+        let motions = svd.null_space(svd.rank(STEP_THRESHOLD));
+        let from = self.system.at(start.coordinates.clone())?;
+        let mut random = Random(5);
+        for length in FIRST_STEPS {
+            let share = (length / whole).min(target);
+            for kick in 0..=2 * motions.ncols() + 2 {
+                let direction = match kick {
+                    0 => DVector::zeros(motions.ncols()),
+                    _ => DVector::from_fn(motions.ncols(), |_, _| random.next()),
+                };
+                let reach = |share: f64| -> Result<Option<(Closure, f64)>, Error> {
+                    let mut by = self.predicted(start, start, share)?;
+                    // Where the motion starts by the root of the drives' step, so far has it to be looked for.
+                    let size = (share * whole).sqrt();
+                    for (&k, value) in self.free.iter().zip((&motions * &direction).iter()) {
+                        by[k] += value * size * self.columns[k];
+                    }
+                    let closed = close(&from.moved(&by)?, self.free, MAX_FIRST_CORRECTIONS)?;
+                    let moved = self.size(&(&closed.coordinates - &start.coordinates));
+                    Ok((closed.is_closed() && moved < 10.0 * size).then_some((closed, moved)))
+                };
+                let Some((closed, moved)) = reach(share)? else { continue };
+                let Some((_, nearer)) = reach(0.25 * share)? else { continue };
+                if nearer <= NEARER * moved {
+                    let there = self.decomposed(&closed.coordinates)?;
+                    return Ok(Some(self.waypoint(share, closed, &there, regular_rank)));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Why the drives cannot go on from here; at a dead point `here` becomes that point, and it is noted as singular.
+    fn stop(
+        &self,
+        here: &mut Waypoint,
+        trail: &[Waypoint],
+        regular_rank: usize,
+        motion: &mut Motion,
+    ) -> Result<Stop, Error> {
+        let at = self.system.at(here.coordinates.clone())?;
+        let start = trail.len() == 1;
+        if start && here.free_mobility > 0 {
+            let held = OnWay::new(&at, self.free, None);
+            let finite = finite_mobility(&held, &held.here(), STEP_THRESHOLD)?.mobility;
+            if finite != Some(here.free_mobility) {
+                motion.singular.push(self.singular(here, regular_rank + 1)?);
+                return Ok(Stop::SingularStart { free_mobility: here.free_mobility });
+            }
+        }
+        let whole = self.size(&self.driven(&trail[0], 1.0));
+        let way = OnWay::new(&at, self.free, Some(self.way()));
+        if let Some((coordinates, beyond)) = way.turning_point(regular_rank)?
+            && beyond <= AT_ONCE * whole
+        {
+            let there = self.system.at(coordinates)?;
+            let residual = there.loop_residuals().into_iter().map(|(_, size)| size);
+            let closed = Closure {
+                residual: residual.fold(0.0, f64::max),
+                coordinates: there.home().clone(),
+                iterations: 0,
+            };
+            let svd = self.decomposed(&closed.coordinates)?;
+            *here = self.waypoint(here.share + beyond / whole, closed, &svd, regular_rank);
+            motion.singular.push(self.singular(here, regular_rank)?);
+            return Ok(Stop::Locked);
+        }
+        let most = trail.iter().map(|point| point.least_singular_value).fold(0.0, f64::max);
+        let dead = here.least_singular_value < 1e-2 * most.min(1.0);
+        Ok(if dead { Stop::Locked } else { Stop::Incompatible })
+    }
+
+    /// (f + M) the drives' way, of length one in radians and characteristic lengths.
+    fn way(&self) -> DVector<f64> {
+        let mut way = DVector::zeros(self.columns.len());
+        for (drive, from) in self.drives.iter().zip(&self.from) {
+            way[drive.coordinate] = drive.to - from;
+        }
+        let length = self.size(&way);
+        way / length
+    }
+
+    /// A configuration that is singular, with what meets there.
+    fn singular(&self, there: &Waypoint, regular_rank: usize) -> Result<Singular, Error> {
+        let at = self.system.at(there.coordinates.clone())?;
+        let on_way = OnWay::new(&at, self.free, Some(self.way()));
+        Ok(Singular {
+            share: there.share,
+            coordinates: there.coordinates.clone(),
+            instantaneous_mobility: instantaneous_mobility(&at, &at.at_home(), SINGULAR)?.mobility,
+            least_singular_value: there.least_singular_value,
+            branches: on_way.branches(regular_rank)?,
+        })
     }
 
     /// Looks into a dip of the least singular value between the last three steps.
@@ -314,13 +427,13 @@ impl<'a> Run<'a> {
         let mut least = trail[count - 2].clone();
         let base = trail[count - 3].clone();
         for _ in 0..60 {
-            if least.least_singular_value < SINGULAR || high - low < 1e-12 {
+            if least.least_singular_value < FOUND || high - low < 1e-12 {
                 break;
             }
             let shares = [low + (high - low) / 3.0, high - (high - low) / 3.0];
             let [Some(a), Some(b)] = [
-                self.step(&base, shares[0], regular_rank)?,
-                self.step(&base, shares[1], regular_rank)?,
+                self.step(&base, &base, shares[0], regular_rank)?,
+                self.step(&base, &base, shares[1], regular_rank)?,
             ] else {
                 break;
             };
@@ -336,14 +449,7 @@ impl<'a> Run<'a> {
             }
         }
         if least.least_singular_value < SINGULAR {
-            let there = self.system.at(least.coordinates.clone())?;
-            let mobility = instantaneous_mobility(&there, &there.at_home(), SINGULAR)?.mobility;
-            found.push(Singular {
-                share: least.share,
-                coordinates: least.coordinates,
-                instantaneous_mobility: mobility,
-                least_singular_value: least.least_singular_value,
-            });
+            found.push(self.singular(&least, regular_rank)?);
         }
         Ok(())
     }

@@ -6,6 +6,7 @@
 //! | which motions do the constraints allow to first order? | [`instantaneous_mobility`] |
 //! | …with the virtual joints free as well? | [`augmented_mobility`] |
 //! | in how many directions can it really go? | [`finite_mobility`] |
+//! | …and do branches of other dimensions meet there? | [`branch_dimensions`] |
 //!
 //! The answers differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
 
@@ -20,5 +21,6 @@ pub use instantaneous::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,
 };
 pub use kutzbach::kutzbach_mobility;
-pub use neighbours::Neighbours;
+pub use neighbours::{Neighbours, branch_dimensions};
 pub use second_order::SecondOrder;
+pub(crate) use second_order::quadrics;

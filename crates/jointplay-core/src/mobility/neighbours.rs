@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{InstantaneousMobility, SecondOrder, instantaneous_mobility};
+use super::{FiniteMobility, InstantaneousMobility, SecondOrder, instantaneous_mobility};
 use crate::Error;
 use crate::constraint::{Configuration, System, scaled_jacobian, scaled_residual, units};
 use crate::linalg::svd;
@@ -104,6 +104,52 @@ pub(super) fn neighbours<S: System + ?Sized>(
         }
     }
     Ok(best)
+}
+
+/// Starts from which branches of other dimensions are looked for, for each motion to first order.
+const STARTS_PER_MOTION: usize = 8;
+
+/// Dimensions of the branches that meet at a configuration, as far as a search finds them: different ones, smallest first.
+///
+/// More than one make it a kinematotropic candidate: a mechanism that can change there how many freedoms it has.
+///
+/// # Arguments
+/// * `at`, `found` – a configuration, and what [`finite_mobility`](super::finite_mobility) says of it
+///
+/// # Errors
+/// Those of [`instantaneous_mobility`].
+///
+/// # Numerics
+/// Many starts, each followed as [`finite_mobility`](super::finite_mobility) follows a few: for configurations that are singular, not for every one of a motion.
+/// A single dimension where all motions to first order are motions for real, without a search.
+/// Empty where no start ended on a branch.
+/// Deterministic.
+pub fn branch_dimensions<S: System + ?Sized>(
+    system: &S,
+    at: &Configuration,
+    found: &FiniteMobility,
+) -> Result<Vec<usize>, Error> {
+    let first = &found.instantaneous;
+    if found.mobility == Some(first.mobility) {
+        return Ok(vec![first.mobility]);
+    }
+    let search = Search::new(system, at, first.characteristic_length);
+    let mut random = Random(4);
+    let mut dimensions = Vec::new();
+    for _ in 0..STARTS_PER_MOTION * first.mobility {
+        let start = &first.null_space * random_direction(&mut random, first.mobility) * RADIUS;
+        let Some(displacement) = search.corrected(at, start, RADIUS)? else { continue };
+        if displacement.norm() <= SAME_POINT * RADIUS {
+            continue;
+        }
+        let Some(spans) = search.branch(at, &displacement)? else { continue };
+        let dimension = spans.iter().filter(|&&span| span > LED_ON).count();
+        if dimension > 0 && !dimensions.contains(&dimension) {
+            dimensions.push(dimension);
+        }
+    }
+    dimensions.sort_unstable();
+    Ok(dimensions)
 }
 
 fn random_direction(random: &mut Random, count: usize) -> DVector<f64> {

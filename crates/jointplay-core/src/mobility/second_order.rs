@@ -123,7 +123,7 @@ fn has_irreducible_pair(quadrics: &[DMatrix<f64>], cut: f64) -> Result<bool, Err
 }
 
 /// sᵀ Φ''[N a, N b] for each self-stress, by polarisation.
-fn quadrics<S: System + ?Sized>(
+pub(crate) fn quadrics<S: System + ?Sized>(
     system: &S,
     at: &Configuration,
     first: &InstantaneousMobility,

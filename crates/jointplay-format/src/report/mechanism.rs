@@ -5,7 +5,7 @@ use jointplay_core::mechanism::{
     Class, Closure, Mechanism, MechanismSystem, Relief, SparseMobility, SparseSystem, link_motion,
     self_stresses,
 };
-use jointplay_core::mobility::{FiniteMobility, kutzbach_mobility};
+use jointplay_core::mobility::{FiniteMobility, branch_dimensions, kutzbach_mobility};
 use nalgebra::DVector;
 use serde::ser::{Serialize, Serializer};
 
@@ -131,8 +131,11 @@ pub struct MechanismMobilityReport {
     pub rank: usize,
     /// Constraints that say nothing new.
     pub redundancy: usize,
+    /// Dimensions of the branches found to meet there, where not all motions to first order are motions for real.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub branch_dimensions: Option<Vec<usize>>,
     /// What class of mechanism this makes it, in words.
-    pub class: &'static str,
+    pub class: String,
     /// What is carried twice: one entry for each redundant constraint.
     pub carried_twice: Vec<CarriedTwiceReport>,
     /// How each link but the base moves to first order.
@@ -253,7 +256,7 @@ pub struct LinkMotionReport {
 /// Tells what of a mechanism can move.
 ///
 /// # Errors
-/// As [`link_motion`] and [`self_stresses`].
+/// As [`link_motion`], [`self_stresses`] and [`branch_dimensions`].
 ///
 /// # Arguments
 /// * `values` – (f + M) the configuration [m, rad]
@@ -271,6 +274,10 @@ pub fn mechanism_mobility(
         let joints = stress.wrenches.iter().map(|(j, ..)| mechanism.joints()[*j].name.clone());
         CarriedTwiceReport { what: stress.words, joints: joints.collect() }
     });
+    let branches = match finite.mobility {
+        Some(found) if found == first.mobility => None,
+        _ => Some(branch_dimensions(system, &system.at_home(), finite)?),
+    };
     let mut link_motions = Vec::new();
     for (l, link) in mechanism.links().iter().enumerate().skip(1) {
         let found = link_motion(system, first, l)?;
@@ -299,7 +306,8 @@ pub fn mechanism_mobility(
         finite_mobility_bounds: [finite.lower_bound, finite.upper_bound],
         rank: first.rank,
         redundancy: first.redundancy,
-        class: Class::of(finite).words(),
+        class: class_words(Class::of(finite), branches.as_deref()),
+        branch_dimensions: branches,
         carried_twice: carried_twice.collect(),
         link_motions: ByName(link_motions),
         singular_values: first.singular_values.iter().copied().collect(),
@@ -308,6 +316,17 @@ pub fn mechanism_mobility(
         null_space: columns(&first.null_space),
         self_stress: columns(&first.self_stress),
     })
+}
+
+/// The class in words, with the freedoms of the branches where they differ.
+fn class_words(class: Class, branches: Option<&[usize]>) -> String {
+    let dimensions = branches.unwrap_or_default();
+    let class = class.with_branches(dimensions);
+    if class != Class::Kinematotropic {
+        return class.words().to_owned();
+    }
+    let list: Vec<String> = dimensions.iter().map(usize::to_string).collect();
+    class.words().replacen("here", &format!("here ({})", list.join(", ")), 1)
 }
 
 /// Displacements of the virtual joints by name, in the units of the file.

@@ -29,7 +29,7 @@ pub struct MotionReport {
     pub largest_displacements: Option<ByName<f64>>,
     /// Coordinates that went beyond their limits, and virtual joints that went beyond their clearance.
     pub limits_broken: Vec<String>,
-    /// `locked` or `incompatible`; `null` at the end of the way.
+    /// `locked`, `singular_start` or `incompatible`; `null` at the end of the way.
     pub stopped: Option<&'static str>,
     /// The same in words, and where.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -47,6 +47,8 @@ pub struct SingularReport {
     pub instantaneous_mobility: usize,
     /// The least singular value found there, as a share of the largest.
     pub least_singular_value: f64,
+    /// How many branches of the motion meet there; `null` where second order does not tell.
+    pub branches: Option<usize>,
     /// Every coordinate there, by name.
     pub coordinates: ByName<f64>,
 }
@@ -71,6 +73,7 @@ pub fn motion(
         drives: drives(&there.coordinates),
         instantaneous_mobility: there.instantaneous_mobility,
         least_singular_value: there.least_singular_value,
+        branches: there.branches,
         coordinates: by_name(&coordinates, &there.coordinates),
     });
     let series = (0..coordinates.all().len()).map(|k| {
@@ -88,13 +91,21 @@ pub fn motion(
     let why = motion.stopped.map(|stop| match stop {
         Stop::Locked => (
             "locked",
-            "a dead point, where the mechanism cannot follow its drives any further",
+            "a dead point, where the mechanism cannot follow its drives any further".to_owned(),
+        ),
+        Stop::SingularStart { free_mobility } => (
+            "singular_start",
+            format!(
+                "the start is singular: {free_mobility} {} to first order with the drives held, and none was found that leads on; start from another configuration",
+                if free_mobility == 1 { "motion" } else { "motions" }
+            ),
         ),
         Stop::Incompatible => (
             "incompatible",
-            "the loops do not stay closed: the drives pull against each other or against redundant constraints",
+            "the loops do not stay closed: the drives pull against each other or against redundant constraints".to_owned(),
         ),
     });
+    let (stopped, reason) = why.unzip();
     MotionReport {
         name: file.mechanism.name().to_owned(),
         units: UnitsReport::of(&coordinates),
@@ -105,8 +116,8 @@ pub fn motion(
         singular: singular.collect(),
         largest_displacements: largest_displacements(&coordinates, motion),
         limits_broken: beyond_limits(file, &coordinates, motion),
-        stopped: why.map(|(word, _)| word),
-        message: why.map(|(_, reason)| format!("stopped at {}: {reason}", where_it_stands())),
+        stopped,
+        message: reason.map(|reason| format!("stopped at {}: {reason}", where_it_stands())),
         series: ByName(series.collect()),
     }
 }

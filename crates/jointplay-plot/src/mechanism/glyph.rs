@@ -16,6 +16,9 @@ pub(super) struct Material {
     edge: Colour,
 }
 
+/// Width of a line of play [px].
+pub(super) const GAP: f64 = 3.0;
+
 /// A passive joint.
 const PASSIVE: Material = Material {
     side: Colour::rgb(205, 214, 222),
@@ -154,6 +157,17 @@ pub(super) fn play(play: &Play, camera: &Camera, radius: f64, items: &mut Vec<It
         }
     }
     items.push(Item { depth, points: vec![play.at], drawn });
+}
+
+/// Play shown larger: a line from the end of a link to its joint, with a mark across where the link ends.
+pub(super) fn gap(ends: [Vector3<f64>; 2], camera: &Camera, width: f64) -> Item {
+    let [from, to] = ends.map(|end| camera.spot(&end));
+    let side = camera.across(&(ends[1] - ends[0]));
+    let mark = [-width, width].map(|w| (from.0 + side.0 * w, from.1 + side.1 * w));
+    let line = format!(" stroke=\"{}\" stroke-width=\"{}\"", PLAY.hex(), px(GAP));
+    let drawn = element(&path_data(&[from, to]), &line) + &element(&path_data(&mark), &line);
+    let depth = camera.depth(&ends[0]).max(camera.depth(&ends[1]));
+    Item { depth, points: ends.to_vec(), drawn }
 }
 
 /// The head of an arrow with its tip a little beyond `tip`, toward `way` [px].

@@ -8,7 +8,7 @@ mod paint;
 mod scene;
 mod view;
 
-use jointplay_core::mechanism::{Kinematics, Mechanism};
+use jointplay_core::mechanism::{Kinematics, Mechanism, exaggerated};
 use nalgebra::DVector;
 
 use crate::{Error, png};
@@ -54,6 +54,8 @@ pub struct MechanismPicture<'a> {
     pub coordinates: DVector<f64>,
     /// Another configuration, of which the links are shown faintly (f + M) [m, rad].
     pub ghost: Option<DVector<f64>>,
+    /// By how much the play taken is shown larger than it is, and said to be; `None` shows the configuration as it is.
+    pub exaggeration: Option<f64>,
     /// From where it is seen; `None` chooses.
     pub view: Option<View>,
     /// Title above the picture; empty for none.
@@ -67,13 +69,28 @@ impl<'a> MechanismPicture<'a> {
     #[must_use]
     pub fn new(mechanism: &'a Mechanism, coordinates: DVector<f64>) -> Self {
         let title = mechanism.name().to_owned();
-        Self { mechanism, coordinates, ghost: None, view: None, title, width: 720.0 }
+        Self {
+            mechanism,
+            coordinates,
+            ghost: None,
+            exaggeration: None,
+            view: None,
+            title,
+            width: 720.0,
+        }
     }
 
     /// The same picture, with the links of another configuration shown faintly.
     #[must_use]
     pub fn with_ghost(mut self, coordinates: DVector<f64>) -> Self {
         self.ghost = Some(coordinates);
+        self
+    }
+
+    /// The same picture, with its play shown larger by a factor.
+    #[must_use]
+    pub fn with_exaggeration(mut self, factor: f64) -> Self {
+        self.exaggeration = Some(factor);
         self
     }
 
@@ -107,7 +124,11 @@ impl<'a> MechanismPicture<'a> {
     pub fn to_svg(&self) -> Result<String, Error> {
         crate::check::width(self.width)?;
         let kinematics = Kinematics::new(self.mechanism);
-        let scene = Scene::of(self.mechanism, &kinematics.link_poses(&self.coordinates)?, None)?;
+        let mut scene =
+            Scene::of(self.mechanism, &kinematics.link_poses(&self.coordinates)?, None)?;
+        if let Some(factor) = self.exaggeration {
+            scene.exaggerate(&exaggerated(self.mechanism, &self.coordinates, factor)?);
+        }
         let ghost = match &self.ghost {
             None => None,
             Some(at) => {

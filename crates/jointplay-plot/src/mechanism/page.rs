@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::glyph::{ACTUATED, PLAY, circle};
+use super::glyph::{ACTUATED, GAP, PLAY, circle};
 use super::paint::{self, Camera};
 use super::scene::{RAIL, Scene};
 use super::{MechanismPicture, View, labels};
@@ -68,6 +68,11 @@ fn extent(view: View, scene: &Scene, ghost: Option<&Scene>) -> ((f64, f64), (f64
     let (mut low, mut high) = ((f64::MAX, f64::MAX), (f64::MIN, f64::MIN));
     for scene in [Some(scene), ghost].into_iter().flatten() {
         let room = 3.0 * scene.radius;
+        for [end, _] in &scene.gaps {
+            let (x, y) = (end.dot(&right), end.dot(&up));
+            low = (low.0.min(x - room), low.1.min(y - room));
+            high = (high.0.max(x + room), high.1.max(y + room));
+        }
         for joint in &scene.joints {
             let reach = if joint.has_rail() { RAIL * scene.radius } else { 0.0 };
             for point in [-reach, reach].map(|along| joint.at + joint.axis() * along) {
@@ -142,27 +147,33 @@ fn measure(n: i64, exponent: i32) -> String {
 
 /// What colours and hatching mean, as far as they occur.
 fn legend(svg: &mut Svg, scene: &Scene, ghost: bool, (middle, y): (f64, f64)) {
-    let mut entries: Vec<(String, &str)> = Vec::new();
+    let mut entries: Vec<(String, String)> = Vec::new();
     let line = " stroke=\"#5c5c5c\" stroke-width=\"1.1\"";
     let swatch =
         |fill: &str, line: &str| element("M0 -5h18v10h-18z", &format!(" fill=\"{fill}\"{line}"));
-    entries.push((swatch("#ececec", "") + &swatch("url(#base)", line), "base"));
+    entries.push((swatch("#ececec", "") + &swatch("url(#base)", line), "base".to_owned()));
     if scene.joints.iter().any(|joint| joint.actuated) {
-        entries.push((ACTUATED.swatch(), "actuated"));
+        entries.push((ACTUATED.swatch(), "actuated".to_owned()));
     }
-    if !scene.play.is_empty() {
+    if let Some(factor) = scene.exaggeration {
+        let line = format!(" stroke=\"{}\" stroke-width=\"{}\"", PLAY.hex(), px(GAP));
+        entries.push((element("M0 0h18", &line), format!("play ×{factor}")));
+    } else if !scene.play.is_empty() {
         let arrow = format!(" stroke=\"{}\" stroke-width=\"1.8\"", PLAY.hex());
-        entries.push((element("M0 0h18M4 -3l-4 3l4 3M14 -3l4 3l-4 3", &arrow), "virtual joint"));
+        entries.push((
+            element("M0 0h18M4 -3l-4 3l4 3M14 -3l4 3l-4 3", &arrow),
+            "virtual joint".to_owned(),
+        ));
     }
     if ghost {
         let pale = " stroke=\"#8fa3b5\" stroke-width=\"1.1\"";
-        entries.push((swatch("#f3f6f9", pale), "moved"));
+        entries.push((swatch("#f3f6f9", pale), "moved".to_owned()));
     }
     let wide = |text: &str| 24.0 + width(text, TICK) + 20.0;
     let mut x = middle - 0.5 * (entries.iter().map(|(_, text)| wide(text)).sum::<f64>() - 20.0);
     for (drawn, text) in entries {
         svg.elements(&format!("<g transform=\"translate({} {})\">\n{drawn}</g>\n", px(x), px(y)));
-        svg.text((x + 24.0, y + HALF_CAPITAL * TICK), TICK, Anchor::Start, text, "");
-        x += wide(text);
+        svg.text((x + 24.0, y + HALF_CAPITAL * TICK), TICK, Anchor::Start, &text, "");
+        x += wide(&text);
     }
 }

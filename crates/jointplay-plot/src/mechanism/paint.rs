@@ -76,7 +76,10 @@ pub(super) fn draw(scene: &Scene, ghost: Option<&Scene>, camera: &Camera) -> Str
     for joint in &scene.joints {
         glyph::joint(joint, camera, scene.radius, &mut items);
     }
-    for play in &scene.play {
+    for gap in &scene.gaps {
+        items.push(glyph::gap(*gap, camera, width));
+    }
+    for play in scene.play.iter().filter(|_| scene.exaggeration.is_none()) {
         glyph::play(play, camera, scene.radius, &mut items);
     }
     let plates = scene.links.iter().filter_map(|body| Plate::of(body, camera, width));

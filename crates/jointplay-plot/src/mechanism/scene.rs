@@ -1,6 +1,6 @@
 //! A mechanism as bodies and joints in space, in sizes of the mechanism.
 
-use jointplay_core::mechanism::{Carrier, JointKind, Mechanism, VirtualMotion};
+use jointplay_core::mechanism::{Carrier, Exaggerated, JointKind, Mechanism, VirtualMotion};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
@@ -28,6 +28,10 @@ pub(super) struct Scene {
     pub(super) joints: Vec<Placed>,
     pub(super) links: Vec<Body>,
     pub(super) play: Vec<Play>,
+    /// Play shown larger, from the end of a link to its joint.
+    pub(super) gaps: Vec<[Vector3<f64>; 2]>,
+    /// By how much.
+    pub(super) exaggeration: Option<f64>,
     /// What lies in the origin [m].
     middle: Vector3<f64>,
     /// The length of one size [m].
@@ -41,6 +45,8 @@ pub(super) struct Placed {
     pub(super) name: String,
     pub(super) kind: JointKind,
     pub(super) actuated: bool,
+    /// The links that it joins.
+    links: [usize; 2],
     /// Where it is drawn.
     pub(super) at: Vector3<f64>,
     /// Where it was before it went out of the way.
@@ -149,6 +155,7 @@ impl Scene {
                 name,
                 kind,
                 actuated,
+                links: joint.links,
                 at,
                 origin,
                 frames,
@@ -182,7 +189,26 @@ impl Scene {
                 .map(|&j| joints[j].end(carries_rail(mechanism, j) == link, radius))
                 .collect();
         }
-        Ok(Self { joints, links, play, middle, size, radius })
+        let (gaps, exaggeration) = (Vec::new(), None);
+        Ok(Self { joints, links, play, gaps, exaggeration, middle, size, radius })
+    }
+
+    /// Lets links end short of their joints, or beyond, by the play as it is exaggerated.
+    pub(super) fn exaggerate(&mut self, shown: &Exaggerated) {
+        self.exaggeration = Some(shown.factor);
+        for (link, body) in self.links.iter_mut().enumerate() {
+            for (&j, end) in body.joints.iter().zip(&mut body.ends) {
+                let side = usize::from(self.joints[j].links[1] == link);
+                let [seat, joint] =
+                    [&shown.seats, &shown.joints].map(|poses| poses[j][side].translation.vector);
+                let apart = (seat - joint) / self.size;
+                if apart.norm() > TOGETHER {
+                    let met = *end;
+                    *end += apart;
+                    self.gaps.push([*end, met]);
+                }
+            }
+        }
     }
 }
 

@@ -1,0 +1,82 @@
+//! Driving joints along a path while virtual joints give way.
+
+use nalgebra::DVector;
+
+use super::motion::{Run, STEP_THRESHOLD};
+use super::{Closure, Drive, MechanismSystem, Motion, PositionSolver, ReliefSolver, Stop, relieve};
+use crate::Error;
+use crate::constraint::System;
+
+/// Drives joint coordinates along a straight line with the virtual joints giving way as little as they can.
+///
+/// # Arguments
+/// * `start` – virtual joints at rest
+/// * `free` – joint coordinates that follow; all other joint coordinates are commanded
+/// * `count` – number of steps to report
+///
+/// # Errors
+/// [`Error::NotRelieved`] if not even the start can be relieved.
+/// A motion that stops is not an error: see [`Motion::stopped`].
+///
+/// # Numerics
+/// Each waypoint is the least displacement near the one before, by [`PositionSolver`], or by [`super::relieve`] from rest where that does not converge; singular configurations are not looked for.
+pub fn drive_relieved(
+    start: &MechanismSystem<'_>,
+    drives: &[Drive],
+    free: &[usize],
+    count: usize,
+) -> Result<Motion, Error> {
+    let run = Run::new(start, drives, free);
+    let joints = start.coordinate_dimensions().len();
+    let commanded: Vec<usize> = (0..joints).filter(|k| !free.contains(k)).collect();
+    let mut solver = match PositionSolver::new(start, &commanded) {
+        Ok(solver) => Some(solver),
+        Err(Error::PartlyCommanded { .. }) => None,
+        Err(other) => return Err(other),
+    };
+    let first = relieve(start, &commanded, ReliefSolver::LeastNorm)?;
+    let closed = |coordinates: DVector<f64>, residual: f64, iterations: usize| Closure {
+        coordinates,
+        residual,
+        iterations,
+    };
+    let mut here = closed(first.coordinates, first.residual, first.iterations);
+    let decomposition = run.decomposed(&here.coordinates)?;
+    let regular_rank = decomposition.rank(STEP_THRESHOLD);
+    let mut motion = Motion {
+        waypoints: vec![run.waypoint(0.0, here.clone(), &decomposition, regular_rank)],
+        singular: Vec::new(),
+        stopped: None,
+        steps: 0,
+    };
+    #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
+    for k in 1..=count {
+        motion.steps += 1;
+        let share = k as f64 / count as f64;
+        let mut to = here.coordinates.clone();
+        for (drive, from) in drives.iter().zip(&run.from) {
+            to[drive.coordinate] = from + (drive.to - from) * share;
+        }
+        let mut position = to.clone();
+        let solved = solver
+            .as_mut()
+            .and_then(|solver| solver.solve(position.as_mut_slice(), ReliefSolver::LeastNorm).ok());
+        here = match solved {
+            Some(found) => closed(position, found.residual, found.iterations),
+            None => {
+                to.rows_mut(joints, to.len() - joints).fill(0.0);
+                match relieve(&start.at(to)?, &commanded, ReliefSolver::LeastNorm) {
+                    Ok(found) => closed(found.coordinates, found.residual, found.iterations),
+                    Err(Error::NotRelieved { .. }) => {
+                        motion.stopped = Some(Stop::Incompatible);
+                        break;
+                    }
+                    Err(other) => return Err(other),
+                }
+            }
+        };
+        let decomposition = run.decomposed(&here.coordinates)?;
+        motion.waypoints.push(run.waypoint(share, here.clone(), &decomposition, regular_rank));
+    }
+    Ok(motion)
+}
