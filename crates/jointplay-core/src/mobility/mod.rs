@@ -6,12 +6,14 @@
 //! | which motions do the constraints allow to first order? | [`instantaneous_mobility`] |
 //! | …with the virtual joints free as well? | [`augmented_mobility`] |
 //! | in how many directions can it really go? | [`finite_mobility`] |
+//! | …if its dimensions are true only to a tolerance? | [`near_mobility`] |
 //!
 //! The answers differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
 
 mod finite;
 mod instantaneous;
 mod kutzbach;
+mod near;
 mod neighbours;
 mod second_order;
 
@@ -20,5 +22,6 @@ pub use instantaneous::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,
 };
 pub use kutzbach::kutzbach_mobility;
+pub use near::{ClosedThere, NearMiss, NearMobility, TOLERANCES, near_mobility};
 pub use neighbours::Neighbours;
 pub use second_order::SecondOrder;
