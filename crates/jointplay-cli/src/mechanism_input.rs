@@ -11,6 +11,7 @@ use jointplay::mechanism::{
     Closure, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble, branches, guess,
     relieve,
 };
+use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
 use jointplay::{Error, format};
 use serde::Serialize;
@@ -52,6 +53,24 @@ impl SetArgs {
         } else {
             Err(Failure::Misused("--set needs a mechanism file".to_owned()))
         }
+    }
+}
+
+/// How true the dimensions of a mechanism are.
+#[derive(Args)]
+pub(crate) struct ToleranceArgs {
+    /// Take dimensions as true only to this share: of the characteristic length, and in radians; from 1e-11 to 1e-2
+    #[arg(long, value_name = "SHARE", value_parser = share)]
+    pub(crate) tolerance: Option<f64>,
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if TOLERANCES.contains(&value) {
+        Ok(value)
+    } else {
+        let (least, greatest) = (TOLERANCES.start(), TOLERANCES.end());
+        Err(format!("{value:e} is not within {least:e} to {greatest:e}"))
     }
 }
 
@@ -121,6 +140,8 @@ pub(crate) fn imported(source: &Source) -> Result<Imported, Failure> {
 pub(crate) struct Input {
     pub(crate) file: MechanismFile,
     pub(crate) coordinates: Coordinates,
+    /// Mismatch that counts as closed, in radians and characteristic lengths; `None` for loops that close exactly.
+    pub(crate) tolerance: Option<f64>,
 }
 
 /// A closed configuration, with virtual joints displaced where they had to be.
@@ -143,14 +164,14 @@ impl Input {
             output::ignored(&model.ignored);
             let file = model.into_file();
             let coordinates = Coordinates::of(&file);
-            return Ok(Self { file, coordinates });
+            return Ok(Self { file, coordinates, tolerance: None });
         }
         let replaced: Vec<(String, f64)> =
             set.iter().map(|one| (one.name.clone(), one.value)).collect();
         let file = mechanism::parse_with(&source.text, &replaced)
             .map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))?;
         let coordinates = Coordinates::of(&file);
-        Ok(Self { file, coordinates })
+        Ok(Self { file, coordinates, tolerance: None })
     }
 
     /// Index of the joint coordinate of a name.
@@ -178,11 +199,18 @@ impl Input {
     /// The closed configuration nearest the guesses, with these coordinates held.
     pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        if !self.is_dense() {
+        // Near misses are for dense algebra, which says so itself where it cannot.
+        if !self.is_dense() && self.tolerance.is_none() {
             return self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
         }
         let found = assemble(&self.file.mechanism, &self.start(commands), &held, STARTS);
-        found.map_err(|error| self.unassembled(error))
+        match (found, self.tolerance) {
+            (Err(Error::NotAssembled(found)), Some(tolerance)) => match found.within(tolerance) {
+                Some(closure) => Ok(closure.clone()),
+                None => Err(self.unassembled(Error::NotAssembled(found))),
+            },
+            (found, _) => found.map_err(|error| self.unassembled(error)),
+        }
     }
 
     /// Whether the mechanism is small enough for dense algebra.
@@ -243,6 +271,9 @@ impl Input {
     fn unassembled(&self, error: Error) -> Failure {
         let Error::NotAssembled(found) = &error else { return error.into() };
         let mut text = format::explain::explain(&error);
+        if found.near_miss().is_some() {
+            text.push_str("\n  assemble and mobility have --tolerance for that");
+        }
         for (i, branch) in found.branches.iter().enumerate() {
             let values = report::by_name(&self.coordinates, &branch.coordinates).0.into_iter();
             let listed: Vec<String> = values

@@ -101,6 +101,18 @@ pub enum Error {
         /// Largest that is taken as closed.
         allowed: f64,
     },
+    /// A tolerance of the dimensions too small to be told from round-off, or too large to be one.
+    #[error(
+        "the tolerance is {found:e}, but has to lie from {min:e} to {max:e} (radians and characteristic lengths)"
+    )]
+    Tolerance {
+        /// What was found.
+        found: f64,
+        /// Least that is taken.
+        min: f64,
+        /// Greatest that is taken.
+        max: f64,
+    },
     /// Virtual joints that produce the sides, but mirror the triangle of the sockets.
     #[error(
         "the virtual joints found for these sides turn the platform over; the pose is too far from the nominal one"

@@ -112,6 +112,17 @@ impl Svd {
         }
         x
     }
+
+    /// (n) V Σ (Σ² + damping²)⁻¹ Uᵀ b: the least-squares solution of A x = b, damped where singular values are no larger than `damping`.
+    #[must_use]
+    pub fn solve_damped(&self, b: &DVector<f64>, damping: f64) -> DVector<f64> {
+        let mut x = DVector::zeros(self.v.nrows());
+        for (k, &sigma) in self.singular_values.iter().enumerate() {
+            let share = sigma / (sigma * sigma + damping * damping);
+            x.axpy(share * self.u.column(k).dot(b), &self.v.column(k), 1.0);
+        }
+        x
+    }
 }
 
 /// The shortest solution of three equations, lengths measured by a compliance for each unknown.

@@ -6,7 +6,7 @@ use clap::Args;
 use jointplay::format::report::{self, AssemblyReport};
 
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};
+use crate::mechanism_input::{Assignment, Input, MechanismArgs, ToleranceArgs, assignment};
 
 /// Close the loops of a mechanism, starting from the guesses of its file
 #[derive(Args)]
@@ -14,7 +14,8 @@ use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};
 Examples:
   jointplay assemble four-bar
   jointplay assemble four-bar --at A=30
-  jointplay assemble four-bar --at A=30 --branches 50")]
+  jointplay assemble four-bar --at A=30 --branches 50
+  jointplay assemble bennett --set b=0.1101 --tolerance 1e-3")]
 pub(crate) struct Assemble {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
@@ -24,11 +25,13 @@ pub(crate) struct Assemble {
     /// Also look for other closed configurations, from this many starts
     #[arg(long, value_name = "STARTS", value_parser = clap::value_parser!(u16).range(1..=10_000))]
     branches: Option<u16>,
+    #[command(flatten)]
+    near: ToleranceArgs,
 }
 
 impl Assemble {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let input = self.mechanism.load()?;
+        let input = Input { tolerance: self.near.tolerance, ..self.mechanism.load()? };
         let commands = input.commands(&self.at)?;
         let closed = input.assembled(&commands)?;
         let others = match self.branches {
@@ -40,7 +43,7 @@ impl Assemble {
                 Some(found)
             }
         };
-        let report = report::assembly(&input.file, &closed, others.as_deref());
+        let report = report::assembly(&input.file, &closed, input.tolerance, others.as_deref());
         self.mechanism.print(&report, |report| text(&input, report))
     }
 }
@@ -48,7 +51,11 @@ impl Assemble {
 fn text(input: &Input, report: &AssemblyReport) -> String {
     let mut text = format!("{}, assembled\n", report.name);
     text.push_str(&input.table(&report.closed.coordinates.0, 0));
-    let _ = writeln!(text, "closed");
+    let closed = match report.tolerance {
+        None => "closed",
+        Some(_) => "closed within the tolerance",
+    };
+    let _ = writeln!(text, "{closed}");
     let _ = writeln!(text, "  residual             {:.1e}", report.closed.residual);
     let _ = writeln!(text, "  iterations           {}", report.closed.iterations);
     if let Some(branches) = &report.branches {

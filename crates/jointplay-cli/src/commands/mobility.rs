@@ -5,17 +5,20 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jointplay::format::report::{
-    self, LinkMotionReport, MechanismMobilityReport, MobilityReport, SparseMobilityReport,
+    self, LinkMotionReport, MechanismMobilityReport, MobilityReport, NearMissReport,
+    SparseMobilityReport,
 };
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
 use jointplay::mechanism::MechanismSystem;
-use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
+use jointplay::mobility::{
+    ClosedThere, RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility,
+};
 use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, SetArgs, Source, assignment};
+use crate::mechanism_input::{Assignment, Input, SetArgs, Source, ToleranceArgs, assignment};
 use crate::output::{limits, magnitude, three};
 
 /// What the constraints let move: counted, to first order, and for real
@@ -26,7 +29,9 @@ Examples:
   jointplay mobility --q-mm 500,501,502                   tilted: stiff
   jointplay mobility --q-mm 500,501,502 --virtualization polar
   jointplay mobility bennett                              any mechanism
-  jointplay mobility four-bar --at A=30 --set coupler=0.25")]
+  jointplay mobility four-bar --at A=30 --set coupler=0.25
+  jointplay mobility bennett --set b=0.1101 --tolerance 1e-3
+                                                          moves, to a thousandth")]
 pub(crate) struct Mobility {
     /// Mechanism or robot file (TOML), or a name from `jointplay catalogue`; without it, the paper's robot
     #[arg(value_name = "FILE", conflicts_with = "robot")]
@@ -36,6 +41,8 @@ pub(crate) struct Mobility {
     at: Vec<Assignment>,
     #[command(flatten)]
     set: SetArgs,
+    #[command(flatten)]
+    near: ToleranceArgs,
     #[command(flatten)]
     rods: RodArgs,
     /// Also the mobility with these virtual joints free
@@ -50,6 +57,7 @@ impl Mobility {
         let gpr = match &self.file {
             None => {
                 self.set.refuse_without_file()?;
+                self.refuse_tolerance()?;
                 self.answer.load()?
             }
             Some(path) => {
@@ -87,8 +95,9 @@ impl Mobility {
                 "--q-mm and --virtualization are of the three-rod robot; say --at for a mechanism";
             return Err(Failure::Misused(text.to_owned()));
         }
-        let input = Input::parse(source, &self.set.set)?;
-        if !input.is_dense() {
+        let tolerance = self.near.tolerance;
+        let input = Input { tolerance, ..Input::parse(source, &self.set.set)? };
+        if !input.is_dense() && tolerance.is_none() {
             let (system, _) = input.sparse(&input.commands(&self.at)?)?;
             let found = system.mobility(RANK_THRESHOLD)?;
             let report = report::sparse_mobility(&input.file, &system, &found);
@@ -96,14 +105,32 @@ impl Mobility {
         }
         let posed = input.posed(&input.commands(&self.at)?)?;
         let system = MechanismSystem::new(&input.file.mechanism, posed.values.clone())?;
-        let finite = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
-        let relief = posed.relief.as_ref();
-        let report =
-            report::mechanism_mobility(&input.file, &system, &posed.values, relief, &finite)?;
+        let at = system.at_home();
+        let near = tolerance.map(|tolerance| near_mobility(&system, &at, tolerance)).transpose()?;
+        // For real it would have to be put together by force where it does not close.
+        let finite = if tolerance.is_some() && !system.is_closed() {
+            finite_mobility(&ClosedThere::new(&system, &at), &at, RANK_THRESHOLD)?
+        } else {
+            finite_mobility(&system, &at, RANK_THRESHOLD)?
+        };
+        let report = report::mechanism_mobility(
+            &input.file,
+            &system,
+            &posed.values,
+            posed.relief.as_ref(),
+            &finite,
+            near.as_ref(),
+        )?;
         self.answer.print(&report, |report| mechanism_text(&input, report))
     }
 
+    fn refuse_tolerance(&self) -> Result<(), Failure> {
+        let text = "--tolerance is for mechanism files; `gpr-mechanism` of the catalogue is this robot as one";
+        self.near.tolerance.map_or(Ok(()), |_| Err(Failure::Misused(text.to_owned())))
+    }
+
     fn robot(&self, source: &Source) -> Result<Gpr, Failure> {
+        self.refuse_tolerance()?;
         if !self.at.is_empty() || !self.set.set.is_empty() {
             let text = "--at and --set are for mechanism files; say --q-mm for this robot";
             return Err(Failure::Misused(text.to_owned()));
@@ -228,9 +255,40 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
         let _ =
             writeln!(text, "  carried twice: {}, by {}", carried.what, carried.joints.join(", "));
     }
+    text.push_str(&near_words(report));
     let _ = writeln!(text, "links, to first order");
     for (link, motion) in &report.link_motions.0 {
         let _ = writeln!(text, "  {link:<20} {}", motion_words(motion));
+    }
+    text
+}
+
+/// What dimensions true only to a tolerance make of it, or what to ask.
+fn near_words(report: &MechanismMobilityReport) -> String {
+    let mut text = String::new();
+    if let Some(near) = &report.near {
+        let (mobility, needed) = (near.near_mobility, near.near_tolerance_needed);
+        let words = if report.finite_mobility == Some(mobility) {
+            "as for real".to_owned()
+        } else {
+            format!("if dimensions are true only to {needed:.1e}")
+        };
+        let _ = writeln!(text, "within a tolerance of {:.1e}: {mobility}, {words}", near.tolerance);
+        if let Some(gap) = near.forced_shut {
+            let _ = writeln!(
+                text,
+                "  \"for real\" is with the loops forced shut: they miss by {gap:.1e}"
+            );
+        }
+        if let Some(more) = near.near_tolerance_for_one_more {
+            let _ = writeln!(text, "  one more would need about {more:.1e}");
+        }
+    }
+    if let Some(NearMissReport { smallest_counted_share, tolerance_to_try }) = report.near_miss {
+        let _ = writeln!(
+            text,
+            "  perhaps a near miss: the least singular value that counts is {smallest_counted_share:.1e} of the largest; --tolerance {tolerance_to_try:.0e} tells what moves if dimensions are rounded"
+        );
     }
     text
 }

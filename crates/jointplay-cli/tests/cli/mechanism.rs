@@ -245,6 +245,70 @@ fn branches_of_different_freedom_are_told() {
     assert!(!one.contains("branch_dimensions"));
 }
 
+/// Bennett's linkage with a length of four digits: stiff and not even closed for real, movable to a tolerance.
+#[test]
+fn near_misses_are_told_from_what_is_impossible() {
+    let rounded = "bennett --set b=0.1101";
+    let desk = Desk::new();
+    let refused = desk.run(&format!("mobility {rounded}"));
+    assert_eq!(refused.code, 1);
+    assert!(refused.stderr.contains("they close to 1.7e-4"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("--tolerance"), "{}", refused.stderr);
+    let refused = desk.run(&format!("assemble {rounded} --tolerance 1e-5"));
+    assert_eq!((refused.code, refused.stdout.as_str()), (1, ""));
+
+    let found = desk.json(&format!("mobility {rounded} --tolerance 1e-3"));
+    assert_eq!((&found["finite_mobility"], &found["near_mobility"]), (&0.into(), &1.into()));
+    assert_eq!(found["tolerance"], 1e-3);
+    let (gap, needed) = (found["forced_shut"].as_f64(), found["near_tolerance_needed"].as_f64());
+    assert!(gap > Some(1e-4) && needed >= gap && needed < Some(5e-4), "{gap:?} {needed:?}");
+    let text = desk.done(&format!("mobility {rounded} --tolerance 1e-3"));
+    let told = "within a tolerance of 1.0e-3: 1, if dimensions are true only to 1.7e-4";
+    assert!(text.contains(told) && text.contains("forced shut"), "{text}");
+
+    let assembled = desk.json(&format!("assemble {rounded} --tolerance 1e-3"));
+    assert_eq!(
+        (assembled["tolerance"].as_f64(), assembled["residual"].as_f64()),
+        (Some(1e-3), gap)
+    );
+    let text = desk.done(&format!("assemble {rounded} --tolerance 1e-3"));
+    assert!(text.contains("closed within the tolerance"), "{text}");
+    // What closes by itself is told so, tolerance or not.
+    let exact = desk.done("assemble bennett --tolerance 1e-3");
+    assert_eq!(exact, desk.done("assemble bennett"));
+    let exact = desk.done("mobility bennett --tolerance 1e-3");
+    assert!(exact.contains("within a tolerance of 1.0e-3: 1, as for real"), "{exact}");
+    assert!(!exact.contains("forced shut"), "{exact}");
+}
+
+/// A hinge that leans by 1e-5 where it should not: closed, stiff, and a hint what to ask.
+#[test]
+fn near_misses_that_close_are_hinted_at() {
+    let desk = Desk::new();
+    let links = [["ground", "a"], ["a", "b"], ["b", "c"], ["c", "ground"]];
+    let points = [[0.0, 0.0, 0.0], [5.0, 9.0, 0.0], [26.0, 15.0, 0.0], [30.0, 0.0, 0.0]];
+    let file = |lean: f64| {
+        let joints = (0..4).map(|k| {
+            let axis = if k == 1 { [lean, 0.0, 1.0] } else { Z };
+            joint(&format!("J{k}"), "revolute", links[k], points[k], axis)
+        });
+        format!("{HEAD}{}", joints.collect::<String>())
+    };
+    desk.write("leaning.toml", &file(1e-5));
+    desk.write("upright.toml", &file(0.0));
+    let text = desk.done("mobility leaning.toml");
+    let (_, after) = text.split_once("perhaps a near miss").unwrap_or_else(|| panic!("{text}"));
+    let (_, after) = after.split_once("--tolerance ").unwrap();
+    let tolerance = after.split(' ').next().unwrap();
+    let found = desk.json(&format!("mobility leaning.toml --tolerance {tolerance}"));
+    assert_eq!((&found["finite_mobility"], &found["near_mobility"]), (&0.into(), &1.into()));
+    assert!(found.get("near_miss").is_none() && found["forced_shut"].is_null());
+    let found = desk.json("mobility leaning.toml");
+    assert!(found.get("near_mobility").is_none());
+    assert!(found["near_miss"]["smallest_counted_share"].as_f64() < Some(1e-4));
+    assert!(!desk.done("mobility upright.toml").contains("near miss"));
+}
+
 #[test]
 fn names_that_are_not_there() {
     let refuse = |line, message| refused("", line, 2, message);
@@ -265,6 +329,11 @@ fn names_that_are_not_there() {
     refuse("mobility four-bar --q-mm 1,2,3", "--q-mm and --virtualization");
     refuse("mobility gpr --at A=1", "--at and --set are for mechanism files");
     refuse("mobility --set a=1", "--set needs a mechanism file");
+    refuse("mobility gpr --tolerance 1e-3", "--tolerance is for mechanism files");
+    refuse("mobility --tolerance 1e-3", "--tolerance is for mechanism files");
+    refuse("mobility four-bar --tolerance 0.5", "5e-1 is not within 1e-11 to 1e-2");
+    refuse("assemble four-bar --tolerance=-1e-3", "is not within 1e-11 to 1e-2");
+    refuse("assemble four-bar --tolerance x", "is no number");
     refuse("sensitivity four-bar --command A=1", "no virtual joints");
     refuse("sensitivity gpr-mechanism", "nothing is commanded");
     refuse("catalogue show benett", "did you mean `bennett`?");

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Dimension;
+use super::{Dimension, scaled_residual, units};
 use crate::Error;
 
 /// Where a constraint system is.
@@ -45,6 +45,14 @@ pub trait System {
 
     /// (c) second derivative of Φ along a direction of P: d²Φ(P + t v, X)/dt² at t = 0.
     fn second_derivative(&self, at: &Configuration, direction: &DVector<f64>) -> DVector<f64>;
+
+    /// How far a configuration is from satisfying the constraints: the largest entry of Φ, in radians and characteristic lengths.
+    ///
+    /// A system whose constraints are combinations of others may say how far those are missed.
+    fn mismatch(&self, at: &Configuration) -> f64 {
+        let rows = units(&self.constraint_dimensions(), self.characteristic_length());
+        scaled_residual(&self.residual(at), &rows).amax()
+    }
 
     /// Whether a configuration has as many numbers as this system needs, all finite.
     ///

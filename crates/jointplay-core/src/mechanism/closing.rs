@@ -1,6 +1,6 @@
 //! Closing loops from near by.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 use super::MechanismSystem;
 use crate::Error;
@@ -72,13 +72,7 @@ pub fn close(
         while !accepted && iterations < max_iterations {
             iterations += 1;
             let damping = (damping_factor * before.min(1.0)).max(LEAST_DAMPING);
-            let step = damped(
-                &decomposition.u,
-                &decomposition.singular_values,
-                &decomposition.v,
-                &residual,
-                damping,
-            );
+            let step = -decomposition.solve_damped(&residual, damping);
             let shorten = (LONGEST_STEP / step.norm()).min(1.0);
             let mut by = DVector::zeros(here.home().len());
             for (&k, value) in free.iter().zip(step.component_mul(&free_units).iter()) {
@@ -104,22 +98,6 @@ pub fn close(
             break;
         }
     }
-    let residual = here.loop_residuals().into_iter().map(|(_, size)| size).fold(0.0, f64::max);
+    let residual = here.mismatch(&here.at_home());
     Ok(Closure { coordinates: here.home().clone(), residual, iterations })
-}
-
-/// −V Σ/(Σ² + damping²) Uᵀ residual.
-fn damped(
-    u: &DMatrix<f64>,
-    singular_values: &DVector<f64>,
-    v: &DMatrix<f64>,
-    residual: &DVector<f64>,
-    damping: f64,
-) -> DVector<f64> {
-    let mut step = DVector::zeros(v.nrows());
-    for (k, &sigma) in singular_values.iter().enumerate() {
-        let share = sigma / (sigma * sigma + damping * damping);
-        step.axpy(-share * u.column(k).dot(residual), &v.column(k), 1.0);
-    }
-    step
 }

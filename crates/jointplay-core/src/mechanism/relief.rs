@@ -99,7 +99,7 @@ pub fn relieve(
         }
         by.rows_mut(f, roots.len()).copy_from(&step.component_div(&roots));
         here = here.moved(&by)?;
-        let after = here.loop_residuals().into_iter().map(|(_, size)| size).fold(0.0, f64::max);
+        let after = here.mismatch(&here.at_home());
         let settled = step.norm() <= SETTLED * length.max(y.norm());
         let stop = !after.is_finite() || (settled && (after >= reached || after < 1e-15));
         reached = after;

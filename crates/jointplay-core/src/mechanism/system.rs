@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::Mechanism;
 use super::kinematics::{Kinematics, Placed, bracket, carried, minus};
+use super::{CLOSED, Mechanism};
 use crate::Error;
 use crate::constraint::{Configuration, Dimension, System};
 
@@ -112,19 +112,28 @@ impl<'a> MechanismSystem<'a> {
         self.reference
     }
 
-    /// Largest mismatch of each loop, in units of the characteristic length and in radians, named by the joint that closes it.
+    /// Largest mismatch of each loop at home, in units of the characteristic length and in radians, named by the joint that closes it.
     #[must_use]
     pub fn loop_residuals(&self) -> Vec<(usize, f64)> {
-        let zero = DVector::zeros(self.home.len());
-        let placed = self.kinematics.placed(&self.home, &zero, &self.reference, None);
+        let sizes = self.loop_mismatches(&self.at_home());
+        self.kinematics.closing_joints().iter().copied().zip(sizes).collect()
+    }
+
+    /// Whether all loops are closed at home, to round-off.
+    #[must_use]
+    pub fn is_closed(&self) -> bool {
+        self.mismatch(&self.at_home()) <= CLOSED
+    }
+
+    fn loop_mismatches(&self, at: &Configuration) -> Vec<f64> {
         let unit = self.characteristic_length;
         // Half turns leave no antisymmetric part behind, but are no closure: 2 sin(θ/2) sees them.
-        let sizes = placed.mismatches.iter().map(|mismatch| {
+        let sizes = self.placed(at, None).mismatches.into_iter().map(|mismatch| {
             let turned = (mismatch.rotation.matrix() - Matrix3::identity()).norm();
             let shifted = mismatch.rotation * self.reference + mismatch.translation.vector;
             (turned / std::f64::consts::SQRT_2).max((shifted - self.reference).norm() / unit)
         });
-        self.kinematics.closing_joints().iter().copied().zip(sizes).collect()
+        sizes.collect()
     }
 
     fn freedoms(&self) -> usize {
@@ -218,6 +227,11 @@ impl System for MechanismSystem<'_> {
     /// The user's, or the root mean square distance of the joints from their middle at home.
     fn characteristic_length(&self) -> f64 {
         self.characteristic_length
+    }
+
+    /// That of the loop that is missed most.
+    fn mismatch(&self, at: &Configuration) -> f64 {
+        self.loop_mismatches(at).into_iter().fold(0.0, f64::max)
     }
 
     fn residual(&self, at: &Configuration) -> DVector<f64> {

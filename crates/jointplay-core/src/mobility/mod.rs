@@ -7,12 +7,14 @@
 //! | …with the virtual joints free as well? | [`augmented_mobility`] |
 //! | in how many directions can it really go? | [`finite_mobility`] |
 //! | …and do branches of other dimensions meet there? | [`branch_dimensions`] |
+//! | …if its dimensions are true only to a tolerance? | [`near_mobility`] |
 //!
 //! The answers differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
 
 mod finite;
 mod instantaneous;
 mod kutzbach;
+mod near;
 mod neighbours;
 mod second_order;
 
@@ -21,6 +23,7 @@ pub use instantaneous::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,
 };
 pub use kutzbach::kutzbach_mobility;
+pub use near::{ClosedThere, NearMiss, NearMobility, TOLERANCES, near_mobility};
 pub use neighbours::{Neighbours, branch_dimensions};
 pub use second_order::SecondOrder;
 pub(crate) use second_order::quadrics;

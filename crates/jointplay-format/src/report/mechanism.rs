@@ -1,11 +1,14 @@
 //! Any mechanism: closed configurations and what can move there.
 
 use jointplay_core::Error;
+use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
     Class, Closure, Mechanism, MechanismSystem, Relief, SparseMobility, SparseSystem, link_motion,
     self_stresses,
 };
-use jointplay_core::mobility::{FiniteMobility, branch_dimensions, kutzbach_mobility};
+use jointplay_core::mobility::{
+    FiniteMobility, NearMobility, branch_dimensions, kutzbach_mobility,
+};
 use nalgebra::DVector;
 use serde::ser::{Serialize, Serializer};
 
@@ -61,6 +64,9 @@ pub struct AssemblyReport {
     /// The closed configuration nearest the guess.
     #[serde(flatten)]
     pub closed: ConfigurationReport,
+    /// Mismatch that was allowed, if the loops did not close exactly, in radians and characteristic lengths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
     /// Other closed configurations, if they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub branches: Option<Vec<ConfigurationReport>>,
@@ -87,10 +93,14 @@ pub fn configuration(coordinates: &Coordinates, closed: &Closure) -> Configurati
 }
 
 /// Tells how a mechanism is assembled.
+///
+/// # Arguments
+/// * `tolerance` – largest mismatch that was asked to count as closed, in radians and characteristic lengths
 #[must_use]
 pub fn assembly(
     file: &MechanismFile,
     closed: &Closure,
+    tolerance: Option<f64>,
     branches: Option<&[Closure]>,
 ) -> AssemblyReport {
     let coordinates = Coordinates::of(file);
@@ -99,6 +109,7 @@ pub fn assembly(
         name: file.mechanism.name().to_owned(),
         units: UnitsReport::of(&coordinates),
         closed: told(closed),
+        tolerance: tolerance.filter(|_| !closed.is_closed()),
         branches: branches.map(|branches| branches.iter().map(told).collect()),
     }
 }
@@ -134,6 +145,12 @@ pub struct MechanismMobilityReport {
     /// Dimensions of the branches found to meet there, where not all motions to first order are motions for real.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub branch_dimensions: Option<Vec<usize>>,
+    /// If dimensions are true only to a tolerance.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub near: Option<NearReport>,
+    /// A tolerance worth asking with, where the least singular value that counts is small and no tolerance was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_miss: Option<NearMissReport>,
     /// What class of mechanism this makes it, in words.
     pub class: String,
     /// What is carried twice: one entry for each redundant constraint.
@@ -150,6 +167,30 @@ pub struct MechanismMobilityReport {
     pub null_space: Vec<Vec<f64>>,
     /// Orthonormal self-stresses, one an entry; for each independent loop three moments and three forces.
     pub self_stress: Vec<Vec<f64>>,
+}
+
+/// What moves within a tolerance of the dimensions; all in radians and characteristic lengths.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NearReport {
+    /// Tolerance that was given.
+    pub tolerance: f64,
+    /// Largest mismatch of a loop in this configuration, which is forced shut for all but these numbers; `null` if it closes exactly.
+    pub forced_shut: Option<f64>,
+    /// Freedoms within the tolerance.
+    pub near_mobility: usize,
+    /// The tolerance that they need.
+    pub near_tolerance_needed: f64,
+    /// About the tolerance for one more; `null` where none is near.
+    pub near_tolerance_for_one_more: Option<f64>,
+}
+
+/// A singular value that counts, but little.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NearMissReport {
+    /// The least singular value that counts, as a share of the largest.
+    pub smallest_counted_share: f64,
+    /// A tolerance to ask with.
+    pub tolerance_to_try: f64,
 }
 
 /// What `mobility` answers of a mechanism with too many loops for dense algebra: the same, but for what would take a matrix of all.
@@ -261,15 +302,18 @@ pub struct LinkMotionReport {
 /// # Arguments
 /// * `values` – (f + M) the configuration [m, rad]
 /// * `relief` – if virtual joints had to give way
+/// * `near` – what moves within a tolerance, if that was asked
 pub fn mechanism_mobility(
     file: &MechanismFile,
     system: &MechanismSystem<'_>,
     values: &DVector<f64>,
     relief: Option<&Relief>,
     finite: &FiniteMobility,
+    near: Option<&NearMobility>,
 ) -> Result<MechanismMobilityReport, Error> {
     let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
     let first = &finite.instantaneous;
+    let near_miss = if near.is_none() { first.near_miss() } else { None };
     let carried_twice = self_stresses(system, first)?.into_iter().map(|stress| {
         let joints = stress.wrenches.iter().map(|(j, ..)| mechanism.joints()[*j].name.clone());
         CarriedTwiceReport { what: stress.words, joints: joints.collect() }
@@ -308,6 +352,17 @@ pub fn mechanism_mobility(
         redundancy: first.redundancy,
         class: class_words(Class::of(finite), branches.as_deref()),
         branch_dimensions: branches,
+        near: near.map(|near| NearReport {
+            tolerance: near.tolerance,
+            forced_shut: (!system.is_closed()).then(|| system.mismatch(&system.at_home())),
+            near_mobility: near.mobility,
+            near_tolerance_needed: near.needed,
+            near_tolerance_for_one_more: near.next,
+        }),
+        near_miss: near_miss.map(|found| NearMissReport {
+            smallest_counted_share: found.share,
+            tolerance_to_try: found.tolerance,
+        }),
         carried_twice: carried_twice.collect(),
         link_motions: ByName(link_motions),
         singular_values: first.singular_values.iter().copied().collect(),

@@ -21,8 +21,8 @@ pub use compare::{CompareReport, ModelReport, compare};
 pub use forward::{ForwardReport, PlatformReport, forward};
 pub use mechanism::{
     AssemblyReport, ByName, CarriedTwiceReport, ConfigurationReport, LinkMotionReport,
-    MechanismMobilityReport, SparseMobilityReport, UnitsReport, assembly, by_name, configuration,
-    mechanism_mobility, sparse_mobility,
+    MechanismMobilityReport, NearMissReport, NearReport, SparseMobilityReport, UnitsReport,
+    assembly, by_name, configuration, mechanism_mobility, sparse_mobility,
 };
 pub use mobility::{MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};

@@ -1,0 +1,152 @@
+//! Near misses: what is told of mechanisms whose dimensions are true only to some digits.
+#![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
+
+use jointplay::Error;
+use jointplay::constraint::System as _;
+use jointplay::format::catalogue;
+use jointplay::format::mechanism::parse_with;
+use jointplay::mechanism::{Mechanism, MechanismSystem, assemble, guess};
+use jointplay::mobility::{
+    ClosedThere, NearMobility, RANK_THRESHOLD, finite_mobility, kutzbach_mobility, near_mobility,
+};
+use jointplay::nalgebra::{DVector, Rotation3, Translation3, Vector3};
+use jointplay::spatial::Pose;
+
+/// Mechanisms of the catalogue by name.
+fn mechanisms() -> Vec<(&'static str, Mechanism)> {
+    let read = catalogue::entries().iter().filter(|entry| entry.name != "gpr");
+    read.map(|entry| (entry.name, parse_with(entry.text, &[]).unwrap().mechanism)).collect()
+}
+
+/// With nothing left of the tolerance, what is near is what is true.
+#[test]
+fn near_is_finite_for_exact_dimensions() {
+    let mut wrong = Vec::new();
+    for (name, mechanism) in mechanisms() {
+        let closed = assemble(&mechanism, &guess(&mechanism), &[], 0).unwrap();
+        let system = MechanismSystem::new(&mechanism, closed.coordinates).unwrap();
+        let at = system.at_home();
+        let finite = finite_mobility(&system, &at, RANK_THRESHOLD).unwrap().mobility;
+        let near = near_mobility(&system, &at, 1e-9).unwrap();
+        if Some(near.mobility) != finite || near.needed > 1e-12 {
+            wrong.push(format!("{name}: finite {finite:?}, {near:?}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Each joint off by up to `by`, in radians and characteristic lengths, on both of its links.
+fn perturbed(mechanism: &Mechanism, by: f64, seed: u64) -> Mechanism {
+    let at = assemble(mechanism, &guess(mechanism), &[], 0).unwrap().coordinates;
+    let length = MechanismSystem::new(mechanism, at).unwrap().characteristic_length();
+    let mut state = seed;
+    let mut next = || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        by * (2.0 * (state >> 40) as f64 / (1_u64 << 24) as f64 - 1.0)
+    };
+    let mut joints = mechanism.joints().to_vec();
+    for frame in joints.iter_mut().flat_map(|joint| &mut joint.frames) {
+        let turn = Rotation3::new(Vector3::new(next(), next(), next()));
+        let shift = Vector3::new(next(), next(), next()) * length;
+        *frame *= Pose::from_parts(Translation3::from(shift), turn);
+    }
+    let made = Mechanism::new(mechanism.name(), mechanism.links().to_vec(), joints).unwrap();
+    made.with_characteristic_length(length).unwrap()
+}
+
+/// Closed exactly, or as well as a least tolerance lets it.
+fn closed(mechanism: &Mechanism, tolerance: f64) -> DVector<f64> {
+    match assemble(mechanism, &guess(mechanism), &[], 0) {
+        Ok(closure) => closure.coordinates,
+        Err(Error::NotAssembled(found)) => found.within(tolerance).unwrap().coordinates.clone(),
+        Err(other) => panic!("{other}"),
+    }
+}
+
+/// Made not quite true, a mechanism has the mobility that is counted, and its own within a tolerance in proportion to what is untrue.
+#[test]
+fn untrue_mechanisms_move_within_a_tolerance() {
+    let mut wrong = Vec::new();
+    for (name, mechanism) in mechanisms() {
+        let system = MechanismSystem::new(&mechanism, closed(&mechanism, 0.0)).unwrap();
+        let exact = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
+        let mobility = exact.mobility.unwrap();
+        let freedoms: Vec<_> = mechanism.joints().iter().map(|one| one.kind.freedoms()).collect();
+        let counted = kutzbach_mobility(mechanism.links().len(), &freedoms).max(0);
+        let counted = usize::try_from(counted).unwrap();
+        for seed in 1..=3 {
+            let mut shares = Vec::new();
+            for by in [1e-4, 1e-5, 1e-6] {
+                let untrue = perturbed(&mechanism, by, seed);
+                let system = MechanismSystem::new(&untrue, closed(&untrue, 30.0 * by)).unwrap();
+                let at = system.at_home();
+                let near = near_mobility(&system, &at, 30.0 * by).unwrap();
+                let forced = ClosedThere::new(&system, &at);
+                let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();
+                if (near.mobility, real) != (mobility, counted) {
+                    wrong.push(format!(
+                        "{name} {by}: {mobility} exactly, {real} for real, {near:?}"
+                    ));
+                }
+                if mobility > counted {
+                    shares.push(near.needed / by);
+                } else if near.needed > 1e-13 {
+                    wrong.push(format!("{name} {by}: moves for real, {near:?}"));
+                }
+            }
+            // In proportion, within what it matters that the configuration nearest to closed moves about.
+            let most = shares.iter().copied().fold(0.0, f64::max);
+            if shares.iter().any(|&share| !(0.05..20.0).contains(&share) || share < most / 10.0) {
+                wrong.push(format!("{name}: {shares:?}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// A mechanism of the catalogue with other dimensions, closed as well as it can be, and what moves there.
+fn near(name: &str, set: &[(&str, f64)], tolerance: f64) -> (f64, usize, NearMobility) {
+    near_text(catalogue::find(name).unwrap().text, set, tolerance)
+}
+
+fn near_text(text: &str, set: &[(&str, f64)], tolerance: f64) -> (f64, usize, NearMobility) {
+    let set: Vec<_> = set.iter().map(|&(name, value)| (name.to_owned(), value)).collect();
+    let mechanism = parse_with(text, &set).unwrap().mechanism;
+    let system = MechanismSystem::new(&mechanism, closed(&mechanism, tolerance)).unwrap();
+    let at = system.at_home();
+    let forced = ClosedThere::new(&system, &at);
+    let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();
+    (system.mismatch(&at), real, near_mobility(&system, &at, tolerance).unwrap())
+}
+
+/// Legs of six digits: six spins are real, the motion of the platform is real but for the digits, whatever the size of the triangles.
+#[test]
+fn griffis_duffy_platform_with_printed_legs() {
+    let text = include_str!("../golden/griffis-duffy-printed.toml");
+    for r in [0.7, 1.0, 1.3] {
+        let (mismatch, real, near) = near_text(text, &[("r", r)], 1e-6);
+        assert!((5e-9..1e-7).contains(&mismatch), "{mismatch:e}");
+        assert_eq!((real, near.mobility), (6, 7), "{near:?}");
+        assert!((mismatch..2e-7).contains(&near.needed), "{near:?}");
+    }
+}
+
+/// Bennett's condition kept to fewer and fewer digits.
+#[test]
+fn bennetts_linkage_with_rounded_lengths() {
+    for (b, least, most) in [(0.11001, 5e-6, 5e-4), (0.1101, 5e-5, 5e-3), (0.111, 5e-4, 1e-2)] {
+        let (mismatch, real, near) = near("bennett", &[("b", b)], 1e-2);
+        assert_eq!((real, near.mobility), (0, 1), "{b} {mismatch:e} {near:?}");
+        assert!((least..most).contains(&near.needed), "{b} {near:?}");
+    }
+}
+
+/// The three-rod robot goes up and down for real; its tilts are what play is for, and need far more than any rounding.
+#[test]
+fn three_rod_robot_tilts_only_with_play() {
+    let (_, real, strict) = near("gpr-mechanism", &[], 1e-5);
+    assert_eq!((real, strict.mobility), (1, 1));
+    let (_, _, loose) = near("gpr-mechanism", &[], 1e-2);
+    assert!(loose.mobility > 1 && loose.needed > 1e-3, "{loose:?}");
+}
