@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use jointplay::format::report::{
-    self, LinkMotionReport, MechanismMobilityReport, MobilityReport, NearMissReport,
-    SparseMobilityReport,
+    self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
+    NearMissReport, SparseMobilityReport,
 };
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
@@ -140,75 +140,37 @@ impl Mobility {
     }
 }
 
-/// What is told alike of the robot and of any mechanism.
-struct Facts<'a> {
-    kutzbach: i64,
-    instantaneous: usize,
-    finite: Option<usize>,
-    bounds: [usize; 2],
-    rank: usize,
-    redundancy: usize,
-    characteristic_length_mm: f64,
-    /// Those that count, then those that do not.
-    singular_values: [&'a [f64]; 2],
-    threshold: f64,
+/// Freedoms and constraints, told alike of the robot and of any mechanism.
+fn freedoms(text: &mut String, found: &FreedomsReport) {
+    let [lower, upper] = found.finite_mobility_bounds;
+    let undecided = format!("undecided, {lower} to {upper}");
+    let finite = found.finite_mobility.map_or(undecided, |finite| finite.to_string());
+    let _ = writeln!(text, "  counted (Kutzbach)   {:>3}", found.kutzbach_mobility);
+    let _ = writeln!(text, "  to first order       {:>3}", found.instantaneous_mobility);
+    let _ = writeln!(text, "  for real             {finite:>3}");
+    let _ = writeln!(text, "constraints");
+    let _ = writeln!(text, "  rank                 {:>3}", found.rank);
+    let _ = writeln!(text, "  redundant            {:>3}", found.redundancy);
 }
 
-/// The facts of a report.
-macro_rules! facts {
-    ($report:expr) => {
-        facts!($report, {
-            let values = &$report.singular_values;
-            [&values[..$report.rank], &values[$report.rank..]]
-        })
-    };
-    ($report:expr, $singular_values:expr) => {
-        Facts {
-            kutzbach: $report.kutzbach_mobility,
-            instantaneous: $report.instantaneous_mobility,
-            finite: $report.finite_mobility,
-            bounds: $report.finite_mobility_bounds,
-            rank: $report.rank,
-            redundancy: $report.redundancy,
-            characteristic_length_mm: $report.characteristic_length_mm,
-            singular_values: $singular_values,
-            threshold: $report.threshold,
-        }
-    };
-}
-
-impl Facts<'_> {
-    fn write(&self, text: &mut String) {
-        let [lower, upper] = self.bounds;
-        let finite =
-            self.finite.map_or(format!("undecided, {lower} to {upper}"), |h| h.to_string());
-        let _ = writeln!(text, "  counted (Kutzbach)   {:>3}", self.kutzbach);
-        let _ = writeln!(text, "  to first order       {:>3}", self.instantaneous);
-        let _ = writeln!(text, "  for real             {finite:>3}");
-        if self.finite.is_some_and(|finite| finite < self.instantaneous) {
-            let _ = writeln!(
-                text,
-                "  shaky: {} motions are only instantaneous",
-                self.instantaneous - lower
-            );
-        }
-        let _ = writeln!(text, "constraints");
-        let _ = writeln!(text, "  rank                 {:>3}", self.rank);
-        let _ = writeln!(text, "  redundant            {:>3}", self.redundancy);
-        let _ = writeln!(
-            text,
-            "singular values, lengths in units of {} mm",
-            self.characteristic_length_mm
-        );
-        singular_values(text, self.singular_values);
-        let _ = writeln!(text, "  threshold            {:.3e}", self.threshold);
-    }
+/// Singular values, those that count apart from those that do not.
+fn spectrum(text: &mut String, values: [&[f64]; 2], threshold: f64, length_mm: f64) {
+    let _ = writeln!(text, "singular values, lengths in units of {length_mm} mm");
+    singular_values(text, values);
+    let _ = writeln!(text, "  threshold            {threshold:.3e}");
 }
 
 fn text(report: &MobilityReport) -> String {
     let mut text = String::new();
     let _ = writeln!(text, "mobility at q = {} mm", three(&report.q_mm, 6).trim_start());
-    facts!(report).write(&mut text);
+    freedoms(&mut text, &report.freedoms);
+    let FreedomsReport { instantaneous_mobility, finite_mobility, rank, .. } = report.freedoms;
+    let values = report.singular_values.split_at(rank).into();
+    spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
+    if let Some(finite) = finite_mobility.filter(|&finite| finite < instantaneous_mobility) {
+        let lost = instantaneous_mobility - finite;
+        let _ = writeln!(text, "shaky: {lost} motions are only instantaneous");
+    }
     if let Some(augmented) = &report.augmented {
         let _ = writeln!(text, "with the {} virtual joints free", augmented.virtualization);
         let _ = writeln!(text, "  rank                 {:>3}", augmented.augmented_rank);
@@ -230,7 +192,9 @@ fn sparse_text(report: &SparseMobilityReport) -> String {
         .flatten()
         .collect();
     let zero: Vec<f64> = report.largest_uncounted.into_iter().collect();
-    facts!(report, [counted.as_slice(), zero.as_slice()]).write(&mut text);
+    freedoms(&mut text, &report.freedoms);
+    let values = [counted.as_slice(), zero.as_slice()];
+    spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
     let _ = writeln!(
         text,
         "  of the joint closures by sparse algebra: the largest, the least that counts, the largest that does not"
@@ -249,7 +213,9 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     let _ = writeln!(text, "freedoms");
     let _ = writeln!(text, "  of all joints        {:>3}", report.joint_freedoms);
     let _ = writeln!(text, "  loops                {:>3}", report.loops);
-    facts!(report).write(&mut text);
+    freedoms(&mut text, &report.freedoms);
+    let values = report.singular_values.split_at(report.freedoms.rank).into();
+    spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
     let _ = writeln!(text, "{}", report.class);
     for carried in &report.carried_twice {
         let _ =
@@ -268,7 +234,7 @@ fn near_words(report: &MechanismMobilityReport) -> String {
     let mut text = String::new();
     if let Some(near) = &report.near {
         let (mobility, needed) = (near.near_mobility, near.near_tolerance_needed);
-        let words = if report.finite_mobility == Some(mobility) {
+        let words = if report.freedoms.finite_mobility == Some(mobility) {
             "as for real".to_owned()
         } else {
             format!("if dimensions are true only to {needed:.1e}")

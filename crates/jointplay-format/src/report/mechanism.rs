@@ -12,7 +12,7 @@ use jointplay_core::mobility::{
 use nalgebra::DVector;
 use serde::ser::{Serialize, Serializer};
 
-use super::mobility::columns;
+use super::mobility::{FreedomsReport, columns};
 use crate::coordinates::Coordinates;
 use crate::mechanism::MechanismFile;
 use crate::units::mm;
@@ -130,18 +130,9 @@ pub struct MechanismMobilityReport {
     pub joint_freedoms: usize,
     /// Independent loops.
     pub loops: usize,
-    /// Freedoms by the Kutzbach–Grübler count.
-    pub kutzbach_mobility: i64,
-    /// Freedoms to first order.
-    pub instantaneous_mobility: usize,
-    /// Freedoms for real; `null` where undecided.
-    pub finite_mobility: Option<usize>,
-    /// Bounds between which the finite mobility lies.
-    pub finite_mobility_bounds: [usize; 2],
-    /// Independent constraints.
-    pub rank: usize,
-    /// Constraints that say nothing new.
-    pub redundancy: usize,
+    /// What can move, and how much is constrained.
+    #[serde(flatten)]
+    pub freedoms: FreedomsReport,
     /// Dimensions of the branches found to meet there, where not all motions to first order are motions for real.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub branch_dimensions: Option<Vec<usize>>,
@@ -206,18 +197,9 @@ pub struct SparseMobilityReport {
     pub joint_freedoms: usize,
     /// Independent loops.
     pub loops: usize,
-    /// Freedoms by the Kutzbach–Grübler count.
-    pub kutzbach_mobility: i64,
-    /// Freedoms to first order.
-    pub instantaneous_mobility: usize,
-    /// Freedoms for real; `null` where undecided.
-    pub finite_mobility: Option<usize>,
-    /// Bounds between which the finite mobility lies.
-    pub finite_mobility_bounds: [usize; 2],
-    /// Independent constraints.
-    pub rank: usize,
-    /// Constraints that say nothing new.
-    pub redundancy: usize,
+    /// What can move, and how much is constrained.
+    #[serde(flatten)]
+    pub freedoms: FreedomsReport,
     /// What class of mechanism this makes it, in words.
     pub class: &'static str,
     /// Largest singular value of the joint closures in link twists.
@@ -248,12 +230,14 @@ pub fn sparse_mobility(
         coordinates: by_name(&coordinates, system.coordinates()),
         joint_freedoms: mechanism.joint_freedoms(),
         loops: mechanism.loops(),
-        kutzbach_mobility: counted(mechanism),
-        instantaneous_mobility: found.mobility,
-        finite_mobility: found.finite,
-        finite_mobility_bounds: [found.lower_bound, found.upper_bound],
-        rank: found.rank,
-        redundancy: found.redundancy,
+        freedoms: FreedomsReport {
+            kutzbach_mobility: counted(mechanism),
+            instantaneous_mobility: found.mobility,
+            finite_mobility: found.finite,
+            finite_mobility_bounds: [found.lower_bound, found.upper_bound],
+            rank: found.rank,
+            redundancy: found.redundancy,
+        },
         class: Class::counted(found.finite, found.mobility, found.redundancy).words(),
         largest_singular_value: found.largest,
         smallest_counted: found.smallest_counted,
@@ -344,12 +328,7 @@ pub fn mechanism_mobility(
         virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
         joint_freedoms: mechanism.joint_freedoms(),
         loops: mechanism.loops(),
-        kutzbach_mobility: counted(mechanism),
-        instantaneous_mobility: first.mobility,
-        finite_mobility: finite.mobility,
-        finite_mobility_bounds: [finite.lower_bound, finite.upper_bound],
-        rank: first.rank,
-        redundancy: first.redundancy,
+        freedoms: FreedomsReport::new(counted(mechanism), finite),
         class: class_words(Class::of(finite), branches.as_deref()),
         branch_dimensions: branches,
         near: near.map(|near| NearReport {

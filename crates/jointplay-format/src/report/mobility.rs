@@ -7,11 +7,9 @@ use nalgebra::DMatrix;
 use super::LimitReport;
 use crate::units::mm;
 
-/// What `mobility` answers.
+/// Freedoms counted, to first order and for real, of the robot and of any mechanism alike.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct MobilityReport {
-    /// Rods of the configuration [mm].
-    pub q_mm: [f64; 3],
+pub struct FreedomsReport {
     /// Freedoms by the Kutzbach–Grübler count.
     pub kutzbach_mobility: i64,
     /// Freedoms to first order.
@@ -24,6 +22,29 @@ pub struct MobilityReport {
     pub rank: usize,
     /// Constraints that say nothing new.
     pub redundancy: usize,
+}
+
+impl FreedomsReport {
+    pub(super) fn new(kutzbach_mobility: i64, finite: &FiniteMobility) -> Self {
+        Self {
+            kutzbach_mobility,
+            instantaneous_mobility: finite.instantaneous.mobility,
+            finite_mobility: finite.mobility,
+            finite_mobility_bounds: [finite.lower_bound, finite.upper_bound],
+            rank: finite.instantaneous.rank,
+            redundancy: finite.instantaneous.redundancy,
+        }
+    }
+}
+
+/// What `mobility` answers.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct MobilityReport {
+    /// Rods of the configuration [mm].
+    pub q_mm: [f64; 3],
+    /// What can move, and how much is constrained.
+    #[serde(flatten)]
+    pub freedoms: FreedomsReport,
     /// Singular values of the scaled constraint Jacobian, largest first.
     pub singular_values: Vec<f64>,
     /// Values at or below it count as zero.
@@ -69,12 +90,7 @@ pub fn mobility(
     let first = &finite.instantaneous;
     MobilityReport {
         q_mm: pose.rods.map(mm),
-        kutzbach_mobility,
-        instantaneous_mobility: first.mobility,
-        finite_mobility: finite.mobility,
-        finite_mobility_bounds: [finite.lower_bound, finite.upper_bound],
-        rank: first.rank,
-        redundancy: first.redundancy,
+        freedoms: FreedomsReport::new(kutzbach_mobility, finite),
         singular_values: first.singular_values.iter().copied().collect(),
         threshold: first.threshold,
         characteristic_length_mm: mm(first.characteristic_length),

@@ -24,7 +24,7 @@ pub use mechanism::{
     MechanismMobilityReport, NearMissReport, NearReport, SparseMobilityReport, UnitsReport,
     assembly, by_name, configuration, mechanism_mobility, sparse_mobility,
 };
-pub use mobility::{MobilityReport, mobility};
+pub use mobility::{FreedomsReport, MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};
 pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
