@@ -10,19 +10,23 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Names of the tests in this crate.
+/// Names of the tests of this crate and of the core.
 fn tests() -> BTreeSet<String> {
-    ["closed_forms", "errata", "golden", "linkages", "paper"]
-        .iter()
-        .flat_map(|file| {
-            let text = read(&format!("validation/tests/{file}.rs"));
-            let names = text.split("#[test]").skip(1).map(|after| {
-                let (_, name) = after.split_once("fn ").expect("a function after #[test]");
-                name.split('(').next().expect("split gives one part at least").to_owned()
-            });
-            names.collect::<Vec<String>>()
-        })
-        .collect()
+    let mut found = BTreeSet::new();
+    for folder in ["validation/tests", "crates/jointplay-core/tests"] {
+        let path = format!("{}/../{folder}", env!("CARGO_MANIFEST_DIR"));
+        for entry in std::fs::read_dir(path).expect("the folder is there") {
+            let path = entry.expect("the folder can be read").path();
+            if path.extension().is_some_and(|extension| extension == "rs") {
+                let text = std::fs::read_to_string(&path).expect("a test can be read");
+                found.extend(text.split("#[test]").skip(1).map(|after| {
+                    let (_, name) = after.split_once("fn ").expect("a function after #[test]");
+                    name.split('(').next().expect("split gives one part at least").to_owned()
+                }));
+            }
+        }
+    }
+    found
 }
 
 /// Code spans of a document that can only be names of tests: words of lower case letters, digits and three underscores or more.
