@@ -19,7 +19,7 @@ use jointplay::virtualization::{Planar, SolveOptions};
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, SetArgs, Source, ToleranceArgs, assignment};
-use crate::output::{limits, magnitude, three};
+use crate::output::{fixed, limits, magnitude, three};
 
 /// What the constraints let move: counted, to first order, and for real
 #[derive(Args)]
@@ -271,7 +271,7 @@ fn motion_words(motion: &LinkMotionReport) -> String {
                 } else {
                     format!("screws with an advance of {pitch:.6} mm/rad about an axis")
                 };
-            format!("{turns} through ({}) mm", point.map(|x| format!("{x:.4}")).join(", "))
+            format!("{turns} through ({}) mm", point.map(|x| fixed(x, 4)).join(", "))
         }
         (1, ..) => "slides".to_owned(),
         _ => format!("in {dimension} ways, {translations} of them translations"),

@@ -283,8 +283,8 @@ fn part(joints: &mut [Placed], group: &[usize], point: bool) {
                 && group.iter().any(|k| *k != j && joints[*k].has_axis() && across(k));
             if !pinned {
                 let axis = joints[j].axis();
-                // Away from the middle.
-                let sign = if joints[j].at.dot(&axis) > TOGETHER { 1.0 } else { -1.0 };
+                // Away from the middle, all slides of one direction alike.
+                let sign = if height(joints, &axis) > TOGETHER { 1.0 } else { -1.0 };
                 joints[j].at += axis * (sign * ASIDE);
             }
         }
@@ -310,6 +310,17 @@ fn part(joints: &mut [Placed], group: &[usize], point: bool) {
         joints[j].at += axis * along;
         joints[j].on_sphere = true;
     }
+}
+
+/// How far along an axis the slides along it are, on average.
+fn height(joints: &[Placed], axis: &Vector3<f64>) -> f64 {
+    let along = |joint: &&Placed| {
+        joint.kind == JointKind::Prismatic && joint.axis().dot(axis) > 1.0 - PARALLEL
+    };
+    let heights: Vec<f64> = joints.iter().filter(along).map(|joint| joint.at.dot(axis)).collect();
+    #[expect(clippy::cast_precision_loss, reason = "a count of joints")]
+    let count = heights.len().max(1) as f64;
+    heights.iter().sum::<f64>() / count
 }
 
 /// Whether a joint that cannot give way is in the group.
