@@ -302,16 +302,16 @@ fn branches_that_cross_or_touch() {
 
 /// z = 0 and z = xᵖ: first order allows x, order p stops it; y is free, or stopped at second order.
 #[test]
-fn stopped_beyond_the_second_order_is_undecided() {
+fn stopped_at_any_order_beside_what_is_free() {
     for p in 3..=10 {
         let stopped: &[Polynomial] = &[&[(1.0, &[0, 1])], &[(1.0, &[0, 1]), (-1.0, &[p, 0])]];
-        polynomials(2, stopped, 1, 0, false);
+        polynomials(2, stopped, 1, 0, true);
         let beside_a_free_one: &[Polynomial] =
             &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (-1.0, &[p, 0, 0])]];
-        polynomials(3, beside_a_free_one, 2, 1, false);
+        polynomials(3, beside_a_free_one, 2, 1, true);
         let at_mixed_orders: &[Polynomial] =
             &[&[(1.0, &[0, 0, 1])], &[(1.0, &[0, 0, 1]), (1.0, &[p, 0, 0]), (1.0, &[0, 2, 0])]];
-        // Of odd order it is a cusp, or two branches that touch, and moves.
+        // Of odd order it is a cusp, or two branches that touch, and moves; of even order two motions are stopped, one at second order, and what is left stays undecided.
         let (truth, decided) = if p % 2 == 0 { (0, false) } else { (1, true) };
         polynomials(3, at_mixed_orders, 2, truth, decided);
     }
@@ -319,7 +319,7 @@ fn stopped_beyond_the_second_order_is_undecided() {
 
 /// Watt's linkage, its middle pin in the slot that it follows almost: deviation of fifth order.
 #[test]
-fn watts_linkage_in_a_straight_slot_is_undecided() {
+fn watts_linkage_in_a_straight_slot_is_rigid() {
     // Cranks of length 2 and a coupler of length 1 across, its middle pin held by two bars in line.
     // A search that stops where all constraints are kept to 10⁻¹⁴ takes this for a motion.
     let system = Bars {
@@ -328,7 +328,7 @@ fn watts_linkage_in_a_straight_slot_is_undecided() {
         bars: vec![(0, 2), (1, 3), (2, 3), (2, 4), (3, 4)],
         slots: vec![(4, [0.0, 1.0])],
     };
-    bars(&system, 1, 0, false);
+    bars(&system, 1, 0, true);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Mobility for real: in how many directions the mechanism can go a finite way.
 
-use super::neighbours::{Neighbours, all_kept, neighbours};
+use super::neighbours::{Followed, Neighbours, followed, neighbours};
 use super::second_order::{SecondOrder, second_order};
 use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
@@ -19,7 +19,7 @@ pub struct FiniteMobility {
     pub mobility: Option<usize>,
     /// Dimension of the configurations found nearby.
     pub lower_bound: usize,
-    /// Dimension that first and second order leave room for.
+    /// Dimension that first and second order, and what was seen to break, leave room for.
     pub upper_bound: usize,
     /// The first-order analysis.
     pub instantaneous: InstantaneousMobility,
@@ -34,7 +34,8 @@ pub struct FiniteMobility {
 /// 1. Where all constraints are independent, the implicit function theorem makes every first-order motion finite.
 /// 2. Where every motion allowed to first order, in random directions, leads on a good way, all are finite.
 /// 3. Otherwise a motion v is the start of a finite one only if sᵀ Φ''[v, v] = 0 for every self-stress s: these quadrics bound the dimension from above.
-/// 4. Configurations near the given one are searched for from many directions; the dimension of what is found is the lower bound.
+/// 4. Where a direction of step 2 breaks a constraint, at whatever order, the motions have one dimension less at least: a single one is stopped.
+/// 5. Configurations near the given one are searched for from many directions; the dimension of what is found is the lower bound.
 ///
 /// # Arguments
 /// * `at` – a configuration that satisfies the constraints
@@ -44,7 +45,7 @@ pub struct FiniteMobility {
 /// [`Error::NotClosed`] if Φ is not zero there, and those of [`instantaneous_mobility`].
 ///
 /// # Numerics
-/// Second order is not always enough: a motion stopped only at third order stays undecided, with both bounds reported.
+/// Second order is not always enough: of several motions that are stopped at third order and beyond, step 4 takes away one dimension only; what is left is undecided, with both bounds reported.
 /// The search sees a branch only where it ends on it and can follow it for a tenth of the characteristic length, so that a lower bound can be too small.
 /// It would be too large only for a motion that breaks no constraint before the eleventh order.
 /// Deterministic: the directions are the same at every call.
@@ -73,12 +74,15 @@ pub fn finite_mobility<S: System + ?Sized>(
     if instantaneous.redundancy == 0 || instantaneous.mobility == 0 {
         return Ok(by_first_order(instantaneous, None));
     }
-    if let Some(all) = all_kept(system, at, &instantaneous) {
-        return Ok(by_first_order(instantaneous, Some(all)));
-    }
+    let room = match followed(system, at, &instantaneous) {
+        Followed::Kept(all) => return Ok(by_first_order(instantaneous, Some(all))),
+        Followed::Broken => instantaneous.mobility - 1,
+        Followed::Lost => instantaneous.mobility,
+    };
     let second_order = second_order(system, at, &instantaneous)?;
-    let neighbours = neighbours(system, at, &instantaneous, &second_order)?;
-    let (lower_bound, upper_bound) = (neighbours.dimension, second_order.upper_bound);
+    let upper_bound = second_order.upper_bound.min(room);
+    let neighbours = neighbours(system, at, &instantaneous, &second_order, upper_bound)?;
+    let lower_bound = neighbours.dimension;
     Ok(FiniteMobility {
         mobility: (lower_bound == upper_bound).then_some(lower_bound),
         lower_bound,

@@ -37,6 +37,10 @@ const LED_ON: f64 = 0.5;
 
 /// How far away a motion has to be kept to count without a search: farther than a search goes, since it starts from the given point, where what is broken at high order is broken least.
 const KEPT_RADIUS: f64 = 0.3;
+/// Mismatch that no correction can reach, from which on a motion is broken, well above round-off: of a motion stopped at order p it is about 0.3ᵖ.
+const BROKEN: f64 = 1e-12;
+/// …and how much larger it has to be than what corrections can still reach, and than what is open at the start.
+const OPEN_FOR_GOOD: f64 = 1e3;
 /// Corrections with the pseudo-inverse of the given configuration, each of which gains about a factor of the radius.
 const MAX_CHORDS: usize = 100;
 
@@ -53,13 +57,23 @@ pub struct Neighbours {
     pub spans: Vec<f64>,
 }
 
-/// Whether every motion allowed to first order is seen to lead on, without a search.
-pub(super) fn all_kept<S: System + ?Sized>(
+/// What becomes of some motions allowed to first order when they are followed in random directions.
+pub(super) enum Followed {
+    /// Every one leads on.
+    Kept(Neighbours),
+    /// One breaks constraints that no correction can mend: the motions that lead on are fewer, by a dimension at least.
+    Broken,
+    /// One could not be followed so far.
+    Lost,
+}
+
+/// Follows all motions allowed to first order, without a search.
+pub(super) fn followed<S: System + ?Sized>(
     system: &S,
     at: &Configuration,
     first: &InstantaneousMobility,
-) -> Option<Neighbours> {
-    Search::new(system, at, first.characteristic_length).all_kept(at, first, &first.null_space)
+) -> Followed {
+    Search::new(system, at, first.characteristic_length).followed(at, first, &first.null_space)
 }
 
 /// Looks for neighbours, then for the neighbours of a few of them.
@@ -71,12 +85,13 @@ pub(super) fn neighbours<S: System + ?Sized>(
     at: &Configuration,
     first: &InstantaneousMobility,
     second: &SecondOrder,
+    upper_bound: usize,
 ) -> Result<Neighbours, Error> {
     let search = Search::new(system, at, first.characteristic_length);
     // Where second order stops all other motions, what it leaves free is all that is asked for.
     if second.definite && second.free > 0 {
         let free = &first.null_space * &second.free_motions;
-        if let Some(all) = search.all_kept(at, first, &free) {
+        if let Followed::Kept(all) = search.followed(at, first, &free) {
             return Ok(all);
         }
     }
@@ -99,7 +114,7 @@ pub(super) fn neighbours<S: System + ?Sized>(
         if dimension > best.dimension || best.spans.is_empty() {
             best = Neighbours { dimension, spans, ..best };
         }
-        if best.dimension >= second.upper_bound {
+        if best.dimension >= upper_bound {
             break;
         }
     }
@@ -183,15 +198,18 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
     /// Whether every one of some motions leads on, without changing direction: the common case, and far cheaper to see than a branch is to find.
     ///
     /// Corrections keep out of the null space, so that each start asks whether its very direction is a motion; random directions fail together where any does.
-    fn all_kept(
+    /// What corrections leave open is an analytic function of the direction and the way, so that one place where it is not zero shows that motions have fewer dimensions.
+    fn followed(
         &self,
         at: &Configuration,
         first: &InstantaneousMobility,
         motions: &DMatrix<f64>,
-    ) -> Option<Neighbours> {
+    ) -> Followed {
         let h = motions.ncols();
         let mut random = Random(2);
         let tried = h + 2;
+        // Loops that are closed only so far cannot tell what breaks less.
+        let broken = BROKEN.max(OPEN_FOR_GOOD * self.closed.amax());
         for _ in 0..tried {
             let direction = random_direction(&mut random, h);
             let mut displacement = motions * direction * KEPT_RADIUS;
@@ -203,23 +221,26 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
                     scaled_residual(&self.system.residual(&there), &self.rows) - &self.closed;
                 let round_off =
                     f64::EPSILON * there.coordinates.component_div(&self.columns).amax();
-                let size = residual.amax();
-                if size <= FOUND.max(round_off) {
+                if residual.amax() <= FOUND.max(round_off) {
                     kept = true;
                     break;
                 }
-                // What does not shrink is in constraints that no correction can reach.
-                if size.is_nan() || size > 0.9 * before {
+                let open = first.self_stress.tr_mul(&residual);
+                let closable = (&residual - &first.self_stress * &open).norm();
+                if open.norm() > broken.max(OPEN_FOR_GOOD * closable) {
+                    return Followed::Broken;
+                }
+                if closable.is_nan() || closable > 0.9 * before {
                     break;
                 }
-                before = size;
+                before = closable;
                 displacement -= first.decomposition.solve(&residual, first.rank);
             }
             if !kept {
-                return None;
+                return Followed::Lost;
             }
         }
-        Some(Neighbours { tried, found: tried, dimension: h, spans: vec![1.0; h] })
+        Followed::Kept(Neighbours { tried, found: tried, dimension: h, spans: vec![1.0; h] })
     }
 
     /// How far a branch leads on in each direction that it has, as a share of the way asked for; `None` where it ends at once.
