@@ -49,9 +49,9 @@ pub struct PositionSolver {
     balls: Vec<Ball>,
     unknowns: Vec<Unknown>,
     passive: usize,
-    coordinates: usize,
     length: f64,
     // Room to work in.
+    start: Vec<f64>,
     links: Vec<Frame>,
     turns: Vec<Turned>,
     /// How each ball is turned.
@@ -68,6 +68,16 @@ pub struct Position {
     pub residual: f64,
     /// Steps done.
     pub iterations: usize,
+}
+
+/// How an iteration ended.
+struct Run {
+    residual: f64,
+    /// Whether virtual joints have come to rest.
+    settled: bool,
+    iterations: usize,
+    /// After how many steps it was best, and the residual there; infinite where there was none.
+    best: (usize, f64),
 }
 
 #[derive(Debug, Clone)]
@@ -245,13 +255,13 @@ impl PositionSolver {
         let passive = unknowns.iter().filter(|u| u.coordinate < joint_freedoms).count();
         let virtuals = unknowns.len() - passive;
         Ok(Self {
+            start: vec![0.0; dimensions.len()],
             links: vec![Frame::BASE; mechanism.links().len()],
             turns: vec![Turned::NONE; turns],
             orientations: vec![Matrix3::identity(); balls.len()],
             screws: vec![Screw::STILL; unknowns.len()],
             relieved: vec![0.0; virtuals],
             elimination: Elimination::new(row, passive, virtuals),
-            coordinates: dimensions.len(),
             tree,
             closings,
             balls,
@@ -275,13 +285,31 @@ impl PositionSolver {
         solver: ReliefSolver,
     ) -> Result<Position, Error> {
         let what = "the coordinate vector";
-        if coordinates.len() != self.coordinates {
-            let (found, expected) = (coordinates.len(), self.coordinates);
+        if coordinates.len() != self.start.len() {
+            let (found, expected) = (coordinates.len(), self.start.len());
             return Err(Error::WrongLength { what, found, expected });
         }
         for &value in coordinates.iter() {
             crate::error::finite(what, value)?;
         }
+        self.start.copy_from_slice(coordinates);
+        let run = self.iterate(coordinates, solver, MAX_ITERATIONS);
+        if run.residual <= CLOSED && run.settled {
+            self.close_openings(coordinates);
+            return Ok(Position { residual: run.residual, iterations: run.iterations });
+        }
+        // Nothing was kept on the way, which would cost all those that converge: the way is gone again to its best.
+        coordinates.copy_from_slice(&self.start);
+        let (best, residual) = run.best;
+        if residual.is_finite() {
+            self.iterate(coordinates, solver, best);
+            self.close_openings(coordinates);
+        }
+        Err(Error::NotReached { residual, allowed: CLOSED, iterations: run.iterations })
+    }
+
+    /// Newton's method, for so many steps at most; the same start goes the same way.
+    fn iterate(&mut self, coordinates: &mut [f64], solver: ReliefSolver, most: usize) -> Run {
         self.turns.iter_mut().for_each(Turned::refresh);
         for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
             let k = ball.coordinate;
@@ -295,12 +323,17 @@ impl PositionSolver {
         let least_norm = solver == ReliefSolver::LeastNorm && !self.relieved.is_empty();
         let (mut before, mut moved_before) = (f64::INFINITY, f64::INFINITY);
         let (mut settled, mut iterations) = (!least_norm, 0);
-        let residual = loop {
+        let mut best = (0, f64::INFINITY);
+        loop {
             let residual = self.mismatch(coordinates);
+            // Of those that are closed the last: its virtual joints have settled most.
+            if residual <= best.1.max(CLOSED) {
+                best = (iterations, residual);
+            }
             let at_the_end =
                 residual <= ROUND_OFF || (residual <= CLOSED && residual > 0.5 * before);
-            if (at_the_end && settled) || iterations == MAX_ITERATIONS || residual.is_nan() {
-                break residual;
+            if (at_the_end && settled) || iterations == most || residual.is_nan() {
+                return Run { residual, settled, iterations, best };
             }
             // Newton's steps square the mismatch; by the last factor the next one still takes a share as large as the last step left.
             // What is least depends on the derivatives here, so that they have to be fresh for it.
@@ -315,16 +348,6 @@ impl PositionSolver {
                 || moved <= SETTLED
                 || (moved <= SETTLING && moved > 0.5 * moved_before);
             moved_before = moved;
-        };
-        self.close_openings(coordinates);
-        for (turn, ball) in self.orientations.iter().zip(&self.balls) {
-            let vector = rotation_vector(&Rotation3::from_matrix_unchecked(*turn));
-            coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
-        }
-        if residual <= CLOSED && settled {
-            Ok(Position { residual, iterations })
-        } else {
-            Err(Error::NotReached { residual, allowed: CLOSED, iterations })
         }
     }
 
@@ -433,7 +456,7 @@ impl PositionSolver {
         step[self.passive..].iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
-    /// Coordinates of the balls and hinges at which loops are open.
+    /// Coordinates of the hinges at which loops are open, and of all balls.
     fn close_openings(&mut self, coordinates: &mut [f64]) {
         for closing in &self.closings {
             let [first, second] = &closing.frames;
@@ -451,6 +474,10 @@ impl PositionSolver {
                 }
                 Meeting::Frames => {}
             }
+        }
+        for (turn, ball) in self.orientations.iter().zip(&self.balls) {
+            let vector = rotation_vector(&Rotation3::from_matrix_unchecked(*turn));
+            coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
         }
     }
 }
