@@ -7,7 +7,8 @@ mod robot;
 use families::{bennett_row, scissor_lift};
 use jointplay_core::Error;
 use jointplay_core::mechanism::{
-    Drive, Mechanism, MechanismSystem, SparseMobility, SparseSystem, assemble, guess,
+    Drive, JointKind, Mechanism, MechanismError, MechanismSystem, SparseMobility, SparseSystem,
+    assemble, guess,
 };
 use jointplay_core::mobility::{RANK_THRESHOLD, finite_mobility};
 use jointplay_core::nalgebra::Vector3;
@@ -44,6 +45,32 @@ fn both_algebras_agree() {
     let found = SparseSystem::new(&robot, level).unwrap().mobility(RANK_THRESHOLD).unwrap();
     assert_eq!((found.mobility, found.rank, found.redundancy), (3, 9, 3));
     assert_eq!((found.lower_bound, found.upper_bound, found.finite), (0, 1, None));
+}
+
+#[test]
+fn what_cannot_move_at_all() {
+    let fixed = |count: usize| {
+        let joint = |k: usize| {
+            robot::joint(
+                &format!("j{k}"),
+                JointKind::Fixed,
+                [0, 1],
+                [1.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0],
+            )
+        };
+        Mechanism::new("fixed", robot::names(2), (0..count).map(joint).collect()).unwrap()
+    };
+    check(&fixed(1));
+    check(&fixed(2));
+    let still = fixed(2);
+    let system = SparseSystem::new(&still, guess(&still)).unwrap();
+    // Nowhere to go is no obstacle.
+    let motion = system.drive(&[], &[], 3).unwrap();
+    assert_eq!((motion.waypoints.len(), motion.stopped), (4, None));
+    // Of the base alone there is no mechanism, so that no system has to be ready for it.
+    let alone = Mechanism::new("alone", robot::names(1), Vec::new());
+    assert_eq!(alone, Err(MechanismError::NoJoints));
 }
 
 #[test]

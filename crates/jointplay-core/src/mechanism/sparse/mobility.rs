@@ -6,11 +6,9 @@ use super::{Linear, SparseSystem};
 use crate::Error;
 use crate::linalg::svd;
 use crate::mechanism::kinematics::Motion;
-use crate::mobility::SecondOrder;
+use crate::mobility::{CLOSED, SecondOrder};
 use crate::random::Random;
 
-/// Scaled residual up to which a configuration counts as closed, as for [`crate::mobility::finite_mobility`].
-const CLOSED: f64 = 1e-9;
 /// Rounds of inverse iteration: each gains the square of damping over the least singular value that counts.
 const ROUNDS: usize = 6;
 /// Rounds of the power iteration for the largest singular value, which is needed to a few per cent.
