@@ -224,7 +224,7 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
 }
 
 /// Coordinates of the motors that are not driven; none where something is driven that has no motor.
-pub(super) fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
+fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
     let actuated: Vec<usize> = input
         .file
         .mechanism
@@ -243,10 +243,6 @@ pub(super) fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
 
 /// To the beginning of the way, then along it.
 fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Result<Motion, Failure> {
-    let driven: Vec<usize> = legs.iter().map(|leg| leg.coordinate).collect();
-    let along = |from: &DVector<f64>, drives: &[Drive], count: usize| {
-        along(&input.file.mechanism, from, drives, held, count)
-    };
     let to_begin: Vec<Drive> = legs
         .iter()
         .map(|leg| {
@@ -256,14 +252,7 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
         .collect();
     let mut start = start;
     if to_begin.iter().any(|one| one.to != start[one.coordinate]) {
-        let way = along(&start, &to_begin, STEPS)?;
-        let told = report::motion(&input.file, &driven, held, &way);
-        if let Some(message) = told.message {
-            return Err(Failure::Stopped(format!("on the way to FROM, {message}")));
-        }
-        if let Some(last) = way.waypoints.last() {
-            start = last.coordinates.clone();
-        }
+        start = driven_to(input, &start, &to_begin, held, "FROM")?;
     }
     let mut count = None;
     for leg in legs {
@@ -281,7 +270,37 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
     }
     let drives: Vec<Drive> =
         legs.iter().map(|leg| Drive { coordinate: leg.coordinate, to: leg.to }).collect();
-    Ok(along(&start, &drives, count.unwrap_or(STEPS))?)
+    Ok(along(&input.file.mechanism, &start, &drives, held, count.unwrap_or(STEPS))?)
+}
+
+/// The configuration to which drives lead; `place` is what messages call it.
+fn driven_to(
+    input: &Input,
+    from: &DVector<f64>,
+    drives: &[Drive],
+    held: &[usize],
+    place: &str,
+) -> Result<DVector<f64>, Failure> {
+    let way = along(&input.file.mechanism, from, drives, held, STEPS)?;
+    let driven: Vec<usize> = drives.iter().map(|drive| drive.coordinate).collect();
+    match (report::motion(&input.file, &driven, held, &way).message, way.waypoints.last()) {
+        (Some(message), _) => Err(Failure::Stopped(format!("on the way to {place}, {message}"))),
+        (None, Some(last)) => Ok(last.coordinates.clone()),
+        (None, None) => Ok(from.clone()),
+    }
+}
+
+/// The configuration to which commanded coordinates are driven, other motors holding still as for `jointplay move`.
+pub(super) fn driven(
+    input: &Input,
+    from: &DVector<f64>,
+    commands: &[(usize, f64)],
+    place: &str,
+) -> Result<DVector<f64>, Failure> {
+    let drives: Vec<Drive> =
+        commands.iter().map(|&(coordinate, to)| Drive { coordinate, to }).collect();
+    let driven: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+    driven_to(input, from, &drives, &held(input, &driven), place)
 }
 
 /// Drives along a way: virtual joints give way where there are any, and many loops are left to sparse algebra.

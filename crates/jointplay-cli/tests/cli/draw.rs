@@ -42,6 +42,8 @@ fn a_picture_shows_what_is_asked_for() {
     // Play is drawn too, also where it has to give way.
     desk.done("draw gpr-mechanism --figure play.svg");
     assert!(desk.read("play.svg").contains(">virtual joint<"));
+    desk.done("draw gpr-mechanism --figure play.svg --ghost \"rod 1=5,rod 2=0\"");
+    assert!(desk.read("play.svg").contains(">moved<"));
     // Shown larger, it is said to be.
     let tilted = "draw gpr-mechanism --figure tilted.svg --at \"rod 1=5,rod 2=0,rod 3=0\"";
     let shown = |options: &str| {
