@@ -78,6 +78,9 @@ fn a_thousand_loops() {
     // A lift turns about its foot, and folds.
     let lift = mobility(&scissor_lift(1001));
     assert_eq!((lift.mobility, lift.redundancy, lift.finite), (2, 3000, Some(2)));
+    // So high that what bends it is as small as what damping hides.
+    let higher = mobility(&scissor_lift(4200));
+    assert_eq!((higher.mobility, higher.redundancy, higher.finite), (2, 12_597, Some(2)));
     let row = mobility(&bennett_row(1000));
     assert_eq!((row.mobility, row.redundancy, row.finite), (1, 3000, Some(1)));
     for found in [lift, row] {

@@ -9,7 +9,7 @@ use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
 use crate::mechanism::{CLOSED, Drive, Motion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
-/// Changes of a step by refinement below this share of it are the end: Newton's method mends the rest.
+/// Changes of a step below this share of it are the end: Newton's method mends the rest.
 const SETTLED: f64 = 1e-6;
 /// The longest step of a coordinate, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.3;
