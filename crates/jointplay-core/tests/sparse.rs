@@ -66,8 +66,10 @@ fn what_cannot_move_at_all() {
     let still = fixed(2);
     let system = SparseSystem::new(&still, guess(&still)).unwrap();
     // Nowhere to go is no obstacle.
-    let motion = system.drive(&[], &[], 3).unwrap();
+    let mut told = Vec::new();
+    let motion = system.drive_watched(&[], &[], 3, &mut |done| told.push(done)).unwrap();
     assert_eq!((motion.waypoints.len(), motion.stopped), (4, None));
+    assert_eq!(told, [1, 2, 3]);
     // Of the base alone there is no mechanism, so that no system has to be ready for it.
     let alone = Mechanism::new("alone", robot::names(1), Vec::new());
     assert_eq!(alone, Err(MechanismError::NoJoints));

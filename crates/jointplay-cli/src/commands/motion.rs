@@ -10,7 +10,7 @@ use jointplay::format::report::{self, MotionReport};
 use jointplay::format::table;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Drive, Mechanism, MechanismSystem, Motion, SparseSystem, drive, drive_relieved,
+    Drive, MechanismSystem, Motion, SparseSystem, drive_relieved, drive_watched,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::plot::results::{Follower, motion};
@@ -20,6 +20,7 @@ use crate::failure::Failure;
 use crate::folder;
 use crate::mechanism_input::{Input, MechanismArgs};
 use crate::output::fixed;
+use crate::progress::Progress;
 
 /// Steps of a way whose step is not said.
 const STEPS: usize = 60;
@@ -132,6 +133,7 @@ impl Move {
     fn names(&self, folder: &Path) -> Result<[String; 3], Failure> {
         let stem = self.mechanism.path().file_stem().unwrap_or_default().to_string_lossy();
         let names = ["csv", "svg", "png"].map(|end| format!("{stem}-motion.{end}"));
+        folder::probe(folder)?;
         let foreign = folder::foreign(folder, &names.iter().cloned().collect())?;
         if foreign.is_empty() || self.force {
             Ok(names)
@@ -270,7 +272,7 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
     }
     let drives: Vec<Drive> =
         legs.iter().map(|leg| Drive { coordinate: leg.coordinate, to: leg.to }).collect();
-    Ok(along(&input.file.mechanism, &start, &drives, held, count.unwrap_or(STEPS))?)
+    Ok(along(input, &start, &drives, held, count.unwrap_or(STEPS), "driving")?)
 }
 
 /// The configuration to which drives lead; `place` is what messages call it.
@@ -281,7 +283,7 @@ fn driven_to(
     held: &[usize],
     place: &str,
 ) -> Result<DVector<f64>, Failure> {
-    let way = along(&input.file.mechanism, from, drives, held, STEPS)?;
+    let way = along(input, from, drives, held, STEPS, &format!("to {place}"))?;
     let driven: Vec<usize> = drives.iter().map(|drive| drive.coordinate).collect();
     match (report::motion(&input.file, &driven, held, &way).message, way.waypoints.last()) {
         (Some(message), _) => Err(Failure::Stopped(format!("on the way to {place}, {message}"))),
@@ -303,25 +305,35 @@ pub(super) fn driven(
     driven_to(input, from, &drives, &held(input, &driven), place)
 }
 
-/// Drives along a way: virtual joints give way where there are any, and many loops are left to sparse algebra.
+/// Drives along a way, with a bar where it takes long: virtual joints give way where there are any, and many loops are left to sparse algebra.
 fn along(
-    mechanism: &Mechanism,
+    input: &Input,
     from: &DVector<f64>,
     drives: &[Drive],
     held: &[usize],
     count: usize,
+    stage: &str,
 ) -> Result<Motion, Error> {
+    let mechanism = &input.file.mechanism;
+    let mut progress = Progress::new(count);
+    progress.stage(stage);
+    let mut progress = |done| progress.at(done);
     if !MechanismSystem::fits(mechanism) {
-        return SparseSystem::new(mechanism, from.clone())?.drive(drives, held, count);
+        return SparseSystem::new(mechanism, from.clone())?.drive_watched(
+            drives,
+            held,
+            count,
+            &mut progress,
+        );
     }
     let driven = |k: &usize| drives.iter().any(|drive| drive.coordinate == *k);
     let free: Vec<usize> =
         (0..mechanism.joint_freedoms()).filter(|k| !driven(k) && !held.contains(k)).collect();
     let system = MechanismSystem::new(mechanism, from.clone())?;
     if mechanism.virtual_joints().is_empty() {
-        drive(&system, drives, &free, count)
+        drive_watched(&system, drives, &free, count, &mut progress)
     } else {
-        drive_relieved(&system, drives, &free, count)
+        drive_relieved(&system, drives, &free, count, &mut progress)
     }
 }
 

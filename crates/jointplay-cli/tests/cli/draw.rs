@@ -80,7 +80,7 @@ fn what_cannot_be_drawn() {
     let desk = Desk::new();
     for (line, code, message) in [
         ("draw bennett --figure bennett.jpg", 2, "ends neither in .svg nor in .png"),
-        ("draw bennett --figure nowhere/bennett.svg", 2, "cannot write"),
+        ("draw bennett --figure nowhere/bennett.svg", 2, "its folder is not there; make it first"),
         ("draw bennett --view 30", 2, "is not AZIMUTH,ELEVATION"),
         ("draw bennett --view 30,91", 2, "is not between"),
         ("draw bennett --view NaN,0", 2, "not a finite number"),

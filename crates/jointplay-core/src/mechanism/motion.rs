@@ -123,6 +123,20 @@ pub fn drive(
     free: &[usize],
     count: usize,
 ) -> Result<Motion, Error> {
+    drive_watched(start, drives, free, count, &mut |_| {})
+}
+
+/// As [`drive`], and tells `progress` the number of steps done after each.
+///
+/// # Errors
+/// Those of [`drive`].
+pub fn drive_watched(
+    start: &MechanismSystem<'_>,
+    drives: &[Drive],
+    free: &[usize],
+    count: usize,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Motion, Error> {
     let run = Run::new(start, drives, free);
     let closed = close(start, free, MAX_CORRECTIONS)?;
     if !closed.is_closed() {
@@ -180,6 +194,7 @@ pub fn drive(
             run.note_singular(&trail, regular_rank, &mut motion.singular)?;
         }
         motion.waypoints.push(here.clone());
+        progress(k);
     }
     if motion.stopped.is_some() && motion.waypoints.last() != Some(&here) {
         motion.waypoints.push(here);

@@ -149,11 +149,20 @@ impl SparseSystem<'_> {
     ///
     /// # Numerics
     /// Least singular values are told at each waypoint, but singular configurations between them are not looked for.
-    pub fn drive(
+    pub fn drive(self, drives: &[Drive], still: &[usize], count: usize) -> Result<Motion, Error> {
+        self.drive_watched(drives, still, count, &mut |_| {})
+    }
+
+    /// As [`Self::drive`], and tells `progress` the number of steps done after each.
+    ///
+    /// # Errors
+    /// Those of [`Self::drive`].
+    pub fn drive_watched(
         mut self,
         drives: &[Drive],
         still: &[usize],
         count: usize,
+        progress: &mut dyn FnMut(usize),
     ) -> Result<Motion, Error> {
         let driven = drives.iter().map(|drive| drive.coordinate);
         let held = self.held(driven.chain(still.iter().copied()));
@@ -191,6 +200,7 @@ impl SparseSystem<'_> {
                 motion.stopped = Some(if dead { Stop::Locked } else { Stop::Incompatible });
                 break;
             }
+            progress(k);
         }
         Ok(motion)
     }
