@@ -81,6 +81,16 @@ pub enum Error {
         /// How many it needs.
         expected: usize,
     },
+    /// A quantity that a pose does not have.
+    #[error("there is no {what} {index}: they are counted from 0, and there are {count}")]
+    NoSuchQuantity {
+        /// What was asked for.
+        what: &'static str,
+        /// Which of them, counted from 0.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
     /// A virtualization with too few or too many virtual joints.
     #[error("the virtualization has {found} virtual joints, but needs {min} to {max}")]
     VirtualJointCount {

@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | describe a three-rod robot | [`gpr::Gpr`] |
 //! | find the rods for a tilt, the pose for rods | [`gpr::Gpr::inverse`], [`gpr::Gpr::forward`] |
+//! | do so for many poses at a time | [`bulk`] |
 //! | choose how play is modelled | [`virtualization`]: [`Radial`](virtualization::Radial), [`Polar`](virtualization::Polar), [`Offset`](virtualization::Offset), [`Planar`](virtualization::Planar), or your own |
 //! | ask what can move | [`mobility`] |
 //! | ask how much play a motion takes | [`sensitivity`], [`gpr::Gpr::tilt_play`] |
@@ -26,6 +27,7 @@
 //! # Ok::<(), jointplay_core::Error>(())
 //! ```
 
+pub mod bulk;
 pub mod constraint;
 mod error;
 pub mod gpr;

@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | lay out the paper's poses, or others | [`Raster`] |
 //! | compute all poses under one virtualization | [`simulate`] → [`Samples`] |
+//! | compute columns of poses on all cores | [`parallel`] |
 //! | sum them up | [`summarize`] → [`Summary`] |
 //! | set the bounds of sensitivity beside them | [`check_bounds`] → [`BoundsCheck`] |
 //! | set all models side by side | [`compare`] → [`Comparison`] |
@@ -20,6 +21,7 @@
 mod bounds_check;
 mod compare;
 mod error;
+pub mod parallel;
 mod raster;
 mod samples;
 mod summary;

@@ -3,6 +3,7 @@
 //! | module | role |
 //! | --- | --- |
 //! | [`gpr`] | the three-rod robot: geometry, inverse and forward kinematics |
+//! | [`bulk`] | the same for many poses at a time, columns in and columns out |
 //! | [`virtualization`] | virtual joints: radial, polar, offset, planar, or your own |
 //! | [`mobility`], [`sensitivity`] | what can move, and how much play it takes |
 //! | [`constraint`] | the interface that both speak to |
@@ -16,7 +17,7 @@
 struct ReadmeCompiles;
 
 pub use jointplay_core::{
-    Error, Unconverged, constraint, gpr, linalg, mechanism, mobility, nalgebra, sensitivity,
+    Error, Unconverged, bulk, constraint, gpr, linalg, mechanism, mobility, nalgebra, sensitivity,
     spatial, virtualization,
 };
 pub use jointplay_format as format;

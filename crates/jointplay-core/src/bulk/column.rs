@@ -1,0 +1,119 @@
+//! A column of numbers in memory of the caller.
+
+use std::ops::Range;
+
+use crate::Error;
+
+/// Numbers to be read, one for each pose: contiguous, every n-th of a slice, or one for all.
+#[derive(Debug, Clone, Copy)]
+pub struct Column<'a> {
+    values: &'a [f64],
+    stride: usize,
+    len: usize,
+}
+
+impl<'a> Column<'a> {
+    /// `len` numbers, each `stride` after the last; a stride of 0 takes the first for all.
+    ///
+    /// # Errors
+    /// [`Error::WrongLength`] if the slice ends before the last of them.
+    pub fn strided(values: &'a [f64], stride: usize, len: usize) -> Result<Self, Error> {
+        let needed =
+            len.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(1));
+        match needed {
+            Some(needed) if needed <= values.len() => Ok(Self { values, stride, len }),
+            _ => Err(Error::WrongLength {
+                what: "a column",
+                found: values.len(),
+                expected: needed.unwrap_or(usize::MAX),
+            }),
+        }
+    }
+
+    /// The same number `len` times.
+    #[must_use]
+    pub fn constant(value: &'a f64, len: usize) -> Self {
+        Self { values: std::slice::from_ref(value), stride: 0, len }
+    }
+
+    /// How many numbers.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Number `index`, in the unit of what the column holds.
+    ///
+    /// # Panics
+    /// If there is no such number.
+    #[must_use]
+    #[inline]
+    pub fn at(&self, index: usize) -> f64 {
+        assert!(index < self.len, "a column of {} has no entry {index}", self.len);
+        self.values[index * self.stride]
+    }
+
+    /// Some of the numbers.
+    ///
+    /// # Panics
+    /// If the range goes beyond the end.
+    #[must_use]
+    pub fn part(&self, range: Range<usize>) -> Self {
+        assert!(
+            range.start <= range.end && range.end <= self.len,
+            "a column of {} has no part {range:?}",
+            self.len
+        );
+        let first = (range.start * self.stride).min(self.values.len());
+        Self { values: &self.values[first..], stride: self.stride, len: range.len() }
+    }
+}
+
+impl<'a> From<&'a [f64]> for Column<'a> {
+    fn from(values: &'a [f64]) -> Self {
+        Self { values, stride: 1, len: values.len() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(column: Column<'_>, expected: &[f64]) {
+        assert_eq!((column.len(), column.is_empty()), (expected.len(), expected.is_empty()));
+        let found: Vec<f64> = (0..column.len()).map(|i| column.at(i)).collect();
+        assert_eq!(found, expected);
+        for start in 0..=expected.len() {
+            for end in start..=expected.len() {
+                let part = column.part(start..end);
+                let found: Vec<f64> = (0..part.len()).map(|i| part.at(i)).collect();
+                assert_eq!(found, expected[start..end]);
+            }
+        }
+    }
+
+    #[test]
+    fn contiguous_strided_and_constant() {
+        let values = [1.0, 2.0, 3.0, 4.0, 5.0];
+        check(Column::from(&values[..]), &values);
+        check(Column::strided(&values[1..], 3, 2).unwrap(), &[2.0, 5.0]);
+        check(Column::strided(&values, 0, 3).unwrap(), &[1.0, 1.0, 1.0]);
+        check(Column::constant(&values[3], 2), &[4.0, 4.0]);
+        check(Column::strided(&[], 7, 0).unwrap(), &[]);
+    }
+
+    #[test]
+    fn slices_that_end_too_early() {
+        for (stride, len) in [(3, 3), (0, 1), (usize::MAX, 3)] {
+            let values: &[f64] = if stride == 0 { &[] } else { &[1.0; 5] };
+            assert!(matches!(Column::strided(values, stride, len), Err(Error::WrongLength { .. })));
+        }
+    }
+}

@@ -1,0 +1,52 @@
+//! Many poses at a time: columns of numbers in, columns of numbers out, in memory of the caller.
+//!
+//! | to… | use |
+//! | --- | --- |
+//! | find the rods of many tilts | [`Gpr::inverse_many`](crate::gpr::Gpr::inverse_many) |
+//! | find the poses of many rods | [`Gpr::forward_many`](crate::gpr::Gpr::forward_many) |
+//! | hand numbers in: contiguous, every n-th, or one for all | [`Column`] |
+//! | say what is wanted | [`Quantity`] |
+//! | know which poses have no answer, and why | [`Status`], [`Tally`] |
+//!
+//! Each pose is what [`Gpr::forward`](crate::gpr::Gpr::forward) says of it to 10⁻¹² of the platform's size, and does not depend on the poses beside it.
+//! A pose without an answer is NaN in every column of numbers and has its reason in the column of statuses; the others go on.
+//!
+//! ```
+//! use jointplay_core::bulk::{Column, Quantity, Status};
+//! use jointplay_core::gpr::Gpr;
+//! use jointplay_core::virtualization::{Planar, SolveOptions};
+//!
+//! let (gpr, q_1, rest) = (Gpr::paper(), [0.499, 0.5, f64::NAN], 0.5);
+//! let rods = [Column::from(&q_1[..]), Column::constant(&rest, 3), Column::constant(&rest, 3)];
+//! let (mut pitch, mut status) = ([0.0; 3], [Status::Solved; 3]);
+//! let wanted = &mut [(Quantity::Pitch, &mut pitch[..])];
+//! let tally = gpr.forward_many(rods, &Planar, &SolveOptions::default(), &mut status, wanted)?;
+//! assert_eq!((tally.failed(), status[2]), (1, Status::NotFinite));
+//! assert!(pitch[0] > 0.0 && pitch[1] == 0.0 && pitch[2].is_nan());
+//! # Ok::<(), jointplay_core::Error>(())
+//! ```
+
+mod column;
+mod forward;
+mod inverse;
+mod quantity;
+mod status;
+
+pub use column::Column;
+pub use quantity::Quantity;
+pub use status::{Status, Tally};
+
+use crate::Error;
+
+/// Whether every column is as long as the column of statuses.
+fn same_lengths(
+    expected: usize,
+    found: impl IntoIterator<Item = (&'static str, usize)>,
+) -> Result<(), Error> {
+    for (what, found) in found {
+        if found != expected {
+            return Err(Error::WrongLength { what, found, expected });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,53 @@
+//! What can be asked of many poses.
+
+use crate::Error;
+use crate::virtualization::Virtualization;
+
+/// A number that each pose has; the column of a quantity is in its unit.
+///
+/// Indices count from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Side L_12, L_23 or L_31 [m].
+    Side(usize),
+    /// Displacement of a virtual joint, in the order of X ([m], [rad]).
+    VirtualJoint(usize),
+    /// e_b1, e_b2 or e_b3 coordinate of O_p [m]; the first two are the centre shift.
+    Origin(usize),
+    /// e_b1, e_b2 or e_b3 coordinate of the platform normal.
+    Normal(usize),
+    /// Azimuth toward which the platform leans, from −π to π [rad].
+    Yaw,
+    /// How far it leans, from 0 to π [rad].
+    Pitch,
+    /// Turn about the platform normal beyond the shortest rotation to it [rad].
+    Twist,
+    /// Where the platform plane crosses the base axis [m].
+    AxisHeight,
+    /// How far the virtual joints are from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
+    Displacement,
+    /// Singular values of ∂X/∂P in the metric, the largest first, as [`sensitivity`](crate::sensitivity::sensitivity) finds them.
+    Sensitivity(usize),
+    /// Largest difference between a side and its virtual length [m].
+    Residual,
+    /// Iterations of the solver, a whole number; 0 for a closed form.
+    Iterations,
+}
+
+impl Quantity {
+    /// Whether this quantity exists for a virtualization.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchQuantity`] with the indices that there are.
+    pub fn check<V: Virtualization + ?Sized>(self, virtualization: &V) -> Result<(), Error> {
+        let (what, index, count) = match self {
+            Self::Side(index) => ("side", index, 3),
+            Self::VirtualJoint(index) => ("virtual joint", index, virtualization.joints().len()),
+            Self::Origin(index) => ("coordinate of the origin", index, 3),
+            Self::Normal(index) => ("coordinate of the normal", index, 3),
+            Self::Sensitivity(index) => ("singular value of the sensitivity", index, 3),
+            _ => return Ok(()),
+        };
+        if index < count { Ok(()) } else { Err(Error::NoSuchQuantity { what, index, count }) }
+    }
+}

@@ -1,0 +1,139 @@
+//! What became of each pose.
+
+use crate::Error;
+
+/// Whether a pose has an answer, and if not, why.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u8)]
+pub enum Status {
+    /// It has.
+    #[default]
+    Solved = 0,
+    /// A number given is NaN or infinite.
+    NotFinite = 1,
+    /// The pitch is ±90° or beyond.
+    PitchTooLarge = 2,
+    /// The iteration for the virtual joints did not converge.
+    NotConverged = 3,
+    /// The virtual joints cannot change the three sides independently there.
+    DependentSides = 4,
+    /// The virtual joints found mirror the platform.
+    TurnedOver = 5,
+}
+
+impl Status {
+    /// All of them, each at the index that is its number.
+    pub const ALL: [Self; 6] = [
+        Self::Solved,
+        Self::NotFinite,
+        Self::PitchTooLarge,
+        Self::NotConverged,
+        Self::DependentSides,
+        Self::TurnedOver,
+    ];
+
+    /// The words that people read.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::NotFinite => "not a finite number",
+            Self::PitchTooLarge => "pitch of 90° or more",
+            Self::NotConverged => "not converged",
+            Self::DependentSides => "sides not independent",
+            Self::TurnedOver => "turned over",
+        }
+    }
+
+    /// The status of a pose that fails this way; `None` for errors that concern all poses alike.
+    pub(super) fn of(error: &Error) -> Option<Self> {
+        Some(match error {
+            Error::NotFinite { .. } => Self::NotFinite,
+            Error::PitchTooLarge { .. } => Self::PitchTooLarge,
+            Error::NotConverged(_) => Self::NotConverged,
+            Error::DependentSides { .. } => Self::DependentSides,
+            Error::TurnedOver { .. } => Self::TurnedOver,
+            _ => return None,
+        })
+    }
+}
+
+/// How many poses ended in which way.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Tally {
+    counts: [usize; Status::ALL.len()],
+}
+
+impl Tally {
+    /// Counts a column of statuses.
+    #[must_use]
+    pub fn of(statuses: &[Status]) -> Self {
+        let mut tally = Self::default();
+        for status in statuses {
+            tally.counts[*status as usize] += 1;
+        }
+        tally
+    }
+
+    /// How many poses ended this way.
+    #[must_use]
+    pub fn count(&self, status: Status) -> usize {
+        self.counts[status as usize]
+    }
+
+    /// How many poses have no answer.
+    #[must_use]
+    pub fn failed(&self) -> usize {
+        self.counts[1..].iter().sum()
+    }
+
+    /// How many poses there are.
+    #[must_use]
+    pub fn poses(&self) -> usize {
+        self.counts.iter().sum()
+    }
+}
+
+impl std::ops::AddAssign for Tally {
+    fn add_assign(&mut self, other: Self) {
+        for (count, more) in self.counts.iter_mut().zip(other.counts) {
+            *count += more;
+        }
+    }
+}
+
+/// Such as `3 of 1000 poses have no answer: 2 not converged, 1 turned over`.
+impl std::fmt::Display for Tally {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.failed() == 0 {
+            return write!(formatter, "all {} poses have an answer", self.poses());
+        }
+        write!(formatter, "{} of {} poses have no answer", self.failed(), self.poses())?;
+        let reasons = Status::ALL[1..].iter().filter(|status| self.count(**status) > 0);
+        for (place, status) in reasons.enumerate() {
+            let before = if place == 0 { ':' } else { ',' };
+            write!(formatter, "{before} {} {}", self.count(*status), status.name())?;
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_and_words() {
+        for (number, status) in Status::ALL.iter().enumerate() {
+            assert_eq!(*status as usize, number);
+        }
+        assert_eq!(Tally::of(&[Status::Solved; 3]).to_string(), "all 3 poses have an answer");
+        let mut tally = Tally::of(&[Status::NotConverged, Status::Solved, Status::NotConverged]);
+        tally += Tally::of(&[Status::TurnedOver]);
+        assert_eq!(
+            tally.to_string(),
+            "3 of 4 poses have no answer: 2 not converged, 1 turned over"
+        );
+        assert_eq!((tally.failed(), tally.poses(), tally.count(Status::NotConverged)), (3, 4, 2));
+    }
+}

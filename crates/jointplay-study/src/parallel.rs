@@ -1,0 +1,94 @@
+//! Many poses over the cores of the machine.
+
+use jointplay_core::Error;
+use jointplay_core::bulk::{Column, Quantity, Status, Tally};
+use jointplay_core::gpr::Gpr;
+use jointplay_core::virtualization::{SolveOptions, Virtualization};
+use rayon::prelude::*;
+
+/// Poses that a core takes at a time: enough to hide handing them out, few enough to stay in its cache.
+const PART: usize = 4096;
+
+/// [`Gpr::inverse_many`] over the cores of the current thread pool.
+///
+/// A pose does not depend on those beside it, so that the result is the same to the bit whatever the number of threads.
+///
+/// # Errors
+/// As [`Gpr::inverse_many`].
+pub fn inverse_many(
+    gpr: &Gpr,
+    [yaw, pitch, height]: [Column<'_>; 3],
+    status: &mut [Status],
+    rods: [&mut [f64]; 3],
+) -> Result<Tally, Error> {
+    let [q_1, q_2, q_3] = rods;
+    let columns = vec![q_1, q_2, q_3];
+    in_parts([yaw, pitch, height], status, columns, |[yaw, pitch, height], status, columns| {
+        let Ok(rods) = <[&mut [f64]; 3]>::try_from(columns) else {
+            unreachable!("parts have as many columns as the whole")
+        };
+        gpr.inverse_many(yaw, pitch, height, status, rods)
+    })
+}
+
+/// [`Gpr::forward_many`] over the cores of the current thread pool.
+///
+/// A pose does not depend on those beside it, so that the result is the same to the bit whatever the number of threads.
+///
+/// # Errors
+/// As [`Gpr::forward_many`].
+pub fn forward_many<V: Virtualization + Sync + ?Sized>(
+    gpr: &Gpr,
+    rods: [Column<'_>; 3],
+    virtualization: &V,
+    options: &SolveOptions,
+    status: &mut [Status],
+    wanted: &mut [(Quantity, &mut [f64])],
+) -> Result<Tally, Error> {
+    let quantities: Vec<Quantity> = wanted.iter().map(|(quantity, _)| *quantity).collect();
+    let columns = wanted.iter_mut().map(|(_, column)| &mut **column).collect();
+    in_parts(rods, status, columns, |rods, status, columns| {
+        let mut wanted: Vec<_> = quantities.iter().copied().zip(columns).collect();
+        gpr.forward_many(rods, virtualization, options, status, &mut wanted)
+    })
+}
+
+/// One part of the work: what is read, the statuses, the columns that are written.
+type Part<'a> = ([Column<'a>; 3], &'a mut [Status], Vec<&'a mut [f64]>);
+
+/// Hands the poses out in parts, and adds the tallies up.
+fn in_parts<'a>(
+    given: [Column<'a>; 3],
+    status: &'a mut [Status],
+    columns: Vec<&'a mut [f64]>,
+    work: impl Fn([Column<'_>; 3], &mut [Status], Vec<&mut [f64]>) -> Result<Tally, Error> + Sync,
+) -> Result<Tally, Error> {
+    let poses = status.len();
+    let uneven = given.iter().any(|column| column.len() != poses)
+        || columns.iter().any(|column| column.len() != poses);
+    if uneven || poses <= PART {
+        // Too little to hand out; or lengths that do not agree, which the work itself tells.
+        return work(given, status, columns);
+    }
+    let mut parts: Vec<Part<'a>> = Vec::with_capacity(poses.div_ceil(PART));
+    let (mut status, mut columns, mut first) = (status, columns, 0);
+    while first < poses {
+        let end = (first + PART).min(poses);
+        let (here, rest) = std::mem::take(&mut status).split_at_mut(end - first);
+        let mut taken = Vec::with_capacity(columns.len());
+        for column in &mut columns {
+            let (here, rest) = std::mem::take(column).split_at_mut(end - first);
+            taken.push(here);
+            *column = rest;
+        }
+        parts.push((given.map(|column| column.part(first..end)), here, taken));
+        (status, first) = (rest, end);
+    }
+    parts.into_par_iter().map(|(given, status, columns)| work(given, status, columns)).try_reduce(
+        Tally::default,
+        |mut sum, more| {
+            sum += more;
+            Ok(sum)
+        },
+    )
+}
