@@ -1,6 +1,7 @@
 //! Positions, fast: what passive and virtual joints do for commanded ones, without allocation.
 
 mod elimination;
+mod opening;
 mod walk;
 
 use std::f64::consts::TAU;
@@ -8,6 +9,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use self::elimination::Elimination;
+use self::opening::{Closing, Meeting, TreeWalk, moved_by};
 use self::walk::{Frame, Part, Screw, Turned, Walk};
 use super::joint::Factor;
 use super::kinematics::{Element, cayley};
@@ -80,13 +82,6 @@ struct Run {
     best: (usize, f64),
 }
 
-#[derive(Debug, Clone)]
-struct TreeWalk {
-    from: usize,
-    to: usize,
-    walk: Walk,
-}
-
 #[derive(Debug, Clone, Copy)]
 struct Ball {
     coordinate: usize,
@@ -99,40 +94,6 @@ struct Unknown {
     coordinate: usize,
     /// What one unit of it is: radians, characteristic lengths, or the metric of virtual joints.
     unit: f64,
-}
-
-/// A loop opened at a joint, and the two sides that have to meet.
-#[derive(Debug, Clone)]
-struct Closing {
-    links: [usize; 2],
-    sides: [Walk; 2],
-    meeting: Meeting,
-    row: usize,
-    /// Unknowns that move one side only, and the sense in which they change the mismatch.
-    moved_by: Vec<(usize, f64, usize)>,
-    /// The two sides, as they stand.
-    frames: [Frame; 2],
-}
-
-/// What of the two sides of a loop has to meet.
-#[derive(Debug, Clone, Copy)]
-enum Meeting {
-    /// The origins, in which of the balls.
-    Points(usize),
-    /// The origins and the z axes, in the hinge of a coordinate.
-    Axes(usize),
-    /// All.
-    Frames,
-}
-
-impl Meeting {
-    fn equations(self) -> usize {
-        match self {
-            Self::Points(_) => 3,
-            Self::Axes(_) => 5,
-            Self::Frames => 6,
-        }
-    }
 }
 
 impl PositionSolver {
@@ -480,26 +441,6 @@ impl PositionSolver {
             coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
         }
     }
-}
-
-/// Unknowns on the way to one side of a loop but not the other.
-fn moved_by(tree: &[TreeWalk], links: [usize; 2], sides: &[Walk; 2]) -> Vec<(usize, f64, usize)> {
-    let way = |side: usize| {
-        let mut columns: Vec<usize> = sides[side].columns().collect();
-        let mut link = links[side];
-        while let Some(branch) = tree.iter().find(|branch| branch.to == link) {
-            columns.extend(branch.walk.columns());
-            link = branch.from;
-        }
-        columns
-    };
-    let ways = [way(0), way(1)];
-    let only = |side: usize, sense: f64| {
-        let other = &ways[1 - side];
-        let here = ways[side].iter().filter(|column| !other.contains(column));
-        here.map(move |&column| (column, sense, side)).collect::<Vec<_>>()
-    };
-    [only(0, 1.0), only(1, -1.0)].concat()
 }
 
 /// The larger of two numbers, NaN if one is.
