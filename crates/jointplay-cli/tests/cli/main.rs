@@ -10,3 +10,5 @@ mod import;
 mod mechanism;
 mod refusals;
 mod simulate;
+#[cfg(all(feature = "studio", unix))]
+mod studio;

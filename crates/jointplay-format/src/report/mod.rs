@@ -33,6 +33,8 @@ pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 
 /// Displacements of virtual joints grouped by symbol, such as `l_mm` → three lengths; written as a map.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, Vec<f64>>))]
 pub struct VirtualJointGroups(pub Vec<(String, Vec<f64>)>);
 
 impl VirtualJointGroups {
@@ -67,6 +69,7 @@ impl Serialize for VirtualJointGroups {
 
 /// A broken limit for a program to read.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct LimitReport {
     /// `rod 1`, `rod 2`, `rod 3` or `tilt`.
     pub limit: String,
