@@ -78,7 +78,7 @@ def words(build, folder):
         note(f"asking {name}")
         try:
             done = subprocess.run(
-                [sys.executable, HERE / "words.py", name, folder], capture_output=True, text=True, timeout=300
+                [sys.executable, HERE / "words.py", name, folder], capture_output=True, text=True, timeout=300, cwd=build
             )
             answers = [line for line in done.stdout.splitlines() if line.startswith("answer ")]
             lines = done.stderr.strip().splitlines() or [f"ended with {done.returncode}"]

@@ -210,7 +210,7 @@ mod tests {
 
     /// What a document says in a table is a line of the results, or its beginning.
     #[test]
-    fn the_document_quotes_the_results() {
+    fn documents_quote_the_results() {
         let read = |path: &str| {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
             std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"))
@@ -218,13 +218,22 @@ mod tests {
         let results =
             ["gpr", "linkages", "scaling"].map(|name| read(&format!("bench/results/{name}.md")));
         let results = results.concat();
-        let document = read("docs/speed.md");
-        let (_, section) = document.split_once("## Beside other programs").expect("the section");
-        let rows: Vec<&str> = section.lines().filter(|line| line.starts_with("| ")).collect();
-        assert!(rows.len() > 12, "{rows:?}");
-        for row in rows.iter().filter(|row| !row.starts_with("| ---")) {
-            let heading = row.starts_with("| program");
-            assert!(heading || results.contains(row), "no result says {row}");
+        for (path, heading, least) in
+            [("docs/speed.md", "## Beside other programs", 50), ("README.md", "## How fast", 4)]
+        {
+            let document = read(path);
+            let (_, section) = document.split_once(heading).expect("the section");
+            let section = section.split_once("\n## ").map_or(section, |(section, _)| section);
+            let lines: Vec<&str> = section.lines().chain([""]).collect();
+            let rows = lines.windows(2).filter(|pair| {
+                let heading = pair[1].starts_with("| ---");
+                pair[0].starts_with("| ") && !pair[0].starts_with("| ---") && !heading
+            });
+            let rows: Vec<&str> = rows.map(|pair| pair[0]).collect();
+            assert!(rows.len() >= least, "{path} has {} rows", rows.len());
+            for row in rows {
+                assert!(results.contains(row), "no result says {row}, as {path} does");
+            }
         }
     }
 }
