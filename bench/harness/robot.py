@@ -88,13 +88,17 @@ BULK = {
     "polar, X": ("joints", 3, 7),
     "polar, X and pose": ("pose", 3, 14),
     "polar, least X": ("least", 3, 7),
-    "planar, X and pose": ("planar", 3, 14),
-    "radial, X and pose": ("radial", 3, 11),
+    "planar, X alone": ("planar", 3, 6),
+    "planar, X and pose": ("planar-pose", 3, 14),
+    "radial, X alone": ("radial", 3, 3),
+    "radial, X and pose": ("radial-pose", 3, 11),
     "inverse": ("inverse", 2, 3),
 }
 PYTHON = "polar, X, from Python"
 # So many times the poses, to see what cores share: a million.
 COPIES = 70
+# Runs of a million poses in each round.
+MOMENTS = 10
 # Those whose instructions are counted pose by pose: family, name, poses.
 COUNTED = {
     "polar, X, one by one": ("closed", "jointplay, one by one", 200),
@@ -142,13 +146,13 @@ def work(build, folder, rounds, note):
         "kernels_tried": tried,
         "families": told_by,
         "bulk": many,
-        "million": million(build, path, rounds, folder, note),
+        "million": million(build, path, rounds, note),
         "calls": calls(families, note),
         "limits": shares(build, families, bulk, {**told_by, "bulk": many}, len(work.poses), rounds, folder, note),
     }
 
 
-def million(build, path, rounds, folder, note):
+def million(build, path, rounds, note):
     """Many more poses than a cache holds, on one core and on all."""
     commands = {}
     for name, (what, _, _) in BULK.items():
@@ -156,7 +160,29 @@ def million(build, path, rounds, folder, note):
         commands[f"{name}, one core"], commands[f"{name}, all cores"] = rust, [*rust, "cores"]
     python = peer("jointplay", path, COPIES)
     commands[f"{PYTHON}, one core"], commands[f"{PYTHON}, all cores"] = [*python, 1], [*python, os.cpu_count()]
-    return {"copies": COPIES, "results": workers.compare(commands, rounds, folder, note, tell=False)}
+    return {"copies": COPIES, "results": moments(commands, rounds, note)}
+
+
+def moments(commands, rounds, note):
+    """Times of many single runs, of which one may have the machine to itself: what cores share is told by the clock on the wall alone."""
+    results, started = {}, {}
+    for name, command in commands.items():
+        note(f"starting {name}")
+        try:
+            started[name] = workers.Worker(command)
+            started[name].time()
+            results[name] = {"cpu_s": [], "wall_s": []}
+        except (workers.Failed, OSError) as error:
+            started.pop(name, None)
+            results[name] = {"failed": str(error)}
+    for _ in range(MOMENTS * rounds):
+        for name, worker in started.items():
+            cpu, wall = worker.time()
+            results[name]["cpu_s"].append(cpu)
+            results[name]["wall_s"].append(wall)
+    for worker in started.values():
+        worker.close()
+    return results
 
 
 def shares(build, families, bulk, results, poses, rounds, folder, note):

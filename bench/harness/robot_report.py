@@ -97,11 +97,11 @@ def million(work):
     lines = [
         "## jointplay, many poses at a time",
         "",
-        f"`Gpr::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses on one core, and shared by all {work['cores']} (`study::parallel`), by the clock on the wall, in the best round.",
-        "The many poses do not fit into the caches.",
+        f"`Gpr::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses on one core, and shared by all {work['cores']} (`study::parallel`), by the clock on the wall, in the best of many runs.",
+        "The many poses do not fit into the caches; on a machine with other work on it all cores are rarely free at once, and the ratio says less than all of it: the last column is how much more CPU time the cores need together.",
         "",
-        f"| computed | {work['poses']} poses, one core | {poses} poses, one core | all cores | × one core |",
-        "| --- | ---: | ---: | ---: | ---: |",
+        f"| computed | {work['poses']} poses, one core | {poses} poses, one core | all cores | × one core | CPU time, × one core |",
+        "| --- | ---: | ---: | ---: | ---: | ---: |",
     ]
     few = {**work["bulk"], "polar, X, from Python": work["families"]["closed"]["jointplay, bulk, from Python"]}
     for name, result in few.items():
@@ -112,6 +112,8 @@ def million(work):
             rates.append(None if "failed" in here else poses / min(here["wall_s"]))
             cells.append(f"failed: {here['failed']}" if "failed" in here else quantity(rates[-1]))
         cells.append(f"{rates[1] / rates[0]:.2f}" if all(rates) else "–")
+        spent = [min(told["results"][f"{name}, {cores}"].get("cpu_s", [0])) for cores in ("one core", "all cores")]
+        cells.append(f"{spent[1] / spent[0]:.2f}" if all(spent) else "–")
         lines.append(f"| {name} | {' | '.join(cells)} |")
     return lines
 

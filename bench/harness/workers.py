@@ -87,10 +87,10 @@ class Worker:
         self.errors.close()
 
 
-def compare(commands, rounds, folder, note, tell=True):
+def compare(commands, rounds, folder, note):
     """Runs all workers in turn, round after round.
 
-    Returns by name: times of every round, and the answers if they are to be told; or why there are none.
+    Returns by name: times of every round, and the answers; or why there are none.
     """
     workers, results = {}, {}
     for name, command in commands.items():
@@ -115,8 +115,7 @@ def compare(commands, rounds, folder, note, tell=True):
             results[name]["wall_s"].append(wall)
     for name, worker in workers.items():
         try:
-            if tell:
-                results[name]["answers"] = worker.answers(folder / "answers.txt")
+            results[name]["answers"] = worker.answers(folder / "answers.txt")
             worker.close()
         except Failed as error:
             results[name] = {"failed": str(error)}

@@ -10,7 +10,7 @@ use jointplay::virtualization::{Planar, Polar, Radial, SolveOptions, Solver, Vir
 use crate::{Work, gpr};
 
 /// What can be said after `gpr bulk`.
-pub(crate) const USAGE: &str = "say gpr bulk WHAT [COPIES [cores]]: joints, pose, least, planar, radial or inverse, how often the poses stand after each other, and whether all cores share them";
+pub(crate) const USAGE: &str = "say gpr bulk WHAT [COPIES [cores]]: joints, pose, least, planar, planar-pose, radial, radial-pose or inverse, how often the poses stand after each other, and whether all cores share them";
 
 /// Work that is asked for by name; `None` for names there are not.
 pub(crate) fn named(what: &str, rest: &[&str]) -> Option<Box<dyn Work>> {
@@ -20,19 +20,23 @@ pub(crate) fn named(what: &str, rest: &[&str]) -> Option<Box<dyn Work>> {
         [copies, "cores"] => (copies.parse().ok()?, true),
         _ => return None,
     };
-    let newton = Solver::Newton;
+    let (newton, closed) = (Solver::Newton, Solver::ClosedForm);
     Some(match what {
-        "joints" => Box::new(Forward::new(Polar, newton, &[], copies, shared)),
+        "joints" => Box::new(Forward::new(Polar, newton, &RESIDUAL, copies, shared)),
         "pose" => Box::new(Forward::new(Polar, newton, &POSE, copies, shared)),
-        "least" => Box::new(Forward::new(Polar, Solver::LeastNorm, &[], copies, shared)),
-        "planar" => Box::new(Forward::new(Planar, Solver::ClosedForm, &POSE, copies, shared)),
-        "radial" => Box::new(Forward::new(Radial, Solver::ClosedForm, &POSE, copies, shared)),
+        "least" => Box::new(Forward::new(Polar, Solver::LeastNorm, &RESIDUAL, copies, shared)),
+        "planar" => Box::new(Forward::new(Planar, closed, &[], copies, shared)),
+        "planar-pose" => Box::new(Forward::new(Planar, closed, &POSE, copies, shared)),
+        "radial" => Box::new(Forward::new(Radial, closed, &[], copies, shared)),
+        "radial-pose" => Box::new(Forward::new(Radial, closed, &POSE, copies, shared)),
         "inverse" => Box::new(Inverse::new(copies, shared)),
         _ => return None,
     })
 }
 
-const POSE: [Quantity; 7] = [
+const RESIDUAL: [Quantity; 1] = [Quantity::Residual];
+const POSE: [Quantity; 8] = [
+    Quantity::Residual,
     Quantity::Origin(0),
     Quantity::Origin(1),
     Quantity::Origin(2),
@@ -42,7 +46,7 @@ const POSE: [Quantity; 7] = [
     Quantity::Twist,
 ];
 
-/// Columns of rods, and columns of what is wanted of them: X, the residual, and what else.
+/// Columns of rods, and columns of what is wanted of them: X, and what else.
 struct Forward<V> {
     gpr: Gpr,
     virtualization: V,
@@ -66,8 +70,7 @@ impl<V: Virtualization> Forward<V> {
         let options = gpr::options(&gpr, solver);
         let rods = columns(&gpr::rods(), copies);
         let joints = (0..virtualization.joints().len()).map(Quantity::VirtualJoint);
-        let wanted: Vec<Quantity> =
-            joints.chain([Quantity::Residual]).chain(more.iter().copied()).collect();
+        let wanted: Vec<Quantity> = joints.chain(more.iter().copied()).collect();
         let columns = vec![vec![0.0; rods[0].len()]; wanted.len()];
         let status = vec![Status::Solved; rods[0].len()];
         Self { gpr, virtualization, options, rods, wanted, columns, status, shared }

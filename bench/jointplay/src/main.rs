@@ -159,7 +159,9 @@ mod tests {
             check(&mut gpr::Own::new(solver), 14_400);
             check(&mut gpr::JointsAlone::new(solver), 14_400);
         }
-        for what in ["joints", "pose", "least", "planar", "radial", "inverse"] {
+        for what in
+            ["joints", "pose", "least", "planar", "planar-pose", "radial", "radial-pose", "inverse"]
+        {
             let mut one = bulk::named(what, &[]).expect("there is such work");
             check(one.as_mut(), 14_400);
             let mut shared = bulk::named(what, &["2", "cores"]).expect("there is such work");
