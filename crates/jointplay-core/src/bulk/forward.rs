@@ -340,3 +340,98 @@ fn value<V: Virtualization + ?Sized>(
         Quantity::Iterations => pose.solution.iterations as f64,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpr::AxisHeight;
+    use crate::spatial::Tilt;
+    use crate::virtualization::{self, built_in};
+
+    const POSES: usize = 19;
+
+    /// All quantities of polar virtual joints, computed with one kind of registers.
+    fn with<S: Simd>(simd: S, rods: &[Vec<f64>; 3], options: &SolveOptions) -> Vec<Vec<f64>> {
+        let gpr = Gpr::paper();
+        let quantities = [
+            [0, 1, 2].map(Quantity::VirtualJoint),
+            [3, 4, 5].map(Quantity::VirtualJoint),
+            [0, 1, 2].map(Quantity::Origin),
+            [0, 1, 2].map(Quantity::Sensitivity),
+            [Quantity::Yaw, Quantity::Pitch, Quantity::Twist],
+        ];
+        let quantities = quantities.as_flattened();
+        let mut columns = vec![vec![0.0; POSES]; quantities.len()];
+        let mut wanted: Vec<_> = quantities
+            .iter()
+            .zip(&mut columns)
+            .map(|(quantity, column)| (*quantity, &mut column[..]))
+            .collect();
+        let mut status = [Status::TurnedOver; POSES];
+        let mut work = Work {
+            gpr: &gpr,
+            rods: rods.each_ref().map(|column| Column::from(&column[..])),
+            virtualization: &virtualization::Polar,
+            options,
+            status: &mut status,
+            wanted: &mut wanted,
+        };
+        let robot = Robot::new(&gpr, Polar, &virtualization::Polar, options).unwrap().unwrap();
+        let blocks = Blocks { work: &mut work, robot: &robot, model: PhantomData::<Polar> };
+        simd.vectorize(blocks).unwrap();
+        assert_eq!(status, [Status::Solved; POSES]);
+        columns
+    }
+
+    fn rods() -> [Vec<f64>; 3] {
+        let mut rods = [const { Vec::new() }; 3];
+        for i in 0..POSES {
+            let tilt = Tilt { yaw: i as f64 * 0.7, pitch: i as f64 * 0.01 };
+            let found = Gpr::paper().inverse(tilt, AxisHeight(0.5)).unwrap();
+            rods.iter_mut().zip(found).for_each(|(column, rod)| column.push(rod));
+        }
+        rods
+    }
+
+    fn largest_difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+        let differences = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
+        differences.fold(0.0, f64::max)
+    }
+
+    /// Programs that run elsewhere take other registers than those that the laws were tested with.
+    #[test]
+    fn every_kind_of_registers_says_the_same() {
+        let rods = rods();
+        for solver in [Solver::Newton, Solver::LeastNorm] {
+            let options = SolveOptions { solver, ..SolveOptions::default() };
+            let one_lane = with(pulp::Scalar, &rods, &options);
+            let two_lanes = with(pulp::Scalar128b, &rods, &options);
+            assert!(largest_difference(&one_lane, &two_lanes) < 1e-13);
+            #[cfg(target_arch = "x86_64")]
+            {
+                use pulp::x86::{V3, V4};
+                let four_lanes = V3::try_new().map(|simd| with(simd, &rods, &options));
+                let eight_lanes = V4::try_new().map(|simd| with(simd, &rods, &options));
+                for lanes in [&four_lanes, &eight_lanes].into_iter().flatten() {
+                    assert!(largest_difference(&one_lane, lanes) < 1e-13);
+                }
+                if let (Some(four), Some(eight)) = (four_lanes, eight_lanes) {
+                    assert_eq!(four, eight, "both round products and sums once");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_quantity_has_a_place_of_its_own() {
+        let three = [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::Sensitivity];
+        let mut places: Vec<_> = three.iter().flat_map(|of| (0..3).map(|k| place(of(k)))).collect();
+        places.extend((0..6).map(|joint| place(Quantity::VirtualJoint(joint))));
+        places.extend([Quantity::Yaw, Quantity::Pitch, Quantity::Twist].map(place));
+        places.extend([Quantity::AxisHeight, Quantity::Displacement].map(place));
+        places.extend([Quantity::Residual, Quantity::Iterations].map(place));
+        places.sort_unstable();
+        assert_eq!(places, (0..PLACES).collect::<Vec<_>>());
+        assert!(built_in().iter().all(|model| model.joints().len() <= 6));
+    }
+}
