@@ -15,6 +15,8 @@ import workers
 PEERS = Path(__file__).resolve().parent.parent / "peers"
 # More than any cache holds [bytes].
 MEMORY = 1 << 30
+# How often a kernel in C is tried, so many times over each.
+TRIES = 8
 # Single calls in a batch, and batches of which the middle counts.
 CALLS, BATCHES = {"compiled": 2000, "python": 200}, 25
 
@@ -97,6 +99,8 @@ BULK = {
 PYTHON = "polar, X, from Python"
 # So many times the poses, to see what cores share: a million.
 COPIES = 70
+# Poses whose instructions are counted where they are computed many at a time.
+PART = 1440
 # Runs of a million poses in each round.
 MOMENTS = 10
 # Those whose instructions are counted pose by pose: family, name, poses.
@@ -194,17 +198,12 @@ def shares(build, families, bulk, results, poses, rounds, folder, note):
         figures[f"{name}, bulk"] = {
             "family": "bulk",
             "worker": name,
-            "ask": "run 1",
-            "counted": poses,
+            "ask": f"call {PART}",
+            "counted": PART,
             "columns": read + written,
         }
-    figures["C, vectors over poses"] = {
-        "family": "closed",
-        "worker": "C, vectors over poses",
-        "ask": "run 1",
-        "counted": poses,
-        "columns": 10,
-    }
+    vectors = "C, vectors over poses"
+    figures[vectors] = {"family": "closed", "worker": vectors, "ask": "run 1", "counted": poses, "columns": 10}
     for name, figure in figures.items():
         note(f"counting {name}")
         figure["bytes"] = 8 * figure["columns"]
@@ -238,8 +237,9 @@ def quickest(build, path, note):
                 continue
             note(f"trying {Path(one['binary']).name} {what}")
             worker = workers.Worker([one["binary"], what, path])
-            worker.warm_up()
-            took = min(worker.time()[0] for _ in range(3))
+            worker.time()
+            worker.repeats = TRIES
+            took = min(worker.time()[0] for _ in range(TRIES))
             worker.close()
             tried.append({**one, "binary": Path(one["binary"]).name, "what": what, "cpu_s": took})
             kind = (one["kernel"], what)

@@ -102,27 +102,32 @@ impl<V: Virtualization> Forward<V> {
 
 impl<V: Virtualization + Sync> Work for Forward<V> {
     fn solve(&mut self) -> usize {
-        let rods = [0, 1, 2].map(|k| Column::from(&self.rods[k][..]));
-        let columns = self.columns.iter_mut().map(|column| &mut column[..]);
-        let mut wanted: Vec<_> = self.wanted.iter().copied().zip(columns).collect();
-        let (gpr, virtualization, options) = (&self.gpr, &self.virtualization, &self.options);
-        let done = if self.shared {
-            parallel::forward_many(
-                gpr,
-                rods,
-                virtualization,
-                options,
-                &mut self.status,
-                &mut wanted,
-            )
-        } else {
-            gpr.forward_many(rods, virtualization, options, &mut self.status, &mut wanted)
-        };
-        done.map_or(0, |tally| tally.poses() - tally.failed())
+        self.first(self.status.len())
+    }
+
+    fn call(&mut self, times: usize) -> Option<usize> {
+        Some(self.first(times.min(self.status.len())))
     }
 
     fn answers(&self) -> Vec<Option<Vec<f64>>> {
         (0..self.status.len()).map(|pose| self.answer(pose)).collect()
+    }
+}
+
+impl<V: Virtualization + Sync> Forward<V> {
+    /// Solves the first so many poses; how many were solved.
+    fn first(&mut self, poses: usize) -> usize {
+        let rods = [0, 1, 2].map(|k| Column::from(&self.rods[k][..poses]));
+        let columns = self.columns.iter_mut().map(|column| &mut column[..poses]);
+        let mut wanted: Vec<_> = self.wanted.iter().copied().zip(columns).collect();
+        let status = &mut self.status[..poses];
+        let (gpr, virtualization, options) = (&self.gpr, &self.virtualization, &self.options);
+        let done = if self.shared {
+            parallel::forward_many(gpr, rods, virtualization, options, status, &mut wanted)
+        } else {
+            gpr.forward_many(rods, virtualization, options, status, &mut wanted)
+        };
+        done.map_or(0, |tally| tally.poses() - tally.failed())
     }
 }
 
@@ -148,19 +153,29 @@ impl Inverse {
             shared,
         }
     }
+
+    /// The rods of the first so many poses; how many were found.
+    fn first(&mut self, poses: usize) -> usize {
+        let height = Column::constant(&gpr::HEIGHT, poses);
+        let [yaw, pitch] = [0, 1].map(|k| Column::from(&self.tilts[k][..poses]));
+        let rods = self.rods.each_mut().map(|column| &mut column[..poses]);
+        let status = &mut self.status[..poses];
+        let done = if self.shared {
+            parallel::inverse_many(&self.gpr, [yaw, pitch, height], status, rods)
+        } else {
+            self.gpr.inverse_many(yaw, pitch, height, status, rods)
+        };
+        done.map_or(0, |tally| tally.poses() - tally.failed())
+    }
 }
 
 impl Work for Inverse {
     fn solve(&mut self) -> usize {
-        let height = Column::constant(&gpr::HEIGHT, self.status.len());
-        let [yaw, pitch] = [0, 1].map(|k| Column::from(&self.tilts[k][..]));
-        let rods = self.rods.each_mut().map(|column| &mut column[..]);
-        let done = if self.shared {
-            parallel::inverse_many(&self.gpr, [yaw, pitch, height], &mut self.status, rods)
-        } else {
-            self.gpr.inverse_many(yaw, pitch, height, &mut self.status, rods)
-        };
-        done.map_or(0, |tally| tally.poses() - tally.failed())
+        self.first(self.status.len())
+    }
+
+    fn call(&mut self, times: usize) -> Option<usize> {
+        Some(self.first(times.min(self.status.len())))
     }
 
     fn answers(&self) -> Vec<Option<Vec<f64>>> {

@@ -29,7 +29,7 @@ use jointplay::virtualization::Solver;
 trait Work {
     /// Solves everything; how many were solved.
     fn solve(&mut self) -> usize;
-    /// Solves so many positions by a call each, one waiting for the other; how many were solved, `None` if nobody asks that.
+    /// Solves so many positions, by a call each that waits for the one before, or many at a time all in one; how many were solved, `None` if nobody asks that.
     fn call(&mut self, _times: usize) -> Option<usize> {
         None
     }
