@@ -145,7 +145,7 @@ pub(crate) fn forward<'py>(
 pub(crate) fn inverse<'py>(
     py: Python<'py>,
     gpr: &Gpr,
-    given: &Spread<'py, 3>,
+    given: &Spread<'py>,
     out: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -155,7 +155,9 @@ pub(crate) fn inverse<'py>(
         None => Output::new(py, &given.shape, Some(3))?,
     };
     let mut status = vec![Status::Solved; given.poses()];
-    let columns: [Column<'_>; 3] = given.columns()?;
+    let columns = given.columns()?;
+    let columns: [Column<'_>; 3] =
+        columns.try_into().map_err(|_| errors::internal("a tilt is not three columns"))?;
     let [yaw, pitch, height] = columns;
     let rods: [&mut [f64]; 3] =
         output.slices()?.try_into().map_err(|_| errors::internal("rods are not three columns"))?;
