@@ -8,6 +8,7 @@
 //! | `failure.rs` | what can go wrong, and the exit code |
 //! | `output.rs` | text and JSON to standard output |
 //! | `folder.rs` | result files, written whole or not at all |
+//! | `progress.rs` | how far long work has come |
 
 mod arguments;
 mod commands;
@@ -15,6 +16,7 @@ mod failure;
 mod folder;
 mod mechanism_input;
 mod output;
+mod progress;
 
 use std::process::ExitCode;
 
