@@ -90,7 +90,7 @@ def built_wheel(python: str) -> Path:
     tools = environment(python, "tools", TOOLS)
     wheels = HOME / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
-    build = ["build", "--release", "--quiet", "--locked", "--interpreter", python, "--out", wheels]
+    build: list[str | Path] = ["build", "--release", "--quiet", "--locked", "--interpreter", python, "--out", wheels]
     run([tools / "maturin", *build], cwd=PYTHON)
     (wheel,) = wheels.glob("*.whl")
     return wheel
@@ -134,7 +134,8 @@ def main() -> None:
         run([python, "-m", "pytest", "-p", "no:cacheprovider"], cwd=PYTHON)
         if one == newest:
             say("types")
-            run([python, "-m", "mypy", "--cache-dir", HOME / "mypy", "tests/typed.py"], cwd=PYTHON)
+            checked = ["src/jointplay", "tests/typed.py", "speed.py", "test.py"]
+            run([python, "-m", "mypy", "--cache-dir", HOME / "mypy", *checked], cwd=PYTHON)
             run([python, "-m", "mypy.stubtest", "jointplay", "--concise"], cwd=PYTHON)
             run([binaries / "basedpyright", "--project", PYTHON, "--pythonpath", python, "tests/typed.py"], cwd=PYTHON)
     say(f"Python passed in {time.monotonic() - start:.0f} s")

@@ -115,7 +115,7 @@ impl PyMechanism {
         if mechanism.virtual_joints().is_empty() {
             drive(&system, drives, &free, steps)
         } else {
-            drive_relieved(&system, drives, &free, steps)
+            drive_relieved(&system, drives, &free, steps, &mut |_| ())
         }
     }
 }
