@@ -99,7 +99,8 @@ def built_wheel(python: str) -> Path:
 def built_command() -> Path:
     """The `jointplay` command, which says the same numbers."""
     cargo = os.environ.get("CARGO", "cargo")
-    run([cargo, "build", "--quiet", "--package", "jointplay-cli"], cwd=ROOT)
+    # With the features of the other tests, so that it is there already when they have run.
+    run([cargo, "build", "--quiet", "--workspace", "--all-features", "--bin", "jointplay"], cwd=ROOT)
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     return target / "debug" / ("jointplay.exe" if os.name == "nt" else "jointplay")
 
