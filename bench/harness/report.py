@@ -43,7 +43,7 @@ def rate(result, asked):
 
 
 def quantity(rate):
-    for unit, size in (("M", 1e6), ("k", 1e3)):
+    for unit, size in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
         if rate >= size:
             return f"{rate / size:.3g} {unit}"
     return f"{rate:.3g}"

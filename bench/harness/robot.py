@@ -96,6 +96,12 @@ BULK = {
     "radial, X and pose": ("radial-pose", 3, 11),
     "inverse": ("inverse", 2, 3),
 }
+# Those that stand in a family too, and are not timed twice.
+SAME = {
+    "polar, X": ("closed", "jointplay, bulk"),
+    "polar, X and pose": ("closed", "jointplay, bulk, with pose"),
+    "polar, least X": ("least", "jointplay, bulk"),
+}
 PYTHON = "polar, X, from Python"
 # So many times the poses, to see what cores share: a million.
 COPIES = 70
@@ -131,7 +137,7 @@ def work(build, folder, rounds, note):
     families = commands(build, path, kernels)
     everything = {(family, name): command for family, each in families.items() for name, command in each.items()}
     bulk = {name: [build / "jointplay", "gpr", "bulk", what] for name, (what, _, _) in BULK.items()}
-    everything |= {("bulk", name): command for name, command in bulk.items()}
+    everything |= {("bulk", name): command for name, command in bulk.items() if name not in SAME}
     results = workers.compare(everything, rounds, folder, note)
     newton, least = check.reference(work, least=False), check.reference(work, least=True)
     for (_, name), result in results.items():
@@ -140,10 +146,8 @@ def work(build, folder, rounds, note):
             result.update(
                 check.inverse(work, answers) if name == "inverse" else check.gpr(work, answers, newton, least)
             )
-    told_by = {
-        family: {name: results[family, name] for name in each} for family, each in {**families, "bulk": bulk}.items()
-    }
-    many = told_by.pop("bulk")
+    told_by = {family: {name: results[family, name] for name in each} for family, each in families.items()}
+    many = {name: results[SAME.get(name, ("bulk", name))] for name in bulk}
     return {
         "poses": len(work.poses),
         "cores": os.cpu_count(),
@@ -232,9 +236,7 @@ def quickest(build, path, note):
     built = json.loads((build / "closed.json").read_text())
     best, tried = {}, []
     for one in built:
-        for what in ("x", "pose", "least"):
-            if what == "pose" and one["kernel"] == "casadi":
-                continue
+        for what in one["answers"]:
             note(f"trying {Path(one['binary']).name} {what}")
             worker = workers.Worker([one["binary"], what, path])
             worker.time()

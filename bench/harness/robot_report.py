@@ -97,23 +97,21 @@ def million(work):
     lines = [
         "## jointplay, many poses at a time",
         "",
-        f"`Gpr::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses on one core, and shared by all {work['cores']} (`study::parallel`), by the clock on the wall, in the best of many runs.",
-        "The many poses do not fit into the caches; on a machine with other work on it all cores are rarely free at once, and the ratio says less than all of it: the last column is how much more CPU time the cores need together.",
+        f"`Gpr::forward_many` and `Gpr::inverse_many`: the {work['poses']} poses on one core, as above; then {poses} poses, more than the caches hold, on one core in CPU time, and shared by all {work['cores']} (`study::parallel`) by the clock on the wall, in the best of many runs.",
+        "*Gain* is one core's time on the wall over that of all; with other work on the machine all are rarely free at once, and it says little. The last column compares the CPU time of one with that of all together: below one, sharing costs.",
         "",
-        f"| computed | {work['poses']} poses, one core | {poses} poses, one core | all cores | × one core | CPU time, × one core |",
+        f"| computed | {work['poses']} poses, one core | {poses} poses, one core | all cores | gain | CPU time, one to all |",
         "| --- | ---: | ---: | ---: | ---: | ---: |",
     ]
     few = {**work["bulk"], "polar, X, from Python": work["families"]["closed"]["jointplay, bulk, from Python"]}
     for name, result in few.items():
         cells = [f"failed: {result['failed']}" if "failed" in result else quantity(rate(result, work["poses"]))]
-        rates = []
-        for cores in ("one core", "all cores"):
-            here = told["results"][f"{name}, {cores}"]
-            rates.append(None if "failed" in here else poses / min(here["wall_s"]))
-            cells.append(f"failed: {here['failed']}" if "failed" in here else quantity(rates[-1]))
-        cells.append(f"{rates[1] / rates[0]:.2f}" if all(rates) else "–")
-        spent = [min(told["results"][f"{name}, {cores}"].get("cpu_s", [0])) for cores in ("one core", "all cores")]
-        cells.append(f"{spent[1] / spent[0]:.2f}" if all(spent) else "–")
+        one, every = (told["results"][f"{name}, {cores}"] for cores in ("one core", "all cores"))
+        if "failed" in one or "failed" in every:
+            cells += [f"failed: {one.get('failed', every.get('failed'))}", "–", "–", "–"]
+        else:
+            cells += [quantity(poses / min(one["cpu_s"])), quantity(poses / min(every["wall_s"]))]
+            cells += [f"{min(one[clock]) / min(every[clock]):.2f}" for clock in ("wall_s", "cpu_s")]
         lines.append(f"| {name} | {' | '.join(cells)} |")
     return lines
 
