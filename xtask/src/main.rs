@@ -1,10 +1,11 @@
 //! The project's own chores, run as `cargo xtask NAME`.
 //!
-//! | chore  | what it answers                                    |
-//! | ------ | -------------------------------------------------- |
-//! | `test` | May this change go in? Runs everything below too.  |
-//! | `tidy` | Do the documents and sources keep the house rules? |
-//! | `deps` | Does each crate import only what its ring may?     |
+//! | chore    | what it answers                                     |
+//! | -------- | --------------------------------------------------- |
+//! | `test`   | May this change go in? Runs everything below too.   |
+//! | `tidy`   | Do the documents and sources keep the house rules?  |
+//! | `deps`   | Does each crate import only what its ring may?      |
+//! | `python` | Does the Python package work where it is installed? |
 
 #![allow(
     clippy::print_stdout,
@@ -15,6 +16,7 @@
 mod deps;
 mod finding;
 mod markdown;
+mod python;
 mod root;
 mod rust_source;
 mod test;
@@ -26,9 +28,10 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask CHORE
 
-  test   everything a change must pass, stopping at the first failure
-  tidy   paths, links, source keys, sizes and unfinished code
-  deps   who may import whom";
+  test     everything a change must pass, stopping at the first failure
+  tidy     paths, links, source keys, sizes and unfinished code
+  deps     who may import whom
+  python   the Python package: its wheel, tested in clean environments";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -37,6 +40,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(&root),
         ["tidy"] => tidy::run(&root),
         ["deps"] => deps::run(&root),
+        ["python"] => python::run(&root),
         [] | ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             true

@@ -47,7 +47,7 @@ pub(crate) enum Failure {
     Read { path: PathBuf, source: io::Error },
     #[error("{} is longer than {allowed} bytes, the most that a robot file may have", path.display())]
     TooLarge { path: PathBuf, allowed: u64 },
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}: {}", path.display(), explain_write(.source))]
     Write { path: PathBuf, source: io::Error },
     #[error(
         "{} holds files that are not from `jointplay {command}`: {}; choose another --out, or say --force to write beside them",
@@ -72,6 +72,24 @@ pub(crate) enum Failure {
 
 fn list(broken: &[BrokenLimit]) -> String {
     broken.iter().map(|limit| format!("  {}", explain_limit(limit))).collect::<Vec<_>>().join("\n")
+}
+
+/// Why there is no file, in our words where the system has only its own.
+fn explain_write(error: &io::Error) -> String {
+    use io::ErrorKind as Kind;
+    let ours = match error.kind() {
+        _ if error.get_ref().is_some() => None,
+        Kind::NotFound => Some("its folder is not there; make it first"),
+        Kind::PermissionDenied => Some("it is not permitted there; choose another place"),
+        Kind::ReadOnlyFilesystem => Some("the disk is read-only; choose another place"),
+        Kind::StorageFull | Kind::QuotaExceeded => {
+            Some("the disk is full; make room, or choose another place")
+        }
+        Kind::IsADirectory => Some("a folder is in its place"),
+        Kind::NotADirectory | Kind::AlreadyExists => Some("a file is in its place, or on its way"),
+        _ => None,
+    };
+    ours.map_or_else(|| error.to_string(), str::to_owned)
 }
 
 /// What went wrong, and which flag may help.

@@ -11,6 +11,16 @@ use crate::failure::Failure;
 /// Files on their way are named so; one that is found was left by a run that was killed.
 const PARTIAL: &str = ".jointplay-partial-";
 
+/// Finds out before long work whether files can be made in a folder, or the folder itself; leaves nothing behind.
+pub(crate) fn probe(folder: &Path) -> Result<(), Failure> {
+    let here = Path::new(".");
+    let mut places =
+        folder.ancestors().map(|path| if path.as_os_str().is_empty() { here } else { path });
+    let there = places.find(|path| path.exists()).unwrap_or(folder);
+    tempfile::tempfile_in(there).map_err(|error| failed(folder)(error.kind().into()))?;
+    Ok(())
+}
+
 /// Writes files into a folder, made if missing: each appears whole, under its name, or not at all.
 pub(crate) fn write(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(failed(folder))?;

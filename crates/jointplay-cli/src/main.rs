@@ -8,6 +8,7 @@
 //! | `failure.rs` | what can go wrong, and the exit code |
 //! | `output.rs` | text and JSON to standard output |
 //! | `folder.rs` | result files, written whole or not at all |
+//! | `progress.rs` | how far long work has come |
 
 mod arguments;
 mod commands;
@@ -15,6 +16,7 @@ mod failure;
 mod folder;
 mod mechanism_input;
 mod output;
+mod progress;
 
 use std::process::ExitCode;
 
@@ -32,7 +34,7 @@ use clap::Parser;
 #[command(after_help = "\
 Examples:
   jointplay simulate                          the paper's studies, as data and figures
-  jointplay study                             millions of poses or robots, from a text file
+  jointplay study --out shifts.csv            any number of poses or robots, from a text file
   jointplay forward --q-mm 500,501,502        where the platform is for these rods
   jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-mm 500
   jointplay compare                           what the models say of one tilt

@@ -169,7 +169,7 @@ pub enum Error {
         /// Largest that counts as closed.
         allowed: f64,
     },
-    /// Newton's method did not close the loops; the coordinates given hold its last iterate.
+    /// Newton's method did not close the loops; the coordinates given hold its best iterate.
     #[error(
         "the loops stay open by {residual:.3e} (radians and characteristic lengths) after {iterations} steps, {allowed:.0e} is asked for; start nearer, or look for an assembly from many starts"
     )]

@@ -89,4 +89,12 @@ fn positions_of_a_mechanism_do_not_allocate() {
         });
         assert_eq!(count, 0, "{relief:?}");
     }
+    let rigid = robot::gpr(|_, _| Vec::new());
+    let system = MechanismSystem::new(&rigid, robot::home(&rigid)).unwrap();
+    let mut solver = PositionSolver::new(&system, &[0, 4, 8]).unwrap();
+    let mut position = start.rows(0, 12).into_owned();
+    let count = allocations(|| {
+        solver.solve(position.as_mut_slice(), ReliefSolver::Newton).unwrap_err();
+    });
+    assert_eq!(count, 0, "what cannot be reached");
 }

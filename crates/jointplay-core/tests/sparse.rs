@@ -7,7 +7,8 @@ mod robot;
 use families::{bennett_row, scissor_lift};
 use jointplay_core::Error;
 use jointplay_core::mechanism::{
-    Drive, Mechanism, MechanismSystem, SparseMobility, SparseSystem, assemble, guess,
+    Drive, JointKind, Mechanism, MechanismError, MechanismSystem, SparseMobility, SparseSystem,
+    assemble, guess,
 };
 use jointplay_core::mobility::{RANK_THRESHOLD, finite_mobility};
 use jointplay_core::nalgebra::Vector3;
@@ -47,10 +48,41 @@ fn both_algebras_agree() {
 }
 
 #[test]
+fn what_cannot_move_at_all() {
+    let fixed = |count: usize| {
+        let joint = |k: usize| {
+            robot::joint(
+                &format!("j{k}"),
+                JointKind::Fixed,
+                [0, 1],
+                [1.0, 0.0, 0.0],
+                [0.0, 0.0, 1.0],
+            )
+        };
+        Mechanism::new("fixed", robot::names(2), (0..count).map(joint).collect()).unwrap()
+    };
+    check(&fixed(1));
+    check(&fixed(2));
+    let still = fixed(2);
+    let system = SparseSystem::new(&still, guess(&still)).unwrap();
+    // Nowhere to go is no obstacle.
+    let mut told = Vec::new();
+    let motion = system.drive_watched(&[], &[], 3, &mut |done| told.push(done)).unwrap();
+    assert_eq!((motion.waypoints.len(), motion.stopped), (4, None));
+    assert_eq!(told, [1, 2, 3]);
+    // Of the base alone there is no mechanism, so that no system has to be ready for it.
+    let alone = Mechanism::new("alone", robot::names(1), Vec::new());
+    assert_eq!(alone, Err(MechanismError::NoJoints));
+}
+
+#[test]
 fn a_thousand_loops() {
     // A lift turns about its foot, and folds.
     let lift = mobility(&scissor_lift(1001));
     assert_eq!((lift.mobility, lift.redundancy, lift.finite), (2, 3000, Some(2)));
+    // So high that what bends it is as small as what damping hides.
+    let higher = mobility(&scissor_lift(4200));
+    assert_eq!((higher.mobility, higher.redundancy, higher.finite), (2, 12_597, Some(2)));
     let row = mobility(&bennett_row(1000));
     assert_eq!((row.mobility, row.redundancy, row.finite), (1, 3000, Some(1)));
     for found in [lift, row] {

@@ -94,14 +94,14 @@ impl Unit {
         si * self.in_si()
     }
 
-    /// The same for a number that somebody typed: the decimal with few digits that stands for it, if there is one.
+    /// The same for a number that somebody typed: the decimal with few digits that stands within round-off of it, if there is one.
     #[must_use]
     #[inline]
     pub fn of_typed(self, si: f64) -> f64 {
         let plain = self.of(si);
         let rounded = (plain * 1e9).round() / 1e9;
         let back = if self == Self::Degree { rounded.to_radians() } else { rounded / self.in_si() };
-        if back == si { rounded } else { plain }
+        if (back - si).abs() <= f64::EPSILON * si.abs() { rounded } else { plain }
     }
 }
 

@@ -85,7 +85,10 @@ fn the_study_of_the_documents_is_one() {
 fn bad_studies_are_refused_with_their_place() {
     refuse("kind = \"study\"", "kind = \"gpr\"", 1, "known: study");
     refuse("\"a study\"", "\"a\\u001b\"", 2, "control characters");
-    refuse("\"gpr\"", "\"delta\"", 3, "the robot \"delta\" is wrong: ");
+    refuse("\"gpr\"", "\"delta\"", 3, "of the kind \"mechanism\"");
+    let broken = |_: &str| Ok("kind = \"gpr\"\nlimb = 3".to_owned());
+    let error = parse(STUDY, broken).err().unwrap();
+    assert!(error.to_string().contains("line 2 of the robot \"gpr\" is wrong"), "{error}");
     refuse("\"gpr\"", "\"gprs\"", 3, "not in the catalogue");
     refuse("\"planar\",", "\"planer\",", 4, "did you mean `planar`?");
     refuse("[\"planar\", \"polar\"]", "[]", 4, "`virtualizations` is empty");

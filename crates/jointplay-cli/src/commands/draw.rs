@@ -3,12 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::format::report;
-use jointplay::mechanism::{Drive, MechanismSystem, drive};
-use jointplay::nalgebra::DVector;
 use jointplay::plot::{MechanismPicture, View};
 
-use super::motion::held;
+use super::motion::driven;
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, SetArgs, Source, assignment};
@@ -16,8 +13,6 @@ use crate::{folder, output};
 
 /// Width of a PNG figure [px].
 const PNG_WIDTH: u32 = 1800;
-/// Steps on the way to the configuration that is shown faintly.
-const STEPS: usize = 60;
 /// Play is shown larger by this much at most: a nanometre as a metre.
 const LARGEST_FACTOR: f64 = 1e9;
 /// What every picture of a mechanism holds: the hatching of its base.
@@ -89,7 +84,8 @@ impl Draw {
         let mut picture = MechanismPicture::new(&input.file.mechanism, posed.values);
         (picture.view, picture.exaggeration) = (self.view, self.exaggerate);
         if !self.ghost.is_empty() {
-            picture.ghost = Some(self.driven(&input, picture.coordinates.clone())?);
+            let to = input.commands(&self.ghost)?;
+            picture.ghost = Some(driven(&input, &picture.coordinates, &to, "--ghost")?);
         }
         let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
         let bytes = match ending(&path).as_deref() {
@@ -118,24 +114,6 @@ impl Draw {
             "it is there and no picture of a mechanism; name another with --figure",
         );
         Err(Failure::Write { path, source })
-    }
-
-    /// The configuration to which the mechanism is driven from `start`.
-    fn driven(&self, input: &Input, start: DVector<f64>) -> Result<DVector<f64>, Failure> {
-        let commands = input.commands(&self.ghost)?;
-        let driven: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let drives: Vec<Drive> =
-            commands.iter().map(|&(coordinate, to)| Drive { coordinate, to }).collect();
-        let held = held(input, &driven);
-        let free: Vec<usize> = (0..input.coordinates.joints())
-            .filter(|k| !driven.contains(k) && !held.contains(k))
-            .collect();
-        let system = MechanismSystem::new(&input.file.mechanism, start)?;
-        let way = drive(&system, &drives, &free, STEPS)?;
-        if let Some(message) = report::motion(&input.file, &driven, &held, &way).message {
-            return Err(Failure::Stopped(format!("on the way to --ghost, {message}")));
-        }
-        Ok(way.waypoints.last().map_or(system.home().clone(), |last| last.coordinates.clone()))
     }
 }
 

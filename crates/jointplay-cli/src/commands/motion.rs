@@ -10,7 +10,7 @@ use jointplay::format::report::{self, MotionReport};
 use jointplay::format::table;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Drive, Mechanism, MechanismSystem, Motion, SparseSystem, drive, drive_relieved,
+    Drive, MechanismSystem, Motion, SparseSystem, drive_relieved, drive_watched,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::plot::results::{Follower, motion};
@@ -20,6 +20,7 @@ use crate::failure::Failure;
 use crate::folder;
 use crate::mechanism_input::{Input, MechanismArgs};
 use crate::output::fixed;
+use crate::progress::Progress;
 
 /// Steps of a way whose step is not said.
 const STEPS: usize = 60;
@@ -132,6 +133,7 @@ impl Move {
     fn names(&self, folder: &Path) -> Result<[String; 3], Failure> {
         let stem = self.mechanism.path().file_stem().unwrap_or_default().to_string_lossy();
         let names = ["csv", "svg", "png"].map(|end| format!("{stem}-motion.{end}"));
+        folder::probe(folder)?;
         let foreign = folder::foreign(folder, &names.iter().cloned().collect())?;
         if foreign.is_empty() || self.force {
             Ok(names)
@@ -224,7 +226,7 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
 }
 
 /// Coordinates of the motors that are not driven; none where something is driven that has no motor.
-pub(super) fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
+fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
     let actuated: Vec<usize> = input
         .file
         .mechanism
@@ -243,10 +245,6 @@ pub(super) fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
 
 /// To the beginning of the way, then along it.
 fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Result<Motion, Failure> {
-    let driven: Vec<usize> = legs.iter().map(|leg| leg.coordinate).collect();
-    let along = |from: &DVector<f64>, drives: &[Drive], count: usize| {
-        along(&input.file.mechanism, from, drives, held, count)
-    };
     let to_begin: Vec<Drive> = legs
         .iter()
         .map(|leg| {
@@ -256,14 +254,7 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
         .collect();
     let mut start = start;
     if to_begin.iter().any(|one| one.to != start[one.coordinate]) {
-        let way = along(&start, &to_begin, STEPS)?;
-        let told = report::motion(&input.file, &driven, held, &way);
-        if let Some(message) = told.message {
-            return Err(Failure::Stopped(format!("on the way to FROM, {message}")));
-        }
-        if let Some(last) = way.waypoints.last() {
-            start = last.coordinates.clone();
-        }
+        start = driven_to(input, &start, &to_begin, held, "FROM")?;
     }
     let mut count = None;
     for leg in legs {
@@ -281,28 +272,68 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
     }
     let drives: Vec<Drive> =
         legs.iter().map(|leg| Drive { coordinate: leg.coordinate, to: leg.to }).collect();
-    Ok(along(&start, &drives, count.unwrap_or(STEPS))?)
+    Ok(along(input, &start, &drives, held, count.unwrap_or(STEPS), "driving")?)
 }
 
-/// Drives along a way: virtual joints give way where there are any, and many loops are left to sparse algebra.
+/// The configuration to which drives lead; `place` is what messages call it.
+fn driven_to(
+    input: &Input,
+    from: &DVector<f64>,
+    drives: &[Drive],
+    held: &[usize],
+    place: &str,
+) -> Result<DVector<f64>, Failure> {
+    let way = along(input, from, drives, held, STEPS, &format!("to {place}"))?;
+    let driven: Vec<usize> = drives.iter().map(|drive| drive.coordinate).collect();
+    match (report::motion(&input.file, &driven, held, &way).message, way.waypoints.last()) {
+        (Some(message), _) => Err(Failure::Stopped(format!("on the way to {place}, {message}"))),
+        (None, Some(last)) => Ok(last.coordinates.clone()),
+        (None, None) => Ok(from.clone()),
+    }
+}
+
+/// The configuration to which commanded coordinates are driven, other motors holding still as for `jointplay move`.
+pub(super) fn driven(
+    input: &Input,
+    from: &DVector<f64>,
+    commands: &[(usize, f64)],
+    place: &str,
+) -> Result<DVector<f64>, Failure> {
+    let drives: Vec<Drive> =
+        commands.iter().map(|&(coordinate, to)| Drive { coordinate, to }).collect();
+    let driven: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+    driven_to(input, from, &drives, &held(input, &driven), place)
+}
+
+/// Drives along a way, with a bar where it takes long: virtual joints give way where there are any, and many loops are left to sparse algebra.
 fn along(
-    mechanism: &Mechanism,
+    input: &Input,
     from: &DVector<f64>,
     drives: &[Drive],
     held: &[usize],
     count: usize,
+    stage: &str,
 ) -> Result<Motion, Error> {
+    let mechanism = &input.file.mechanism;
+    let mut progress = Progress::new(count);
+    progress.stage(stage);
+    let mut progress = |done| progress.at(done);
     if !MechanismSystem::fits(mechanism) {
-        return SparseSystem::new(mechanism, from.clone())?.drive(drives, held, count);
+        return SparseSystem::new(mechanism, from.clone())?.drive_watched(
+            drives,
+            held,
+            count,
+            &mut progress,
+        );
     }
     let driven = |k: &usize| drives.iter().any(|drive| drive.coordinate == *k);
     let free: Vec<usize> =
         (0..mechanism.joint_freedoms()).filter(|k| !driven(k) && !held.contains(k)).collect();
     let system = MechanismSystem::new(mechanism, from.clone())?;
     if mechanism.virtual_joints().is_empty() {
-        drive(&system, drives, &free, count)
+        drive_watched(&system, drives, &free, count, &mut progress)
     } else {
-        drive_relieved(&system, drives, &free, count)
+        drive_relieved(&system, drives, &free, count, &mut progress)
     }
 }
 

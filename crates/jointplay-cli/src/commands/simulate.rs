@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 use jointplay::format::report::{self, StudyReport};
 use jointplay::format::units::{deg, m_from_mm, mm};
 use jointplay::format::{robot, steps, table};
@@ -19,6 +18,7 @@ use crate::arguments::{
     MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, length, pitches,
 };
 use crate::failure::Failure;
+use crate::progress::Progress;
 use crate::{folder, output};
 
 /// Run the paper's studies and write data and figures
@@ -132,6 +132,7 @@ impl Simulate {
                 names: foreign,
             });
         }
+        folder::probe(&self.out)?;
         let names = self.virtualizations();
         let mut progress = Progress::new(raster.len() * names.len() * 2);
         let studies = names
@@ -156,7 +157,7 @@ impl Simulate {
         files.insert(0, (SUMMARY.to_owned(), summary.into_bytes()));
         folder::write(&self.out, &files)?;
         folder::remove_stale(&self.out, &own, &files)?;
-        progress.finish();
+        drop(progress);
         let reports: Vec<(&StudyReport, Duration)> =
             studies.iter().map(|study| (&study.report, study.time_per_pose)).collect();
         let heading = format!(
@@ -316,53 +317,4 @@ fn own_files(folder: &Path) -> BTreeSet<String> {
     }
     let files = summary["files"].as_array().into_iter().flatten();
     files.filter_map(|name| name.as_str()).map(str::to_owned).collect()
-}
-
-/// A bar on standard error, for people only, and only when the work takes more than a second.
-struct Progress {
-    start: Instant,
-    total: u64,
-    done: u64,
-    stage: String,
-    bar: Option<ProgressBar>,
-}
-
-impl Progress {
-    fn new(total: usize) -> Self {
-        Self {
-            start: Instant::now(),
-            total: total as u64,
-            done: 0,
-            stage: String::new(),
-            bar: None,
-        }
-    }
-
-    fn stage(&mut self, name: &str) {
-        name.clone_into(&mut self.stage);
-        self.at(0);
-    }
-
-    fn part_done(&mut self, count: usize) {
-        self.done += count as u64;
-        self.at(0);
-    }
-
-    fn at(&mut self, within_part: usize) {
-        if self.bar.is_none() && self.start.elapsed() > Duration::from_secs(1) {
-            let style = ProgressStyle::with_template("{msg:>16} {wide_bar} {percent}%  {eta} left")
-                .expect("the template is well-formed");
-            self.bar = Some(ProgressBar::new(self.total).with_style(style));
-        }
-        if let Some(bar) = &self.bar {
-            bar.set_message(self.stage.clone());
-            bar.set_position(self.done + within_part as u64);
-        }
-    }
-
-    fn finish(&mut self) {
-        if let Some(bar) = self.bar.take() {
-            bar.finish_and_clear();
-        }
-    }
 }

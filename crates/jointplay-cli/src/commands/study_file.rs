@@ -18,6 +18,8 @@ use crate::failure::Failure;
 
 /// So often is marked how far a run has come: what is done since then is lost to a power cut or a kill.
 const MARK_EVERY: Duration = Duration::from_millis(500);
+/// Or so many times as long as the last marking took: the end of a long Parquet table takes its time.
+const MARK_PAUSE: u32 = 20;
 /// Larger markers are refused unread [bytes].
 const LARGEST_MARKER: u64 = 1 << 32;
 
@@ -31,6 +33,8 @@ pub(super) struct PartFile {
     marker: Marker,
     seed: u64,
     marked: Instant,
+    /// How long the last marking took.
+    marking: Duration,
     replace: bool,
 }
 
@@ -60,6 +64,12 @@ impl PartFile {
                 path.display()
             )));
         }
+        if path.exists() && !replace {
+            return Err(Failure::Misused(format!(
+                "{} is in the way, and no run that could be gone on with has left it: move it, or say --force to replace it",
+                path.display()
+            )));
+        }
         // Locked before it is emptied: another run may be at it.
         let file =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
@@ -79,6 +89,7 @@ impl PartFile {
             marker: Marker::new(study, kind, totals),
             seed: study.plan.seed,
             marked: Instant::now(),
+            marking: Duration::ZERO,
             replace,
         };
         part.write(&table.head())?;
@@ -139,6 +150,7 @@ impl PartFile {
             marker,
             seed: study.plan.seed,
             marked: Instant::now(),
+            marking: Duration::ZERO,
             replace: false,
         };
         part.cut().map_err(failed(&part.path))?;
@@ -179,7 +191,7 @@ impl PartFile {
         table.note(&mut self.index, encoded, at)?;
         blocks.iter().for_each(|block| self.marker.totals.add(block));
         self.marker.chunks += 1;
-        if self.marked.elapsed() >= MARK_EVERY {
+        if self.marked.elapsed() >= MARK_EVERY.max(self.marking * MARK_PAUSE) {
             self.mark(table)?;
         }
         Ok(())
@@ -234,6 +246,7 @@ impl PartFile {
 
     /// Marks how far the run has come.
     fn mark(&mut self, table: &Table) -> Result<(), Failure> {
+        let start = Instant::now();
         self.file.sync_data().map_err(failed(&self.path))?;
         self.marker.foot = table.foot(&self.index)?;
         let json = self.marker.to_json(self.seed);
@@ -251,6 +264,7 @@ impl PartFile {
         }
         sync_folder(&self.marker_path);
         self.marked = Instant::now();
+        self.marking = self.marked - start;
         Ok(())
     }
 }

@@ -42,6 +42,8 @@ fn a_picture_shows_what_is_asked_for() {
     // Play is drawn too, also where it has to give way.
     desk.done("draw gpr-mechanism --figure play.svg");
     assert!(desk.read("play.svg").contains(">virtual joint<"));
+    desk.done("draw gpr-mechanism --figure play.svg --ghost \"rod 1=5,rod 2=0\"");
+    assert!(desk.read("play.svg").contains(">moved<"));
     // Shown larger, it is said to be.
     let tilted = "draw gpr-mechanism --figure tilted.svg --at \"rod 1=5,rod 2=0,rod 3=0\"";
     let shown = |options: &str| {
@@ -78,7 +80,7 @@ fn what_cannot_be_drawn() {
     let desk = Desk::new();
     for (line, code, message) in [
         ("draw bennett --figure bennett.jpg", 2, "ends neither in .svg nor in .png"),
-        ("draw bennett --figure nowhere/bennett.svg", 2, "cannot write"),
+        ("draw bennett --figure nowhere/bennett.svg", 2, "its folder is not there; make it first"),
         ("draw bennett --view 30", 2, "is not AZIMUTH,ELEVATION"),
         ("draw bennett --view 30,91", 2, "is not between"),
         ("draw bennett --view NaN,0", 2, "not a finite number"),

@@ -158,6 +158,8 @@ fn many_loops_are_left_to_sparse_algebra() {
         let last = folded[2].as_f64().unwrap();
         assert!((last - 10.0).abs() < 1e-8, "{last}");
     }
+    desk.done("draw lift.toml --ghost foot=20,middle0=10 --figure lift.svg");
+    assert!(desk.read("lift.svg").contains(">moved<"));
     let refused = desk.run("suggest lift.toml");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("at most 240"), "{}", refused.stderr);

@@ -46,7 +46,7 @@ fn flags_that_make_no_sense() {
     );
     refuse("forward --metric 1e-99", 2, "'--metric");
     refuse("simulate --yaw-step-deg 1e-9", 2, "at most 1000000");
-    refuse("simulate --out /dev/null/study", 2, "cannot write /dev/null/study");
+    refuse("simulate --out /dev/null/study", 2, "cannot write /dev/null/study: a file is in its");
     refuse("compare --figure shift.pdf", 2, "ends neither in .svg nor in .png");
     refuse("compare --figure nowhere/shift.svg", 2, "cannot write");
     refuse("completions tcl", 2, "possible values: bash");

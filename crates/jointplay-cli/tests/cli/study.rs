@@ -100,7 +100,7 @@ fn a_row_is_what_inverse_says() {
                 let (found, expected) = (cell.parse::<f64>().unwrap(), expected.as_f64().unwrap());
                 assert!((found - expected * scale).abs() < 1e-9, "{found} {expected}");
             };
-            near(at("q1_mm"), &pose["rods_mm"][0], 1.0);
+            near(at("q1_mm"), &pose["q_mm"][0], 1.0);
             near(at(&format!("{model}_origin_x_um")), &pose["platform"]["origin_mm"][0], 1e3);
             let joint = if model == "planar" { ("u2_mm", "u_mm") } else { ("phi2_deg", "phi_deg") };
             near(at(&format!("{model}_{}", joint.0)), &pose["virtual_joints"][joint.1][1], 1.0);
@@ -250,7 +250,7 @@ fn robots_lie_beside_their_study() {
         ("../mine.toml", "has to lie in the folder of the study"),
         ("/mine.toml", "has to lie in the folder of the study"),
         ("none.toml", "cannot read"),
-        ("delta", "kind \\\"mechanism\\\" is not known"),
+        ("delta", "of the kind \\\"mechanism\\\""),
         ("gps", "not in the catalogue"),
     ] {
         desk.write("s.toml", &text.replace("mine.toml", robot));

@@ -29,7 +29,7 @@ pub use evidence::{Class, LinkMotion, SelfStress, link_motion, self_stresses};
 pub use exaggerated::{Exaggerated, exaggerated};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
-pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive};
+pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive, drive_watched};
 pub use position::{Position, PositionSolver};
 pub use relief::{Relief, ReliefSolver, relieve, virtual_weights};
 pub use relieved_motion::drive_relieved;

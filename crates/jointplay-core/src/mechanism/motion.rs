@@ -11,15 +11,21 @@ use crate::mobility::{finite_mobility, instantaneous_mobility};
 use crate::random::Random;
 
 /// Corrections after each step.
-const MAX_CORRECTIONS: usize = 20;
+pub(super) const MAX_CORRECTIONS: usize = 20;
 /// A correction longer than this share of its step may have left the branch.
 const LARGEST_CORRECTION: f64 = 0.2;
+/// Steps below this, in radians and characteristic lengths, are corrected by round-off as large as they are.
+const SHORT: f64 = 1e-9;
+/// The longest step of all coordinates together, in radians and characteristic lengths.
+const LONGEST_STEP: f64 = 0.5;
 /// The shortest step, as a share of the whole way: what cannot go so far is locked.
 const SHORTEST_STEP: f64 = 1e-7;
 /// Singular values up to this share of the largest are left out of a step.
 pub(super) const STEP_THRESHOLD: f64 = 1e-9;
 /// A singular configuration is looked for no closer than to this least singular value, as a share of the largest.
 const FOUND: f64 = 1e-3 * SINGULAR;
+/// A motion that stops with a least singular value below this share of that of regular configurations is at a dead point.
+pub(super) const DEAD: f64 = 1e-2;
 /// A turning point this near, as a share of the whole way, is what stops a step.
 const AT_ONCE: f64 = 1e-4;
 /// First steps off a singular start, in radians and characteristic lengths of the drives, the longest first.
@@ -117,6 +123,20 @@ pub fn drive(
     free: &[usize],
     count: usize,
 ) -> Result<Motion, Error> {
+    drive_watched(start, drives, free, count, &mut |_| {})
+}
+
+/// As [`drive`], and tells `progress` the number of steps done after each.
+///
+/// # Errors
+/// Those of [`drive`].
+pub fn drive_watched(
+    start: &MechanismSystem<'_>,
+    drives: &[Drive],
+    free: &[usize],
+    count: usize,
+    progress: &mut dyn FnMut(usize),
+) -> Result<Motion, Error> {
     let run = Run::new(start, drives, free);
     let closed = close(start, free, MAX_CORRECTIONS)?;
     if !closed.is_closed() {
@@ -165,7 +185,8 @@ pub fn drive(
                 // The start is singular: what is regular shows beyond it.
                 regular_rank = free.len() - here.free_mobility;
                 for point in [&mut trail[0], &mut motion.waypoints[0], &mut here] {
-                    point.least_singular_value = run.least(&point.coordinates, regular_rank)?;
+                    point.least_singular_value =
+                        least(&run.decomposed(&point.coordinates)?, regular_rank);
                 }
                 motion.singular.push(run.singular(&trail[0], regular_rank)?);
             }
@@ -173,6 +194,7 @@ pub fn drive(
             run.note_singular(&trail, regular_rank, &mut motion.singular)?;
         }
         motion.waypoints.push(here.clone());
+        progress(k);
     }
     if motion.stopped.is_some() && motion.waypoints.last() != Some(&here) {
         motion.waypoints.push(here);
@@ -180,6 +202,17 @@ pub fn drive(
         motion.singular.push(run.singular(&here, regular_rank)?);
     }
     Ok(motion)
+}
+
+/// The least singular value that counts at regular configurations, as a share of the largest.
+fn least(svd: &Svd, regular_rank: usize) -> f64 {
+    let least = regular_rank.checked_sub(1).map_or(1.0, |last| svd.singular_values[last]);
+    if svd.largest() > 0.0 { least / svd.largest() } else { 1.0 }
+}
+
+/// Whether a step of some size whose correction is so large stayed on its branch.
+pub(super) fn on_branch(correction: f64, size: f64) -> bool {
+    correction <= LARGEST_CORRECTION * size.max(SHORT)
 }
 
 /// A drive: what goes where, and what follows.
@@ -221,13 +254,6 @@ impl<'a> Run<'a> {
         svd(&self.jacobian(coordinates, self.free)?)
     }
 
-    /// The least singular value that counts at regular configurations, as a share of the largest.
-    fn least(&self, coordinates: &DVector<f64>, regular_rank: usize) -> Result<f64, Error> {
-        let svd = self.decomposed(coordinates)?;
-        let least = regular_rank.checked_sub(1).map_or(1.0, |last| svd.singular_values[last]);
-        Ok(if svd.largest() > 0.0 { least / svd.largest() } else { 1.0 })
-    }
-
     pub(super) fn waypoint(
         &self,
         share: f64,
@@ -235,13 +261,12 @@ impl<'a> Run<'a> {
         svd: &Svd,
         regular_rank: usize,
     ) -> Waypoint {
-        let least = regular_rank.checked_sub(1).map_or(1.0, |last| svd.singular_values[last]);
         Waypoint {
             share,
             coordinates: closed.coordinates,
             residual: closed.residual,
             free_mobility: self.free.len() - svd.rank(STEP_THRESHOLD),
-            least_singular_value: if svd.largest() > 0.0 { least / svd.largest() } else { 1.0 },
+            least_singular_value: least(svd, regular_rank),
         }
     }
 
@@ -261,7 +286,7 @@ impl<'a> Run<'a> {
         let closed = close(&predicted, self.free, MAX_CORRECTIONS)?;
         let correction = self.size(&(&closed.coordinates - predicted.home()));
         let size = self.size(&by);
-        let stayed = correction <= LARGEST_CORRECTION * size.max(1e-9) && size < 0.5;
+        let stayed = on_branch(correction, size) && size < LONGEST_STEP;
         if !closed.is_closed() || !stayed {
             return Ok(None);
         }
@@ -381,7 +406,7 @@ impl<'a> Run<'a> {
             return Ok(Stop::Locked);
         }
         let most = trail.iter().map(|point| point.least_singular_value).fold(0.0, f64::max);
-        let dead = here.least_singular_value < 1e-2 * most.min(1.0);
+        let dead = here.least_singular_value < DEAD * most.min(1.0);
         Ok(if dead { Stop::Locked } else { Stop::Incompatible })
     }
 

@@ -13,6 +13,7 @@ use crate::constraint::System;
 /// * `start` – virtual joints at rest
 /// * `free` – joint coordinates that follow; all other joint coordinates are commanded
 /// * `count` – number of steps to report
+/// * `progress` – told the number of steps done after each
 ///
 /// # Errors
 /// [`Error::NotRelieved`] if not even the start can be relieved.
@@ -25,6 +26,7 @@ pub fn drive_relieved(
     drives: &[Drive],
     free: &[usize],
     count: usize,
+    progress: &mut dyn FnMut(usize),
 ) -> Result<Motion, Error> {
     let run = Run::new(start, drives, free);
     let joints = start.coordinate_dimensions().len();
@@ -77,6 +79,7 @@ pub fn drive_relieved(
         };
         let decomposition = run.decomposed(&here.coordinates)?;
         motion.waypoints.push(run.waypoint(share, here.clone(), &decomposition, regular_rank));
+        progress(k);
     }
     Ok(motion)
 }

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::constraint::{Configuration, System, scaled_residual, units};
 
 /// Scaled residual up to which a configuration counts as closed: far above round-off, far below any play.
-const CLOSED: f64 = 1e-9;
+pub(crate) const CLOSED: f64 = 1e-9;
 
 /// Dimension of the set of configurations near one, between two bounds of different origin.
 ///

@@ -18,6 +18,7 @@ mod near;
 mod neighbours;
 mod second_order;
 
+pub(crate) use finite::CLOSED;
 pub use finite::{FiniteMobility, finite_mobility};
 pub use instantaneous::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,

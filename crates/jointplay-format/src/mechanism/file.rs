@@ -66,6 +66,8 @@ pub(super) struct JointTable {
     pub(super) name: Spanned<String>,
     pub(super) kind: Spanned<String>,
     pub(super) links: Spanned<Vec<Spanned<String>>>,
+    /// In which link's frame the joint is placed; of files of loops only.
+    pub(super) r#in: Option<Spanned<String>>,
     pub(super) point: Option<Numbers>,
     pub(super) axis: Option<Numbers>,
     pub(super) zero: Option<Numbers>,
@@ -90,56 +92,7 @@ pub(super) struct LoopsFile {
     pub(super) units: UnitsTable,
     #[serde(default)]
     pub(super) parameters: BTreeMap<Spanned<String>, Spanned<Number>>,
-    pub(super) joint: Vec<Spanned<LoopTable>>,
-}
-
-/// A joint that closes a loop: the keys of any joint, and in which link's frame its place is given.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LoopTable {
-    pub(super) name: Spanned<String>,
-    pub(super) kind: Spanned<String>,
-    pub(super) links: Spanned<Vec<Spanned<String>>>,
-    pub(super) r#in: Option<Spanned<String>>,
-    pub(super) point: Option<Numbers>,
-    pub(super) axis: Option<Numbers>,
-    pub(super) zero: Option<Numbers>,
-    pub(super) second_axis: Option<Numbers>,
-    pub(super) frames: Option<Spanned<Vec<Spanned<FrameTable>>>>,
-    pub(super) lead: Option<Spanned<Number>>,
-    #[serde(default)]
-    pub(super) actuated: bool,
-    pub(super) limits: Option<Spanned<Vec<Spanned<OneOrMany>>>>,
-    pub(super) guess: Option<Spanned<OneOrMany>>,
-    #[serde(default)]
-    pub(super) clearance: PlayTable,
-    #[serde(default)]
-    pub(super) stiffness: PlayTable,
-}
-
-impl LoopTable {
-    /// The joint, and the link in whose frame its place is given.
-    pub(super) fn split(self) -> (JointTable, Option<Spanned<String>>) {
-        let Self { name, kind, links, r#in, point, axis, zero, second_axis, .. } = self;
-        let Self { frames, lead, actuated, limits, guess, clearance, stiffness, .. } = self;
-        let joint = JointTable {
-            name,
-            kind,
-            links,
-            point,
-            axis,
-            zero,
-            second_axis,
-            frames,
-            lead,
-            actuated,
-            limits,
-            guess,
-            clearance,
-            stiffness,
-        };
-        (joint, r#in)
-    }
+    pub(super) joint: Vec<Spanned<JointTable>>,
 }
 
 #[derive(Deserialize)]

@@ -64,19 +64,19 @@ pub fn with_loops(chain: &Mechanism, text: &str) -> Result<Mechanism, Error> {
     };
     let mut joints = chain.joints().to_vec();
     let mut places = Vec::new();
-    for table in file.joint {
-        let (table, placed_in) = table.into_inner().split();
+    for table in &file.joint {
+        let table = table.get_ref();
         table.links.get_ref().iter().try_for_each(|link| known(&links, "link", link))?;
-        let mut joint = joint(&values, &table, &mut links)?;
+        let mut joint = joint(&values, table, &mut links)?;
         if table.frames.is_none() {
             let mut base_from = nalgebra::IsometryMatrix3::identity();
-            if let Some(link) = &placed_in {
+            if let Some(link) = &table.r#in {
                 known(&links, "link", link)?;
                 base_from = base_from_link[links.index(link.get_ref())];
             }
             let base_from_joint = base_from * joint.frames[0];
             joint.frames = joint.links.map(|link| base_from_link[link].inverse() * base_from_joint);
-        } else if let Some(link) = &placed_in {
+        } else if let Some(link) = &table.r#in {
             let why = "`frames` places this joint on each of its links already".to_owned();
             return Err(values.wrong(link.span(), Problem::Misplaced { key: "in", why }));
         }

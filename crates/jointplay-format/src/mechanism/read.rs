@@ -143,7 +143,15 @@ fn mechanism(values: &Values, file: &File) -> Result<Mechanism, Error> {
     let base = name(text, "base", &file.base)?;
     let mut links = Links::default();
     links.index(&base);
-    let joints = file.joint.iter().map(|table| joint(values, table.get_ref(), &mut links));
+    let joints = file.joint.iter().map(|table| {
+        let table = table.get_ref();
+        if let Some(link) = &table.r#in {
+            let why = "all points are in the base frame; `frames` places a joint on its links";
+            let problem = Problem::Misplaced { key: "in", why: why.to_owned() };
+            return Err(values.wrong(link.span(), problem));
+        }
+        joint(values, table, &mut links)
+    });
     let joints = joints.collect::<Result<Vec<_>, _>>()?;
     if !joints.is_empty() && joints.iter().all(|joint| !joint.links.contains(&0)) {
         let names = links.names[1..].iter().map(String::as_str);
@@ -346,6 +354,8 @@ mod tests {
         refuse("turn = [0, 0, 1]", "", "\"v2\"", "needs `slide` or `turn`");
         let about = "slide = [1, 1, 0]\nabout = [0, 0, 1]";
         refuse("slide = [1, 1, 0]", about, "[0, 0, 1]", "only a `turn`");
+        let within = "point = [1, 2, 3]\nin = \"nut\"";
+        refuse("point = [1, 2, 3]", within, "\"nut\"", "`in` does not belong here: all points");
         refuse("units =", "# units =", "", "missing key `units`");
     }
 

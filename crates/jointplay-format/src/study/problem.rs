@@ -166,10 +166,12 @@ pub enum Problem {
         message: String,
     },
     /// A robot file that is none.
-    #[error("the robot {name:?} is wrong: {source}")]
+    #[error("line {line} of the robot {name:?} is wrong: {source}")]
     RobotFile {
         /// How the study calls it.
         name: String,
+        /// Which line of it, counted from 1.
+        line: usize,
         /// What is wrong.
         source: Box<robot::Problem>,
     },

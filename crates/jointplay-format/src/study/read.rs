@@ -13,7 +13,7 @@ use super::{Error, Problem};
 use crate::place::nearest;
 use crate::robot::{self, Robot};
 use crate::units::m_from_mm;
-use crate::{catalogue, place};
+use crate::{catalogue, mechanism, place};
 
 /// Longer texts are refused unread.
 pub const MAX_BYTES: usize = 1_000_000;
@@ -178,8 +178,15 @@ fn read_robot(
     let span = named.map_or(0..0, Spanned::span);
     let wrong = |problem| Error::at(text, span.clone(), problem);
     let robot_text = robot(name).map_err(|message| wrong(Problem::Robot { message }))?;
+    if let Some(kind) = mechanism::kind_of(&robot_text).filter(|kind| kind != "gpr") {
+        let message = format!(
+            "robot {name:?} is of the kind {kind:?}; a study takes three-rod robots, of the kind \"gpr\""
+        );
+        return Err(wrong(Problem::Robot { message }));
+    }
     let read = robot::parse(&robot_text).map_err(|error| {
-        wrong(Problem::RobotFile { name: name.to_owned(), source: error.problem })
+        let line = error.place.line;
+        wrong(Problem::RobotFile { name: name.to_owned(), line, source: error.problem })
     })?;
     Ok((read, robot_text))
 }

@@ -1,6 +1,7 @@
 //! Positions, fast: what passive and virtual joints do for commanded ones, without allocation.
 
 mod elimination;
+mod opening;
 mod walk;
 
 use std::f64::consts::TAU;
@@ -8,6 +9,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use self::elimination::Elimination;
+use self::opening::{Closing, Meeting, TreeWalk, moved_by};
 use self::walk::{Frame, Part, Screw, Turned, Walk};
 use super::joint::Factor;
 use super::kinematics::{Element, cayley};
@@ -49,9 +51,9 @@ pub struct PositionSolver {
     balls: Vec<Ball>,
     unknowns: Vec<Unknown>,
     passive: usize,
-    coordinates: usize,
     length: f64,
     // Room to work in.
+    start: Vec<f64>,
     links: Vec<Frame>,
     turns: Vec<Turned>,
     /// How each ball is turned.
@@ -70,11 +72,14 @@ pub struct Position {
     pub iterations: usize,
 }
 
-#[derive(Debug, Clone)]
-struct TreeWalk {
-    from: usize,
-    to: usize,
-    walk: Walk,
+/// How an iteration ended.
+struct Run {
+    residual: f64,
+    /// Whether virtual joints have come to rest.
+    settled: bool,
+    iterations: usize,
+    /// After how many steps it was best, and the residual there; infinite where there was none.
+    best: (usize, f64),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -89,40 +94,6 @@ struct Unknown {
     coordinate: usize,
     /// What one unit of it is: radians, characteristic lengths, or the metric of virtual joints.
     unit: f64,
-}
-
-/// A loop opened at a joint, and the two sides that have to meet.
-#[derive(Debug, Clone)]
-struct Closing {
-    links: [usize; 2],
-    sides: [Walk; 2],
-    meeting: Meeting,
-    row: usize,
-    /// Unknowns that move one side only, and the sense in which they change the mismatch.
-    moved_by: Vec<(usize, f64, usize)>,
-    /// The two sides, as they stand.
-    frames: [Frame; 2],
-}
-
-/// What of the two sides of a loop has to meet.
-#[derive(Debug, Clone, Copy)]
-enum Meeting {
-    /// The origins, in which of the balls.
-    Points(usize),
-    /// The origins and the z axes, in the hinge of a coordinate.
-    Axes(usize),
-    /// All.
-    Frames,
-}
-
-impl Meeting {
-    fn equations(self) -> usize {
-        match self {
-            Self::Points(_) => 3,
-            Self::Axes(_) => 5,
-            Self::Frames => 6,
-        }
-    }
 }
 
 impl PositionSolver {
@@ -245,13 +216,13 @@ impl PositionSolver {
         let passive = unknowns.iter().filter(|u| u.coordinate < joint_freedoms).count();
         let virtuals = unknowns.len() - passive;
         Ok(Self {
+            start: vec![0.0; dimensions.len()],
             links: vec![Frame::BASE; mechanism.links().len()],
             turns: vec![Turned::NONE; turns],
             orientations: vec![Matrix3::identity(); balls.len()],
             screws: vec![Screw::STILL; unknowns.len()],
             relieved: vec![0.0; virtuals],
             elimination: Elimination::new(row, passive, virtuals),
-            coordinates: dimensions.len(),
             tree,
             closings,
             balls,
@@ -275,13 +246,31 @@ impl PositionSolver {
         solver: ReliefSolver,
     ) -> Result<Position, Error> {
         let what = "the coordinate vector";
-        if coordinates.len() != self.coordinates {
-            let (found, expected) = (coordinates.len(), self.coordinates);
+        if coordinates.len() != self.start.len() {
+            let (found, expected) = (coordinates.len(), self.start.len());
             return Err(Error::WrongLength { what, found, expected });
         }
         for &value in coordinates.iter() {
             crate::error::finite(what, value)?;
         }
+        self.start.copy_from_slice(coordinates);
+        let run = self.iterate(coordinates, solver, MAX_ITERATIONS);
+        if run.residual <= CLOSED && run.settled {
+            self.close_openings(coordinates);
+            return Ok(Position { residual: run.residual, iterations: run.iterations });
+        }
+        // Nothing was kept on the way, which would cost all those that converge: the way is gone again to its best.
+        coordinates.copy_from_slice(&self.start);
+        let (best, residual) = run.best;
+        if residual.is_finite() {
+            self.iterate(coordinates, solver, best);
+            self.close_openings(coordinates);
+        }
+        Err(Error::NotReached { residual, allowed: CLOSED, iterations: run.iterations })
+    }
+
+    /// Newton's method, for so many steps at most; the same start goes the same way.
+    fn iterate(&mut self, coordinates: &mut [f64], solver: ReliefSolver, most: usize) -> Run {
         self.turns.iter_mut().for_each(Turned::refresh);
         for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
             let k = ball.coordinate;
@@ -295,12 +284,17 @@ impl PositionSolver {
         let least_norm = solver == ReliefSolver::LeastNorm && !self.relieved.is_empty();
         let (mut before, mut moved_before) = (f64::INFINITY, f64::INFINITY);
         let (mut settled, mut iterations) = (!least_norm, 0);
-        let residual = loop {
+        let mut best = (0, f64::INFINITY);
+        loop {
             let residual = self.mismatch(coordinates);
+            // Of those that are closed the last: its virtual joints have settled most.
+            if residual <= best.1.max(CLOSED) {
+                best = (iterations, residual);
+            }
             let at_the_end =
                 residual <= ROUND_OFF || (residual <= CLOSED && residual > 0.5 * before);
-            if (at_the_end && settled) || iterations == MAX_ITERATIONS || residual.is_nan() {
-                break residual;
+            if (at_the_end && settled) || iterations == most || residual.is_nan() {
+                return Run { residual, settled, iterations, best };
             }
             // Newton's steps square the mismatch; by the last factor the next one still takes a share as large as the last step left.
             // What is least depends on the derivatives here, so that they have to be fresh for it.
@@ -315,16 +309,6 @@ impl PositionSolver {
                 || moved <= SETTLED
                 || (moved <= SETTLING && moved > 0.5 * moved_before);
             moved_before = moved;
-        };
-        self.close_openings(coordinates);
-        for (turn, ball) in self.orientations.iter().zip(&self.balls) {
-            let vector = rotation_vector(&Rotation3::from_matrix_unchecked(*turn));
-            coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
-        }
-        if residual <= CLOSED && settled {
-            Ok(Position { residual, iterations })
-        } else {
-            Err(Error::NotReached { residual, allowed: CLOSED, iterations })
         }
     }
 
@@ -433,7 +417,7 @@ impl PositionSolver {
         step[self.passive..].iter().map(|value| value * value).sum::<f64>().sqrt()
     }
 
-    /// Coordinates of the balls and hinges at which loops are open.
+    /// Coordinates of the hinges at which loops are open, and of all balls.
     fn close_openings(&mut self, coordinates: &mut [f64]) {
         for closing in &self.closings {
             let [first, second] = &closing.frames;
@@ -452,27 +436,11 @@ impl PositionSolver {
                 Meeting::Frames => {}
             }
         }
-    }
-}
-
-/// Unknowns on the way to one side of a loop but not the other.
-fn moved_by(tree: &[TreeWalk], links: [usize; 2], sides: &[Walk; 2]) -> Vec<(usize, f64, usize)> {
-    let way = |side: usize| {
-        let mut columns: Vec<usize> = sides[side].columns().collect();
-        let mut link = links[side];
-        while let Some(branch) = tree.iter().find(|branch| branch.to == link) {
-            columns.extend(branch.walk.columns());
-            link = branch.from;
+        for (turn, ball) in self.orientations.iter().zip(&self.balls) {
+            let vector = rotation_vector(&Rotation3::from_matrix_unchecked(*turn));
+            coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
         }
-        columns
-    };
-    let ways = [way(0), way(1)];
-    let only = |side: usize, sense: f64| {
-        let other = &ways[1 - side];
-        let here = ways[side].iter().filter(|column| !other.contains(column));
-        here.map(move |&column| (column, sense, side)).collect::<Vec<_>>()
-    };
-    [only(0, 1.0), only(1, -1.0)].concat()
+    }
 }
 
 /// The larger of two numbers, NaN if one is.

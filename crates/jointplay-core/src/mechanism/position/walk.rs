@@ -240,13 +240,17 @@ pub(super) struct Turned {
     cosine: f64,
     /// Whether by trigonometry, not by small steps since.
     exact: bool,
+    /// Whether nothing before may count: the next angle is turned to by trigonometry.
+    afresh: bool,
 }
 
 impl Turned {
-    pub(super) const NONE: Self = Self { angle: 0.0, sine: 0.0, cosine: 1.0, exact: true };
+    pub(super) const NONE: Self =
+        Self { angle: 0.0, sine: 0.0, cosine: 1.0, exact: true, afresh: true };
 
-    /// Forgets a sine and cosine that small steps have led to, so that their round-off does not add up.
+    /// Forgets all that round-off of small steps is in, or would be: it neither adds up, nor do answers depend on what was asked before.
     pub(super) fn refresh(&mut self) {
+        self.afresh = true;
         if !self.exact {
             self.angle = f64::NAN;
         }
@@ -256,10 +260,11 @@ impl Turned {
     #[inline(always)]
     fn to(&mut self, angle: f64) {
         let step = angle - self.angle;
+        let afresh = std::mem::replace(&mut self.afresh, false);
         if step == 0.0 {
             return;
         }
-        self.exact = step.abs().partial_cmp(&SMALL) != Some(std::cmp::Ordering::Less);
+        self.exact = afresh || step.abs().partial_cmp(&SMALL) != Some(std::cmp::Ordering::Less);
         if self.exact {
             (self.sine, self.cosine) = angle.sin_cos();
         } else {

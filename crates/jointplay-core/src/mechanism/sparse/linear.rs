@@ -10,10 +10,10 @@ use crate::Error;
 use crate::mechanism::Kinematics;
 use crate::mechanism::joint::Twist;
 
-/// Damping of the normal equations, as a share of their largest entry: above round-off, and what is not damped is known exactly after refinement.
+/// Damping of the normal equations, as a share of their largest entry: above round-off, and what it hides is found by iteration.
 const DAMPING: f64 = 1e-14;
-/// Refinements at most: near a singular configuration damping has the last word.
-const MAX_REFINEMENTS: usize = 10;
+/// Conjugate gradient steps at most: near a singular configuration damping has the last word.
+const MAX_STEPS: usize = 10;
 /// Growth of the damping where factorisation fails.
 const MORE_DAMPING: f64 = 100.0;
 /// Screws of a joint of which those before leave no more than this share are combinations of them.
@@ -160,6 +160,8 @@ pub(super) struct Linear {
     /// Twist of each coordinate in the base frame, the linear part at the point of its joint [m].
     pub(super) screws: Vec<Twist>,
     factor: Llt<usize, f64>,
+    /// δ²
+    pub(super) damping: f64,
     size: usize,
 }
 
@@ -195,7 +197,7 @@ impl Linear {
             let factor =
                 Llt::try_new_with_symbolic(pattern.factor.clone(), matrix.as_ref(), Side::Lower);
             match factor {
-                Ok(factor) => return Ok(Self { joints, screws, factor, size }),
+                Ok(factor) => return Ok(Self { joints, screws, factor, damping, size }),
                 // Not positive to round-off; with damping as large as the matrix itself it is.
                 Err(_) if damping < largest => damping *= MORE_DAMPING,
                 Err(_) => {
@@ -257,15 +259,30 @@ impl Linear {
         self.factor.solve_in_place_with_conj(Conj::No, b);
     }
 
-    /// The shortest x for which J x = y, or nearest to it: through the normal equations, refined until damping leaves no trace larger than a share of x.
+    /// The shortest x for which J x = y, or nearest to it: by conjugate gradients with the factor as preconditioner, until steps are shorter than a share of x.
+    ///
+    /// The factor leaves to them only what damping hides: a few motions that break next to nothing.
     pub(super) fn solve_least(&self, y: &DVector<f64>, settled: f64) -> DVector<f64> {
         let mut x = DVector::zeros(self.size);
-        for _ in 0..=MAX_REFINEMENTS {
-            let open = y - self.apply(x.as_slice());
-            let mut step = DMatrix::from_columns(&[self.apply_transposed(&open)]);
-            self.solve(&mut step);
-            x += step.column(0);
-            if step.norm() <= settled * x.norm() {
+        let mut open = y.clone();
+        let mut along: DVector<f64> = DVector::zeros(self.size);
+        let mut slope = f64::INFINITY;
+        for _ in 0..=MAX_STEPS {
+            let gradient = self.apply_transposed(&open);
+            let mut steepest = DMatrix::from_columns(std::slice::from_ref(&gradient));
+            self.solve(&mut steepest);
+            let steepest = steepest.column(0);
+            let next = gradient.dot(&steepest);
+            along = steepest + along * (next / slope);
+            slope = next;
+            let closed = self.apply(along.as_slice());
+            let reach = slope / closed.norm_squared();
+            if !reach.is_finite() {
+                break;
+            }
+            x.axpy(reach, &along, 1.0);
+            open.axpy(-reach, &closed, 1.0);
+            if reach.abs() * along.norm() <= settled * x.norm() {
                 break;
             }
         }

@@ -6,13 +6,13 @@ use super::{Linear, SparseSystem};
 use crate::Error;
 use crate::linalg::svd;
 use crate::mechanism::kinematics::Motion;
-use crate::mobility::SecondOrder;
+use crate::mobility::{CLOSED, SecondOrder};
 use crate::random::Random;
 
-/// Scaled residual up to which a configuration counts as closed, as for [`crate::mobility::finite_mobility`].
-const CLOSED: f64 = 1e-9;
 /// Rounds of inverse iteration: each gains the square of damping over the least singular value that counts.
 const ROUNDS: usize = 6;
+/// The largest value of a block has to be this many times what damping hides: values beyond the block then fade by its square in each round.
+const CLEAR: f64 = 10.0;
 /// Rounds of the power iteration for the largest singular value, which is needed to a few per cent.
 const POWER_ROUNDS: usize = 30;
 /// How far the fastest coordinate is led on in every direction, in radians and characteristic lengths.
@@ -65,7 +65,7 @@ pub(super) struct Spectrum {
 }
 
 impl Linear {
-    /// Least singular values by inverse iteration on a block that grows until one of them counts.
+    /// Least singular values by inverse iteration on a block that grows until one of them counts, and until it holds all that damping hides from each other.
     pub(super) fn smallest(
         &self,
         relative_threshold: f64,
@@ -77,7 +77,8 @@ impl Linear {
             let (values, vectors) = self.least(block)?;
             let zeros =
                 values.iter().filter(|&&value| value <= relative_threshold * largest).count();
-            if zeros < block || block == self.size() {
+            let clear = values[block - 1] > CLEAR * self.damping.sqrt();
+            if (zeros < block && clear) || block == self.size() {
                 return Ok(Spectrum { values, vectors, zeros, largest });
             }
             block = (2 * block).min(self.size());

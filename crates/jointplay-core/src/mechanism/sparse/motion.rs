@@ -5,21 +5,16 @@ use nalgebra::DVector;
 use super::{Linear, SparseSystem};
 use crate::Error;
 use crate::constraint::Dimension;
+use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
 use crate::mechanism::{CLOSED, Drive, Motion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
-/// Changes of a step by refinement below this share of it are the end: Newton's method mends the rest.
+/// Changes of a step below this share of it are the end: Newton's method mends the rest.
 const SETTLED: f64 = 1e-6;
-/// Corrections after each step.
-const MAX_CORRECTIONS: usize = 20;
-/// A correction longer than this share of its step may have left the branch.
-const LARGEST_CORRECTION: f64 = 0.2;
 /// The longest step of a coordinate, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.3;
 /// The shortest step, as a share of the whole way: what cannot go so far is locked.
 const SHORTEST_STEP: f64 = 1e-5;
-/// A least singular value below this share of that at the start is a dead point.
-const DEAD: f64 = 1e-2;
 
 impl SparseSystem<'_> {
     /// Corrects links and coordinates until all joints are closed, by Gauss–Newton steps of least norm; returns how many.
@@ -125,7 +120,7 @@ impl SparseSystem<'_> {
             let stayed = size <= LONGEST_STEP
                 && matches!(
                     there.correct(held, MAX_CORRECTIONS),
-                    Ok((_, moved)) if moved <= LARGEST_CORRECTION * size
+                    Ok((_, moved)) if on_branch(moved, size)
                 );
             if stayed {
                 *self = there;
@@ -154,11 +149,20 @@ impl SparseSystem<'_> {
     ///
     /// # Numerics
     /// Least singular values are told at each waypoint, but singular configurations between them are not looked for.
-    pub fn drive(
+    pub fn drive(self, drives: &[Drive], still: &[usize], count: usize) -> Result<Motion, Error> {
+        self.drive_watched(drives, still, count, &mut |_| {})
+    }
+
+    /// As [`Self::drive`], and tells `progress` the number of steps done after each.
+    ///
+    /// # Errors
+    /// Those of [`Self::drive`].
+    pub fn drive_watched(
         mut self,
         drives: &[Drive],
         still: &[usize],
         count: usize,
+        progress: &mut dyn FnMut(usize),
     ) -> Result<Motion, Error> {
         let driven = drives.iter().map(|drive| drive.coordinate);
         let held = self.held(driven.chain(still.iter().copied()));
@@ -196,6 +200,7 @@ impl SparseSystem<'_> {
                 motion.stopped = Some(if dead { Stop::Locked } else { Stop::Incompatible });
                 break;
             }
+            progress(k);
         }
         Ok(motion)
     }

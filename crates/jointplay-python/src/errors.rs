@@ -1,0 +1,129 @@
+//! Errors of the library as exceptions, with their facts as attributes.
+
+use jointplay::Error;
+use jointplay::format::place;
+use pyo3::exceptions::PyException;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::skin::{self, fields};
+
+/// An exception of a class of `jointplay._errors`; if that fails, the failure itself.
+pub(crate) fn new(
+    py: Python<'_>,
+    class: &str,
+    message: &str,
+    facts: PyResult<Bound<'_, PyDict>>,
+) -> PyErr {
+    let made = facts
+        .and_then(|facts| skin::error_class(py, class)?.call((message,), Some(&facts)))
+        .map(PyErr::from_value);
+    made.unwrap_or_else(|error| error)
+}
+
+/// An `InputError`.
+pub(crate) fn input(py: Python<'_>, message: &str) -> PyErr {
+    new(py, "InputError", message, Ok(PyDict::new(py)))
+}
+
+/// That a name is none of the known ones.
+pub(crate) fn unknown_name(py: Python<'_>, what: &str, found: &str, known: &[String]) -> PyErr {
+    let message = place::not_known(what, found, known);
+    let facts = || Ok(fields!(py; what = what, name = found, known = known.to_vec()));
+    new(py, "UnknownNameError", &message, facts())
+}
+
+/// Why a file is refused, with the place in it.
+pub(crate) fn file<P: std::fmt::Display>(
+    py: Python<'_>,
+    label: &str,
+    error: &place::Error<P>,
+) -> PyErr {
+    let facts = || {
+        let place = &error.place;
+        Ok(fields!(py; file = label, line = place.line, column = place.column))
+    };
+    new(py, "FileError", &error.with_excerpt(label), facts())
+}
+
+/// An error of the core.
+pub(crate) fn core(py: Python<'_>, error: &Error) -> PyErr {
+    let message = error.to_string();
+    let (class, facts) = match class_and_facts(py, error) {
+        Ok((class, facts)) => (class, Ok(facts)),
+        Err(failed) => ("JointplayError", Err(failed)),
+    };
+    new(py, class, &message, facts)
+}
+
+fn class_and_facts<'py>(
+    py: Python<'py>,
+    error: &Error,
+) -> PyResult<(&'static str, Bound<'py, PyDict>)> {
+    use Error as E;
+    Ok(match error {
+        E::NotFinite { what, value } => {
+            ("NotFiniteError", fields!(py; what = *what, value = *value))
+        }
+        E::OutOfRange { what, value, min, max, unit } => (
+            "OutOfRangeError",
+            fields!(py; what = *what, value = *value, min = *min, max = *max, unit = *unit),
+        ),
+        E::Tolerance { found, min, max } => (
+            "OutOfRangeError",
+            fields!(py; what = "tolerance", value = *found, min = *min, max = *max, unit = "1"),
+        ),
+        E::PitchTooLarge { pitch } => ("PitchTooLargeError", fields!(py; pitch_rad = *pitch)),
+        E::NotPositive { .. }
+        | E::Collinear { .. }
+        | E::OppositeSenses
+        | E::LimitsReversed { .. } => ("GeometryError", PyDict::new(py)),
+        E::TooLarge { what, found, allowed } => {
+            ("TooLargeError", fields!(py; what = *what, found = *found, allowed = *allowed))
+        }
+        E::NotConverged(unconverged) => (
+            "NotConvergedError",
+            fields!(py;
+                solver = unconverged.solver.to_string(),
+                best_virtual_joints = unconverged.best.to_vec(),
+                residual_m = unconverged.residual,
+                threshold_m = unconverged.threshold,
+                iterations = unconverged.iterations,
+            ),
+        ),
+        E::DependentSides { characteristic_length, iterations } => (
+            "DependentSidesError",
+            fields!(py; characteristic_length_m = *characteristic_length, iterations = *iterations),
+        ),
+        E::TurnedOver { virtual_joints } => {
+            ("TurnedOverError", fields!(py; virtual_joints = virtual_joints.to_vec()))
+        }
+        E::NotClosed { residual, allowed } => {
+            ("NotClosedError", fields!(py; residual = *residual, allowed = *allowed))
+        }
+        E::NotAssembled(found) => {
+            let branches: Vec<Vec<f64>> = found
+                .branches
+                .iter()
+                .map(|branch| branch.coordinates.as_slice().to_vec())
+                .collect();
+            ("NotAssembledError", fields!(py; branches = branches))
+        }
+        E::NotRelieved { residual, allowed } => {
+            ("NotRelievedError", fields!(py; residual = *residual, allowed = *allowed))
+        }
+        E::NotReached { residual, allowed, iterations } => (
+            "NotReachedError",
+            fields!(py; residual = *residual, allowed = *allowed, iterations = *iterations),
+        ),
+        E::SvdNotConverged { rows, columns } => {
+            ("NoAnswerError", fields!(py; rows = *rows, columns = *columns))
+        }
+        _ => ("InputError", PyDict::new(py)),
+    })
+}
+
+/// A bug of ours, told as such.
+pub(crate) fn internal(message: &str) -> PyErr {
+    PyException::new_err(format!("a bug of jointplay, please report it: {message}"))
+}

@@ -1,0 +1,28 @@
+//! The Python door: reads arrays and names, asks the façade, hands out arrays.
+//!
+//! Classes for single poses and for mechanisms are here; errors and results of many numbers are Python classes in `python/jointplay/`, which this module fills.
+
+mod arrays;
+mod arrow;
+mod errors;
+mod files;
+mod gpr;
+mod many;
+mod model;
+mod numbers;
+mod own_virtualization;
+mod pose;
+mod quantities;
+mod skin;
+mod threads;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _jointplay(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add_class::<gpr::PyGpr>()?;
+    module.add_class::<pose::PyForward>()?;
+    module.add_class::<pose::PyInverse>()?;
+    module.add_function(wrap_pyfunction!(arrow::arrow_stream, module)?)?;
+    module.add("__version__", env!("CARGO_PKG_VERSION"))
+}

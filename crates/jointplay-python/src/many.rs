@@ -1,0 +1,172 @@
+//! Many poses at a time.
+
+use jointplay::bulk::{Column, Quantity, Status, Tally};
+use jointplay::gpr::Gpr;
+use jointplay::study::parallel;
+use jointplay::virtualization::SolveOptions;
+use numpy::PyArray;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString, PyTuple};
+
+use crate::arrays::{Output, Spread, Triples};
+use crate::errors;
+use crate::model::{Model, ModelNames, with_model};
+use crate::quantities::Named;
+use crate::skin::{self, fields};
+use crate::threads::Threads;
+
+/// The statuses as an array of `uint8`, and how many poses ended which way.
+fn evidence<'py>(
+    py: Python<'py>,
+    shape: &[usize],
+    status: &[Status],
+    tally: Tally,
+    fields: &Bound<'py, PyDict>,
+) -> PyResult<()> {
+    let numbers: Vec<u8> = status.iter().map(|status| *status as u8).collect();
+    let numbers = numpy::ndarray::ArrayD::from_shape_vec(shape, numbers)
+        .map_err(|error| errors::internal(&error.to_string()))?;
+    fields.set_item("status", PyArray::from_owned_array(py, numbers))?;
+    let counts = PyDict::new(py);
+    for status in Status::ALL {
+        if status != Status::Solved && tally.count(status) > 0 {
+            counts.set_item(status.name(), tally.count(status))?;
+        }
+    }
+    fields.set_item("failed", tally.failed())?;
+    fields.set_item("failure_counts", counts)
+}
+
+/// What is asked for, and arrays to write it into.
+pub(crate) struct Wanted<'a, 'py> {
+    pub(crate) quantities: Option<&'a Bound<'py, PyAny>>,
+    pub(crate) out: Option<&'a Bound<'py, PyDict>>,
+    pub(crate) threads: Option<i64>,
+}
+
+impl<'py> Wanted<'_, 'py> {
+    /// Names asked for: those said, else those of the arrays given.
+    fn names(&self) -> PyResult<Option<Vec<String>>> {
+        match (self.quantities, self.out) {
+            (Some(names), _) if names.is_instance_of::<PyString>() => {
+                Ok(Some(vec![names.extract()?]))
+            }
+            (Some(names), _) => {
+                names.try_iter()?.map(|name| name?.extract()).collect::<PyResult<_>>().map(Some)
+            }
+            (None, Some(out)) => out.keys().iter().map(|name| name.extract()).collect(),
+            (None, None) => Ok(None),
+        }
+    }
+
+    /// An array for each quantity: the caller's, or a new one.
+    fn outputs(
+        &self,
+        py: Python<'py>,
+        shape: &[usize],
+        virtual_joints: usize,
+    ) -> PyResult<Vec<(&'static Named, Output<'py>)>> {
+        let names = self.names()?;
+        let named = Named::of(py, names.as_deref())?;
+        if let Some(out) = self.out {
+            for name in out.keys() {
+                let name: String = name.extract()?;
+                if !named.iter().any(|one| one.name == name) {
+                    let known: Vec<String> = named.iter().map(|one| one.name.to_owned()).collect();
+                    let what = "an array is given for a quantity that is not asked for:";
+                    return Err(errors::unknown_name(py, what, &name, &known));
+                }
+            }
+        }
+        let output = |one: &'static Named| {
+            let given = self.out.map(|out| out.get_item(one.name)).transpose()?.flatten();
+            let width = one.width(virtual_joints);
+            let made = match given {
+                Some(array) => Output::given(&array, &format!("out[{:?}]", one.name), shape, width),
+                None => Output::new(py, shape, width),
+            };
+            Ok((one, made?))
+        };
+        named.into_iter().map(output).collect()
+    }
+}
+
+/// Where the platform is for each of many rods.
+pub(crate) fn forward<'py>(
+    py: Python<'py>,
+    gpr: &Gpr,
+    rods: &Triples<'py>,
+    model: &Model,
+    options: &SolveOptions,
+    wanted: &Wanted<'_, 'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let virtual_joints = model.virtualization().joints().len();
+    let threads = Threads::of(py, wanted.threads)?;
+    let mut outputs = wanted.outputs(py, &rods.shape, virtual_joints)?;
+    let mut status = vec![Status::Solved; rods.poses()];
+    let columns = rods.columns()?;
+    let mut slices: Vec<(Quantity, &mut [f64])> = Vec::new();
+    for (named, output) in &mut outputs {
+        slices.extend(named.quantities(virtual_joints).into_iter().zip(output.slices()?));
+    }
+    let found = match (model, &threads) {
+        // Python's own code runs in one thread at a time anyhow, and in this one.
+        (Model::Own(own), _) => {
+            gpr.forward_many(columns, &**own, options, &mut status, &mut slices)
+        }
+        (_, Threads::Here) => py.detach(|| {
+            with_model!(model, v => gpr.forward_many(columns, v, options, &mut status, &mut slices))
+        }),
+        (_, Threads::Pool(pool)) => py.detach(|| {
+            pool.install(|| {
+                with_model!(model, v => parallel::forward_many(gpr, columns, v, options, &mut status, &mut slices))
+            })
+        }),
+    };
+    if let Some(raised) = model.raised() {
+        return Err(raised);
+    }
+    let tally = found.map_err(|error| errors::core(py, &error))?;
+    let names = ModelNames::of_model(model);
+    let fields = fields!(py;
+        virtualization = names.name.as_str(),
+        virtual_joint_names = PyTuple::new(py, names.joint_names())?,
+    );
+    let arrays = PyDict::new(py);
+    for (named, output) in outputs {
+        arrays.set_item(named.name, output.array)?;
+    }
+    fields.set_item("arrays", arrays)?;
+    evidence(py, &rods.shape, &status, tally, &fields)?;
+    skin::result(py, "ForwardMany", &fields)
+}
+
+/// The rods of many tilts.
+pub(crate) fn inverse<'py>(
+    py: Python<'py>,
+    gpr: &Gpr,
+    given: &Spread<'py, 3>,
+    out: Option<&Bound<'py, PyAny>>,
+    threads: Option<i64>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let threads = Threads::of(py, threads)?;
+    let mut output = match out {
+        Some(array) => Output::given(array, "out", &given.shape, Some(3))?,
+        None => Output::new(py, &given.shape, Some(3))?,
+    };
+    let mut status = vec![Status::Solved; given.poses()];
+    let columns: [Column<'_>; 3] = given.columns()?;
+    let [yaw, pitch, height] = columns;
+    let rods: [&mut [f64]; 3] =
+        output.slices()?.try_into().map_err(|_| errors::internal("rods are not three columns"))?;
+    let found = match threads {
+        Threads::Here => py.detach(|| gpr.inverse_many(yaw, pitch, height, &mut status, rods)),
+        Threads::Pool(pool) => {
+            py.detach(|| pool.install(|| parallel::inverse_many(gpr, columns, &mut status, rods)))
+        }
+    };
+    let tally = found.map_err(|error| errors::core(py, &error))?;
+    let fields = fields!(py; rods_m = output.array);
+    evidence(py, &given.shape, &status, tally, &fields)?;
+    skin::result(py, "InverseMany", &fields)
+}

@@ -1,0 +1,73 @@
+//! What can be asked of many poses, by the names of Python.
+
+use jointplay::bulk::Quantity;
+use pyo3::prelude::*;
+
+use crate::errors;
+
+/// A quantity of one or several columns.
+pub(crate) struct Named {
+    pub(crate) name: &'static str,
+    columns: Columns,
+}
+
+enum Columns {
+    One(Quantity),
+    Three(fn(usize) -> Quantity),
+    VirtualJoints,
+}
+
+/// All of them, in the order in which results list them.
+const ALL: [Named; 12] = [
+    Named { name: "yaw_rad", columns: Columns::One(Quantity::Yaw) },
+    Named { name: "pitch_rad", columns: Columns::One(Quantity::Pitch) },
+    Named { name: "twist_rad", columns: Columns::One(Quantity::Twist) },
+    Named { name: "axis_height_m", columns: Columns::One(Quantity::AxisHeight) },
+    Named { name: "origin_m", columns: Columns::Three(Quantity::Origin) },
+    Named { name: "normal", columns: Columns::Three(Quantity::Normal) },
+    Named { name: "sides_m", columns: Columns::Three(Quantity::Side) },
+    Named { name: "virtual_joints", columns: Columns::VirtualJoints },
+    Named { name: "displacement_m", columns: Columns::One(Quantity::Displacement) },
+    Named { name: "sensitivity", columns: Columns::Three(Quantity::Sensitivity) },
+    Named { name: "residual_m", columns: Columns::One(Quantity::Residual) },
+    Named { name: "iterations", columns: Columns::One(Quantity::Iterations) },
+];
+
+/// Left out unless asked for: it takes longer than all the others together.
+const ONLY_IF_ASKED: &str = "sensitivity";
+
+impl Named {
+    /// Those of some names; without names all but the slow one.
+    pub(crate) fn of(py: Python<'_>, names: Option<&[String]>) -> PyResult<Vec<&'static Self>> {
+        let Some(names) = names else {
+            return Ok(ALL.iter().filter(|one| one.name != ONLY_IF_ASKED).collect());
+        };
+        let find = |name: &String| {
+            ALL.iter().find(|one| one.name == name).ok_or_else(|| {
+                errors::unknown_name(py, "quantity", name, &ALL.map(|one| one.name.to_owned()))
+            })
+        };
+        for name in names {
+            find(name)?;
+        }
+        Ok(ALL.iter().filter(|one| names.iter().any(|name| name == one.name)).collect())
+    }
+
+    /// The quantities of its columns.
+    pub(crate) fn quantities(&self, virtual_joints: usize) -> Vec<Quantity> {
+        match self.columns {
+            Columns::One(quantity) => vec![quantity],
+            Columns::Three(quantity) => (0..3).map(quantity).collect(),
+            Columns::VirtualJoints => (0..virtual_joints).map(Quantity::VirtualJoint).collect(),
+        }
+    }
+
+    /// How many columns; `None` for one that stands alone.
+    pub(crate) fn width(&self, virtual_joints: usize) -> Option<usize> {
+        match self.columns {
+            Columns::One(_) => None,
+            Columns::Three(_) => Some(3),
+            Columns::VirtualJoints => Some(virtual_joints),
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! On how many cores work is done.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use pyo3::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use crate::errors;
+
+/// Pools by number of threads, and the process that they belong to.
+type Pools = (u32, BTreeMap<usize, Arc<ThreadPool>>);
+
+/// The pools that were made.
+///
+/// A process made by `fork` has none of its parent's threads, so that pools of the parent would wait for ever there.
+static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
+
+/// More threads than this are a slip of the pen.
+const MOST: usize = 1024;
+
+/// Where work is to be done.
+pub(crate) enum Threads {
+    /// In the calling thread.
+    Here,
+    /// On the threads of a pool.
+    Pool(Arc<ThreadPool>),
+}
+
+impl Threads {
+    /// The threads asked for; without a number as many as there are cores.
+    pub(crate) fn of(py: Python<'_>, threads: Option<i64>) -> PyResult<Self> {
+        let count = match threads {
+            None => std::thread::available_parallelism().map_or(1, usize::from).min(MOST),
+            Some(count) => match usize::try_from(count) {
+                Ok(count) if (1..=MOST).contains(&count) => count,
+                _ => {
+                    let message = format!(
+                        "threads is {count}, but has to be None, for all cores, or a number from 1 to {MOST}"
+                    );
+                    return Err(errors::input(py, &message));
+                }
+            },
+        };
+        if count == 1 { Ok(Self::Here) } else { pool(count).map(Self::Pool) }
+    }
+}
+
+fn pool(count: usize) -> PyResult<Arc<ThreadPool>> {
+    let mut kept = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
+    let here = std::process::id();
+    if kept.as_ref().is_some_and(|(process, _)| *process != here) {
+        // Dropping would wait for threads that this process does not have.
+        std::mem::forget(kept.take());
+    }
+    let (_, pools) = kept.get_or_insert_with(|| (here, BTreeMap::new()));
+    if let Some(pool) = pools.get(&count) {
+        return Ok(Arc::clone(pool));
+    }
+    let made = ThreadPoolBuilder::new()
+        .num_threads(count)
+        .thread_name(|index| format!("jointplay-{index}"))
+        .build()
+        .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(error.to_string()))?;
+    Ok(Arc::clone(pools.entry(count).or_insert(Arc::new(made))))
+}

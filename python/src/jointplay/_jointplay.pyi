@@ -1,0 +1,211 @@
+from collections.abc import Sequence
+from os import PathLike
+from typing import Any, Literal, TypeAlias, final, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._results import (
+    Approximate,
+    BrokenLimit,
+    ForwardMany,
+    InverseMany,
+    Platform,
+)
+from ._virtualization import Virtualization
+
+__all__ = ["Forward", "Gpr", "Inverse", "__version__", "arrow_stream"]
+
+__version__: str
+
+_Floats: TypeAlias = NDArray[np.float64]
+_Vector: TypeAlias = np.ndarray[tuple[int], np.dtype[np.float64]]
+_Matrix: TypeAlias = np.ndarray[tuple[int, int], np.dtype[np.float64]]
+_Model: TypeAlias = Literal["planar", "radial", "polar", "offset"] | Virtualization
+_Solver: TypeAlias = Literal["closed-form", "least-norm", "newton"]
+_Metric: TypeAlias = Literal["paper", "radius"] | float
+_Quantity: TypeAlias = Literal[
+    "yaw_rad",
+    "pitch_rad",
+    "twist_rad",
+    "axis_height_m",
+    "origin_m",
+    "normal",
+    "sides_m",
+    "virtual_joints",
+    "displacement_m",
+    "sensitivity",
+    "residual_m",
+    "iterations",
+]
+_Number: TypeAlias = float | np.floating[Any] | np.integer[Any]
+
+@final
+class Gpr:
+    def __new__(
+        cls,
+        *,
+        socket_radius_m: ArrayLike,
+        rod_limits_m: ArrayLike,
+        tilt_limit_rad: float,
+        working_height_m: float,
+        socket_angle_rad: ArrayLike | None = None,
+        base_points_m: ArrayLike | None = None,
+        name: str = ...,
+    ) -> Gpr: ...
+    @staticmethod
+    def paper() -> Gpr: ...
+    @staticmethod
+    def from_file(path: str | PathLike[str]) -> Gpr: ...
+    @staticmethod
+    def from_toml(text: str) -> Gpr: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def base_points_m(self) -> _Matrix: ...
+    @property
+    def socket_radius_m(self) -> _Vector: ...
+    @property
+    def socket_angle_rad(self) -> _Vector: ...
+    @property
+    def rod_limits_m(self) -> tuple[float, float]: ...
+    @property
+    def tilt_limit_rad(self) -> float: ...
+    @property
+    def working_height_m(self) -> float: ...
+    @property
+    def platform(self) -> Platform: ...
+    @overload
+    def forward(
+        self,
+        rods_m: tuple[_Number, _Number, _Number] | list[float] | _Vector,
+        virtualization: _Model | None = None,
+        *,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+        quantities: None = None,
+        out: None = None,
+        threads: int | None = None,
+    ) -> Forward: ...
+    @overload
+    def forward(
+        self,
+        rods_m: _Matrix | list[list[float]],
+        virtualization: _Model | None = None,
+        *,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+        quantities: _Quantity | Sequence[_Quantity] | None = None,
+        out: dict[str, _Floats] | None = None,
+        threads: int | None = None,
+    ) -> ForwardMany: ...
+    @overload
+    def forward(
+        self,
+        rods_m: ArrayLike,
+        virtualization: _Model | None = None,
+        *,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+        quantities: _Quantity | Sequence[_Quantity] | None = None,
+        out: dict[str, _Floats] | None = None,
+        threads: int | None = None,
+    ) -> Any: ...
+    # Numbers are arrays of none to NumPy, and one tilt here.
+    @overload
+    def inverse(  # type: ignore[overload-overlap]
+        self,
+        yaw_rad: _Number,
+        pitch_rad: _Number,
+        height_m: _Number | None = None,
+        *,
+        out: None = None,
+        threads: int | None = None,
+    ) -> Inverse: ...
+    @overload
+    def inverse(
+        self,
+        yaw_rad: ArrayLike,
+        pitch_rad: ArrayLike,
+        height_m: ArrayLike | None = None,
+        *,
+        out: _Floats | None = None,
+        threads: int | None = None,
+    ) -> InverseMany: ...
+    def inverse_for_center(
+        self,
+        yaw_rad: float,
+        pitch_rad: float,
+        center_height_m: float,
+        virtualization: _Model | None = None,
+        *,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+    ) -> Forward: ...
+    def approximate(
+        self, yaw_rad: float, pitch_rad: float, height_m: float | None = None
+    ) -> Approximate: ...
+    def plane_tilt(self, rods_m: ArrayLike) -> tuple[float, float]: ...
+    def broken_limits(
+        self, rods_m: ArrayLike, pitch_rad: float | None = None
+    ) -> list[BrokenLimit]: ...
+    def __copy__(self) -> Gpr: ...
+    def __deepcopy__(self, _memo: object) -> Gpr: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+@final
+class Forward:
+    @property
+    def rods_m(self) -> _Vector: ...
+    @property
+    def sides_m(self) -> _Vector: ...
+    @property
+    def yaw_rad(self) -> float: ...
+    @property
+    def pitch_rad(self) -> float: ...
+    @property
+    def twist_rad(self) -> float: ...
+    @property
+    def axis_height_m(self) -> float: ...
+    @property
+    def origin_m(self) -> _Vector: ...
+    @property
+    def center_shift_m(self) -> _Vector: ...
+    @property
+    def normal(self) -> _Vector: ...
+    @property
+    def base_from_platform(self) -> _Matrix: ...
+    @property
+    def virtual_joints(self) -> _Vector: ...
+    @property
+    def virtual_joint_names(self) -> tuple[str, ...]: ...
+    @property
+    def virtualization(self) -> str: ...
+    @property
+    def solver(self) -> _Solver: ...
+    @property
+    def characteristic_length_m(self) -> float: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def residual_m(self) -> float: ...
+    def __copy__(self) -> Forward: ...
+    def __deepcopy__(self, _memo: object) -> Forward: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    @staticmethod
+    def _from_parts(parts: tuple[Any, ...]) -> Forward: ...
+
+@final
+class Inverse:
+    def __new__(cls, rods_m: Sequence[float]) -> Inverse: ...
+    @property
+    def rods_m(self) -> _Vector: ...
+    def __copy__(self) -> Inverse: ...
+    def __deepcopy__(self, _memo: object) -> Inverse: ...
+    def __getnewargs__(self) -> tuple[list[float]]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+def arrow_stream(columns: Sequence[tuple[str, NDArray[Any]]]) -> object: ...

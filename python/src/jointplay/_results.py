@@ -1,0 +1,338 @@
+"""Results of many numbers: frozen, with their units in their names; all are re-exported by ``jointplay``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jointplay import _jointplay
+
+if TYPE_CHECKING:
+    import pandas
+
+Floats = NDArray[np.float64]
+
+
+def _equal(a: Any, b: Any) -> bool:
+    """Whether two fields are alike; NaN is like NaN, as rows without an answer are."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        kind = getattr(a, "dtype", None)
+        floats = kind is not None and kind.kind == "f"
+        return bool(np.array_equal(a, b, equal_nan=floats))
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(_equal(a[key], b[key]) for key in a)
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(_equal, a, b))
+    return bool(a == b)
+
+
+def _brief(value: Any) -> str:
+    """A value in a few characters: of a larger array only what it is."""
+    if isinstance(value, np.ndarray) and value.size > 6:
+        return f"<{value.dtype} {value.shape}>"
+    if isinstance(value, np.ndarray):
+        return np.array2string(value, separator=", ").replace("\n", "")
+    if isinstance(value, tuple) and len(value) > 6:
+        return f"<{len(value)} entries>"
+    return repr(value)
+
+
+class Result:
+    """What all results have in common: equality by value, a short ``repr``, pickling."""
+
+    __slots__ = ()
+    __hash__ = None  # type: ignore[assignment]
+
+    def _told(self) -> Iterator[tuple[str, Any]]:
+        for field in fields(self):  # type: ignore[arg-type]
+            yield field.name, getattr(self, field.name)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        mine, theirs = dict(self._told()), dict(other._told())
+        return _equal(mine, theirs)
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name}={_brief(value)}" for name, value in self._told())
+        return f"{type(self).__name__}({told})"
+
+
+class Table(Result):
+    """A result that reads as a table: pandas, Polars and PyArrow take it as it is."""
+
+    __slots__ = ()
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Every number of every row by name, each of shape (n,); poses of several axes in C order."""
+        raise NotImplementedError
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The columns as a pandas ``DataFrame``.
+
+        Needs pandas, which ``pip install jointplay[dataframe]`` installs too.
+        """
+        try:
+            import pandas
+        except ModuleNotFoundError as error:
+            raise ModuleNotFoundError(
+                "to_dataframe needs pandas: pip install 'jointplay[dataframe]'", name="pandas"
+            ) from error
+        return pandas.DataFrame(self.columns())
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        """The columns as an Arrow stream, by the Arrow PyCapsule interface; they are copied."""
+        columns = [(name, np.ascontiguousarray(values)) for name, values in self.columns().items()]
+        return _jointplay.arrow_stream(columns)
+
+
+_AXES = {
+    "origin_m": ("origin_x_m", "origin_y_m", "origin_z_m"),
+    "normal": ("normal_x", "normal_y", "normal_z"),
+    "sides_m": ("side_12_m", "side_23_m", "side_31_m"),
+    "sensitivity": ("sensitivity_1", "sensitivity_2", "sensitivity_3"),
+    "rods_m": ("rod_1_m", "rod_2_m", "rod_3_m"),
+}
+
+
+def _flat(name: str, values: NDArray[Any], names: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    """An array as columns: its last axis, if it has names, spread out."""
+    if name == "virtual_joints":
+        axes = names
+    elif name in _AXES:
+        axes = _AXES[name]
+    else:
+        return {name: values.reshape(-1)}
+    return {axis: values[..., k].reshape(-1) for k, axis in enumerate(axes)}
+
+
+class _Many(Table):
+    """Many poses, each with a status."""
+
+    __slots__ = ()
+
+    status: NDArray[np.uint8]
+    failed: int
+    failure_counts: Mapping[str, int]
+
+    def failures(self) -> str:
+        """How many poses have no answer and why, in one line."""
+        poses = self.status.size
+        if self.failed == 0:
+            return f"all {poses} poses have an answer"
+        why = ", ".join(f"{count} {reason}" for reason, count in self.failure_counts.items())
+        return f"{self.failed} of {poses} poses have no answer: {why}"
+
+
+QUANTITIES = (
+    "yaw_rad",
+    "pitch_rad",
+    "twist_rad",
+    "axis_height_m",
+    "origin_m",
+    "normal",
+    "sides_m",
+    "virtual_joints",
+    "displacement_m",
+    "sensitivity",
+    "residual_m",
+    "iterations",
+)
+"""What can be asked of many poses."""
+
+
+class ForwardMany(_Many):
+    """Where the platform is for each of many rods.
+
+    With (...) for the shape of the poses, that of the rods without their last axis.
+    Only the quantities that were asked for are there; a pose without an answer is NaN in all of them.
+    The columns of an array lie in one piece each, so that its last axis is not the fastest.
+    """
+
+    __slots__ = ("_arrays", "failed", "failure_counts", "status", "virtual_joint_names", "virtualization")
+
+    _arrays: dict[str, Floats]
+    virtualization: str
+    """Name of the virtualization."""
+    virtual_joint_names: tuple[str, ...]
+    """Symbol, limb and unit of each virtual joint, such as ``'u_1_m'``."""
+    status: NDArray[np.uint8]
+    """What became of each pose, shape (...): 0 where it has an answer, else a ``Status``."""
+    failed: int
+    """How many poses have no answer."""
+    failure_counts: Mapping[str, int]
+    """How many have none for which reason."""
+
+    if TYPE_CHECKING:
+        yaw_rad: Floats
+        """Azimuth toward which the platform leans, from -π to π, shape (...) [rad]."""
+        pitch_rad: Floats
+        """How far it leans, from 0 to π, shape (...) [rad]."""
+        twist_rad: Floats
+        """Turn about the platform normal beyond the shortest rotation to it, shape (...) [rad]."""
+        axis_height_m: Floats
+        """Height at which the platform plane crosses the base axis, shape (...) [m]."""
+        origin_m: Floats
+        """Platform origin in the base frame, shape (..., 3) [m]."""
+        normal: Floats
+        """Platform normal in the base frame, shape (..., 3)."""
+        sides_m: Floats
+        """Sides L_12, L_23, L_31 between the ball centres, shape (..., 3) [m]."""
+        virtual_joints: Floats
+        """Displacements of the virtual joints, shape (..., M) [m, rad]."""
+        displacement_m: Floats
+        """How far the virtual joints are from nominal, in the metric, shape (...) [m]."""
+        sensitivity: Floats
+        """Singular values of ∂X/∂P in the metric, the largest first, shape (..., 3)."""
+        residual_m: Floats
+        """Largest difference between a side and its virtual length, shape (...) [m]."""
+        iterations: Floats
+        """Iterations of the solver, 0 for a closed form, shape (...)."""
+
+    def __init__(
+        self,
+        *,
+        virtualization: str,
+        virtual_joint_names: tuple[str, ...],
+        arrays: dict[str, Floats],
+        status: NDArray[np.uint8],
+        failed: int,
+        failure_counts: Mapping[str, int],
+    ) -> None:
+        keep = object.__setattr__
+        keep(self, "virtualization", virtualization)
+        keep(self, "virtual_joint_names", virtual_joint_names)
+        keep(self, "_arrays", arrays)
+        keep(self, "status", status)
+        keep(self, "failed", failed)
+        keep(self, "failure_counts", MappingProxyType(dict(failure_counts)))
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of the arrays that are here."""
+        return tuple(self._arrays)
+
+    def __getattr__(self, name: str) -> Floats:
+        if not name.startswith("_") and name in self._arrays:
+            return self._arrays[name]
+        if name in QUANTITIES:
+            raise AttributeError(
+                f"{name} was not asked for: quantities are {', '.join(self._arrays)}", name=name, obj=self
+            )
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}", name=name, obj=self)
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise AttributeError(f"results do not change: {name} cannot be set")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"results do not change: {name} cannot be deleted")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *self._arrays]
+
+    def _told(self) -> Iterator[tuple[str, Any]]:
+        yield "virtualization", self.virtualization
+        yield from self._arrays.items()
+        yield "status", self.status
+
+    def __repr__(self) -> str:
+        return (
+            f"ForwardMany(<{self.failures()}; virtualization {self.virtualization!r}, "
+            f"shape {self.status.shape}: {', '.join(self._arrays)}>)"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        state = {
+            "virtualization": self.virtualization,
+            "virtual_joint_names": self.virtual_joint_names,
+            "arrays": self._arrays,
+            "status": self.status,
+            "failed": self.failed,
+            "failure_counts": dict(self.failure_counts),
+        }
+        return _again, (ForwardMany, state)
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Every number of every pose by name, each of shape (n,); poses of several axes in C order."""
+        columns: dict[str, NDArray[Any]] = {}
+        for name, values in self._arrays.items():
+            columns.update(_flat(name, values, self.virtual_joint_names))
+        columns["status"] = self.status.reshape(-1)
+        return columns
+
+
+def _again(cls: type[Any], state: dict[str, Any]) -> Any:
+    return cls(**state)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class InverseMany(_Many):
+    """The rods of many tilts.
+
+    With (...) for the shape that the tilts have together.
+    """
+
+    rods_m: Floats
+    """Rod lengths, shape (..., 3), NaN where there are none [m]; each column lies in one piece."""
+    status: NDArray[np.uint8]
+    """What became of each pose, shape (...): 0 where it has rods, else a ``Status``."""
+    failed: int
+    """How many poses have no rods."""
+    failure_counts: Mapping[str, int]
+    """How many have none for which reason."""
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Every number of every pose by name, each of shape (n,); poses of several axes in C order."""
+        return {**_flat("rods_m", self.rods_m, ()), "status": self.status.reshape(-1)}
+
+    def __repr__(self) -> str:
+        return f"InverseMany(<{self.failures()}; shape {self.status.shape}>)"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Platform(Result):
+    """The platform as built: nominal sockets in the platform frame."""
+
+    radii_m: Floats
+    """Socket radii r_k, shape (3,) [m]."""
+    angles_rad: Floats
+    """Socket angles β_k, shape (3,) [rad]."""
+    directions: Floats
+    """Unit vectors from the origin toward the sockets, shape (3, 2)."""
+    sockets_m: Floats
+    """Nominal sockets, shape (3, 2) [m]."""
+    mean_radius_m: float
+    """Mean of the socket radii [m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Approximate(Result):
+    """The pose of the approximate model, and how far it tears the sockets off the balls."""
+
+    rods_m: Floats
+    """Rods of the exact inverse kinematics for the same plane, shape (3,) [m]."""
+    base_from_platform: Floats
+    """Homogeneous transform with the origin on the base axis, shape (4, 4) [m]."""
+    gaps_m: Floats
+    """From each ball to its socket, in the base frame, shape (3, 3), a row for each limb [m]."""
+
+
+@dataclass(frozen=True)
+class BrokenLimit:
+    """A limit that a pose breaks."""
+
+    limit: str
+    """``'rod 1'``, ``'rod 2'``, ``'rod 3'`` or ``'tilt'``."""
+    found: float
+    """What was found, in ``unit``."""
+    min: float
+    """Least that is allowed, in ``unit``."""
+    max: float
+    """Greatest that is allowed, in ``unit``."""
+    unit: str
+    """``'m'`` or ``'rad'``."""

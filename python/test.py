@@ -1,0 +1,144 @@
+"""Builds the wheel, installs it into clean environments and tests it there.
+
+Run by `cargo xtask python`, as the last step of `cargo xtask test`.
+Everything it makes is in `target/python`: the wheel, its tools, an environment for the oldest and one for the newest
+Python that this machine has, and what pip downloads for them.
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+import shutil
+import subprocess
+import sys
+import time
+import venv
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+PYTHON = ROOT / "python"
+HOME = ROOT / "target" / "python"
+OLDEST, NEWEST = (3, 10), (3, 14)
+TOOLS = ["maturin==1.16.0"]
+
+
+def say(text: str) -> None:
+    print(f"--- {text}", flush=True)
+
+
+def run(command: list[str | Path], **options: object) -> None:
+    """Runs a command; if it fails, so does this program."""
+    done = subprocess.run([str(part) for part in command], check=False, **options)  # type: ignore[call-overload]
+    if done.returncode != 0:
+        say(f"failed: {' '.join(map(str, command))}")
+        sys.exit(1)
+
+
+def version(python: str) -> tuple[int, int] | None:
+    """The version of an interpreter, if it runs and is a CPython with its usual library."""
+    told = "import sys, ensurepip, venv; print(sys.implementation.name, *sys.version_info[:2])"
+    try:
+        answer = subprocess.run([python, "-c", told], capture_output=True, text=True, timeout=30, check=False)
+    except (OSError, subprocess.TimeoutExpired):
+        return None
+    words = answer.stdout.split()
+    if answer.returncode != 0 or words[0] != "cpython":
+        return None
+    return int(words[1]), int(words[2])
+
+
+def interpreters() -> dict[tuple[int, int], str]:
+    """The interpreters of this machine by version: on the path, of pyenv, of uv."""
+    minors = range(OLDEST[1], NEWEST[1] + 1)
+    places = [sys.executable, *(f"python3.{minor}" for minor in minors)]
+    pyenv = os.environ.get("PYENV_ROOT", os.path.expanduser("~/.pyenv"))
+    places += sorted(glob.glob(f"{pyenv}/versions/*/bin/python3"))
+    places += sorted(glob.glob(os.path.expanduser("~/.local/share/uv/python/cpython-*/bin/python3")))
+    found: dict[tuple[int, int], str] = {}
+    for place in places:
+        known = version(place)
+        if known is not None and OLDEST <= known <= NEWEST:
+            found.setdefault(known, place)
+    return found
+
+
+def environment(python: str, name: str, packages: list[str]) -> Path:
+    """An environment with these packages; one that has them already is kept."""
+    folder, wanted = HOME / name, "\n".join([python, *packages])
+    stamp = folder / "packages.txt"
+    binaries = folder / ("Scripts" if os.name == "nt" else "bin")
+    if not stamp.exists() or stamp.read_text() != wanted:
+        say(f"environment {folder.relative_to(ROOT)}: {', '.join(packages)}")
+        shutil.rmtree(folder, ignore_errors=True)
+        if version(sys.executable) == version(python):
+            venv.create(folder, with_pip=True)
+        else:
+            run([python, "-m", "venv", folder])
+        run([binaries / "python", "-m", "pip", "install", "--quiet", *packages])
+        stamp.write_text(wanted)
+    return binaries
+
+
+def requirements(name: str) -> list[str]:
+    lines = (PYTHON / "tests" / name).read_text().splitlines()
+    return [line for line in lines if line and not line.startswith("#")]
+
+
+def built_wheel(python: str) -> Path:
+    """The wheel, built anew."""
+    tools = environment(python, "tools", TOOLS)
+    wheels = HOME / "wheels"
+    shutil.rmtree(wheels, ignore_errors=True)
+    build = ["build", "--release", "--quiet", "--locked", "--interpreter", python, "--out", wheels]
+    run([tools / "maturin", *build], cwd=PYTHON)
+    (wheel,) = wheels.glob("*.whl")
+    return wheel
+
+
+def built_command() -> Path:
+    """The `jointplay` command, which says the same numbers."""
+    cargo = os.environ.get("CARGO", "cargo")
+    run([cargo, "build", "--quiet", "--package", "jointplay-cli"], cwd=ROOT)
+    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    return target / "debug" / ("jointplay.exe" if os.name == "nt" else "jointplay")
+
+
+def main() -> None:
+    start = time.monotonic()
+    os.environ["PIP_CACHE_DIR"] = str(HOME / "pip")
+    os.environ["PIP_DISABLE_PIP_VERSION_CHECK"] = "1"
+    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+    os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(HOME / "hypothesis")
+    found = interpreters()
+    if not found:
+        say(f"no CPython from 3.{OLDEST[1]} to 3.{NEWEST[1]} found, with its modules venv and ensurepip; install one")
+        sys.exit(1)
+    oldest, newest = min(found), max(found)
+    if oldest == newest:
+        say(f"only one Python found: {found[newest]}")
+    wheel = built_wheel(found[newest])
+    say(f"built {wheel.relative_to(ROOT)} after {time.monotonic() - start:.0f} s")
+    os.environ["JOINTPLAY_COMMAND"] = str(built_command())
+    for one in sorted({oldest, newest}):
+        name = f"python-{one[0]}.{one[1]}"
+        packages = requirements("requirements.txt")
+        if one == newest:
+            packages += requirements("requirements-typing.txt")
+        binaries = environment(found[one], name, packages)
+        python = binaries / "python"
+        # With its dependency, numpy, as anybody installs it; what is there already is kept.
+        run([python, "-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", wheel])
+        run([python, "-m", "pip", "check", "--quiet"])
+        say(f"tests in {found[one]}")
+        run([python, "-m", "pytest", "-p", "no:cacheprovider"], cwd=PYTHON)
+        if one == newest:
+            say("types")
+            run([python, "-m", "mypy", "--cache-dir", HOME / "mypy", "tests/typed.py"], cwd=PYTHON)
+            run([python, "-m", "mypy.stubtest", "jointplay", "--concise"], cwd=PYTHON)
+            run([binaries / "basedpyright", "--project", PYTHON, "--pythonpath", python, "tests/typed.py"], cwd=PYTHON)
+    say(f"Python passed in {time.monotonic() - start:.0f} s")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,229 @@
+"""One pose: numbers, what is taken, what is refused."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import pickle
+import subprocess
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import jointplay as jp
+
+VIRTUALIZATIONS = ("radial", "polar", "offset", "planar")
+SOLVERS = ("newton", "least-norm", "closed-form")
+
+
+@pytest.mark.parametrize("virtualization", VIRTUALIZATIONS)
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_the_command_says_the_same(gpr, command, virtualization, solver):
+    arguments = ["--q-mm", "500,501,502", "--virtualization", virtualization, "--solver", solver]
+    answer = subprocess.run(
+        [command, "forward", *arguments, "--format", "json"], check=True, capture_output=True, text=True
+    )
+    told = json.loads(answer.stdout)
+    pose = gpr.forward((0.5, 0.501, 0.502), virtualization, solver=solver)
+    platform = told["platform"]
+    assert pose.yaw_rad == pytest.approx(math.radians(platform["yaw_deg"]), rel=1e-14)
+    assert pose.pitch_rad == pytest.approx(math.radians(platform["pitch_deg"]), rel=1e-14)
+    assert pose.twist_rad == pytest.approx(math.radians(platform["twist_deg"]), rel=1e-13, abs=1e-18)
+    assert pose.axis_height_m * 1e3 == pytest.approx(platform["axis_height_mm"], rel=1e-14)
+    np.testing.assert_allclose(pose.origin_m * 1e3, platform["origin_mm"], rtol=1e-14)
+    np.testing.assert_allclose(pose.normal, platform["normal"], rtol=1e-15)
+    np.testing.assert_allclose(pose.base_from_platform[:3, :3], platform["rotation"], rtol=1e-15)
+    np.testing.assert_allclose(pose.sides_m * 1e3, told["sides_mm"], rtol=1e-15)
+    joints = [value for values in told["virtual_joints"].values() for value in values]
+    units = [1e3 if name.endswith("_m") else 180 / math.pi for name in pose.virtual_joint_names]
+    np.testing.assert_allclose(pose.virtual_joints * units, joints, rtol=1e-13, atol=1e-15)
+    assert (pose.solver, pose.iterations) == (told["solver"], told["iterations"])
+    assert pose.characteristic_length_m == pytest.approx(told["characteristic_length_mm"] / 1e3)
+
+
+def test_metrics_are_those_of_the_command(gpr, command):
+    for metric, told in ((0.05, "50"), ("radius", "radius"), ("paper", "paper")):
+        arguments = ["--q-mm", "500,501,502", "--virtualization", "polar", "--metric", told]
+        answer = subprocess.run(
+            [command, "forward", *arguments, "--format", "json"], check=True, capture_output=True, text=True
+        )
+        pose = gpr.forward([0.5, 0.501, 0.502], "polar", metric=metric)
+        np.testing.assert_allclose(
+            pose.origin_m * 1e3, json.loads(answer.stdout)["platform"]["origin_mm"], rtol=1e-14
+        )
+
+
+@given(
+    yaw=st.floats(-math.pi, math.pi),
+    pitch=st.floats(1e-6, 0.05),
+    height=st.floats(0.3, 0.7),
+    virtualization=st.sampled_from(VIRTUALIZATIONS),
+)
+def test_forward_undoes_inverse(yaw, pitch, height, virtualization):
+    gpr = jp.Gpr.paper()
+    rods = gpr.inverse(yaw, pitch, height)
+    pose = gpr.forward(rods.rods_m, virtualization, solver="newton")
+    assert pose.pitch_rad == pytest.approx(pitch, rel=1e-8)
+    assert math.cos(pose.yaw_rad - yaw) == pytest.approx(1, abs=1e-12)
+    assert pose.axis_height_m == pytest.approx(height, rel=1e-12)
+    assert gpr.plane_tilt(rods.rods_m) == pytest.approx((pose.yaw_rad, pose.pitch_rad), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    "rods",
+    [
+        (0.5, 0.501, 0.502),
+        [0.5, 0.501, 0.502],
+        np.array([0.5, 0.501, 0.502]),
+        np.array([0.5, 9, 0.501, 9, 0.502])[::2],
+        np.array([0.502, 0.501, 0.5])[::-1],
+        np.array([0.5, 0.501, 0.502], dtype=">f8"),
+        [np.float64(0.5), np.float64(0.501), np.float64(0.502)],
+    ],
+    ids=["tuple", "list", "array", "stride", "backwards", "byte order", "scalars"],
+)
+def test_three_numbers_of_any_kind_are_one_pose(gpr, rods):
+    assert gpr.forward(rods) == gpr.forward((0.5, 0.501, 0.502))
+
+
+def test_whole_numbers_are_taken():
+    gpr = jp.Gpr(socket_radius_m=2, rod_limits_m=(1, 9), tilt_limit_rad=0.1, working_height_m=5)
+    assert gpr.forward([5, 5, 5]).axis_height_m == 5
+    assert gpr.forward(np.array([5, 5, 5], dtype=np.int32)) == gpr.forward((5.0, 5.0, 5.0))
+
+
+def test_scalars_of_numpy_and_arrays_without_axes_are_one_tilt(gpr):
+    expected = gpr.inverse(0.3, 0.02, 0.5)
+    assert isinstance(expected, jp.Inverse)
+    assert gpr.inverse(np.float32(0), np.float64(0.02), 0.5).rods_m[0] == gpr.inverse(0, 0.02).rods_m[0]
+    assert gpr.inverse(np.array(0.3), 0.02) == expected
+
+
+def test_center_height_and_approximate(gpr):
+    pose = gpr.inverse_for_center(0.3, 0.02, 0.5, "polar")
+    assert pose.origin_m[2] == pytest.approx(0.5, abs=1e-15)
+    rough = gpr.approximate(0.3, 0.02)
+    np.testing.assert_array_equal(rough.rods_m, gpr.inverse(0.3, 0.02).rods_m)
+    np.testing.assert_array_equal(rough.base_from_platform[:2, 3], 0)
+    assert rough.gaps_m.shape == (3, 3) and 1e-6 < np.abs(rough.gaps_m).max() < 1e-4
+
+
+def test_limits(gpr):
+    assert gpr.broken_limits((0.5, 0.501, 0.502)) == []
+    rod, tilt = gpr.broken_limits((0.5, 0.5, 0.8))
+    assert (rod.limit, rod.found, rod.max, rod.unit) == ("rod 3", 0.8, 0.754, "m")
+    assert (tilt.limit, tilt.unit) == ("tilt", "rad") and tilt.found > tilt.max
+    assert gpr.broken_limits((0.5, 0.5, 0.5), pitch_rad=0.5)[0].limit == "tilt"
+
+
+def test_no_answer_is_raised_with_its_facts(gpr):
+    with pytest.raises(jp.NotConvergedError) as caught:
+        gpr.forward((0.2, 0.5, 0.9), "offset", solver="newton")
+    error = caught.value
+    assert isinstance(error, jp.NoAnswerError) and isinstance(error, jp.JointplayError)
+    assert not isinstance(error, ValueError)
+    assert error.solver == "newton" and error.residual_m > error.threshold_m > 0
+    assert len(error.best_virtual_joints) == 6 and error.iterations > 0
+    again = pickle.loads(pickle.dumps(error))
+    assert (str(again), again.residual_m) == (str(error), error.residual_m)
+
+    with pytest.raises(jp.TurnedOverError) as caught:
+        gpr.forward((0.2, 0.5, 0.9), "polar", solver="newton")
+    assert len(caught.value.virtual_joints) == 6
+
+    with pytest.raises(jp.PitchTooLargeError) as caught:
+        gpr.inverse(0, 2)
+    assert caught.value.pitch_rad == 2 and isinstance(caught.value, ValueError)
+    with pytest.raises(jp.NotFiniteError) as caught:
+        gpr.forward((0.5, math.nan, 0.5))
+    assert math.isnan(caught.value.value)
+
+
+def test_names_that_are_not_known_meet_those_that_are(gpr):
+    for call, near in (
+        (lambda: gpr.forward((0.5, 0.5, 0.5), "plannar"), "planar"),
+        (lambda: gpr.forward((0.5, 0.5, 0.5), solver="newtown"), "newton"),
+        (lambda: gpr.forward((0.5, 0.5, 0.5), metric="radios"), "radius"),
+        (lambda: gpr.forward([[0.5, 0.5, 0.5]], quantities=["yaw_deg"]), "yaw_rad"),
+    ):
+        with pytest.raises(jp.UnknownNameError, match=f"did you mean `{near}`") as caught:
+            call()
+        assert near in caught.value.known and caught.value.name not in caught.value.known
+
+
+@pytest.mark.parametrize(
+    ("rods", "kind", "says"),
+    [
+        ([0.5, 0.5], jp.ArrayError, r"\(2,\)"),
+        (0.5, jp.ArrayError, r"\(\)"),
+        (np.zeros((3, 2)), jp.ArrayError, r"\(3, 2\)"),
+        ([0.5, 0.5j, 0.5], jp.ArrayTypeError, r"\(3,\) and dtype complex128"),
+        (["a", "b", "c"], jp.ArrayTypeError, "dtype <U1"),
+        ([0.5, None, 0.5], jp.ArrayTypeError, "dtype object"),
+        ([True, True, False], jp.ArrayTypeError, "dtype bool"),
+        ([[0.5, 0.5, 0.5], [0.5]], jp.ArrayTypeError, "list"),
+        (np.array(["2020"] * 3, dtype="M8[Y]"), jp.ArrayTypeError, "datetime64"),
+    ],
+)
+def test_rods_that_are_none(gpr, rods, kind, says):
+    with pytest.raises(kind, match=says) as caught:
+        gpr.forward(rods)
+    assert "metres" in str(caught.value) and "(..., 3)" in str(caught.value)
+
+
+def test_dimensions_that_make_no_robot():
+    fine = dict(socket_radius_m=0.1, rod_limits_m=(0.2, 0.8), tilt_limit_rad=0.03, working_height_m=0.5)
+    with pytest.raises(jp.GeometryError, match="has to be positive"):
+        jp.Gpr(**{**fine, "socket_radius_m": -1})
+    with pytest.raises(jp.OutOfRangeError) as caught:
+        jp.Gpr(**{**fine, "working_height_m": 0.9})
+    assert (caught.value.value, caught.value.min, caught.value.max, caught.value.unit) == (0.9, 0.2, 0.8, "m")
+    with pytest.raises(jp.ArrayError, match=r"socket_angle_rad has to be an array of shape \(3,\)"):
+        jp.Gpr(**fine, socket_angle_rad=[0, 1])
+    with pytest.raises(TypeError):
+        jp.Gpr(0.1)
+
+
+def test_files(tmp_path, gpr):
+    from conftest import ROOT
+
+    path = ROOT / "robots" / "gpr.toml"
+    assert jp.Gpr.from_file(path) == jp.Gpr.from_file(str(path)) == jp.Gpr.from_toml(path.read_text()) == gpr
+    with pytest.raises(FileNotFoundError) as missing:
+        jp.Gpr.from_file(tmp_path / "none.toml")
+    assert missing.value.filename is not None
+    wrong = tmp_path / "wrong.toml"
+    wrong.write_text(path.read_text().replace("tilt_deg = 1.5", "tilt_deg = nan"))
+    with pytest.raises(jp.FileError, match="wrong.toml:28:12: `tilt_deg` is NaN") as caught:
+        jp.Gpr.from_file(wrong)
+    assert (caught.value.line, caught.value.column) == (28, 12)
+    (tmp_path / "binary").write_bytes(b"\xff\xfe")
+    with pytest.raises(jp.InputError, match="UTF-8"):
+        jp.Gpr.from_file(tmp_path / "binary")
+
+
+def test_robots_and_poses_are_values(gpr):
+    other = jp.Gpr(
+        socket_radius_m=[0.1, 0.11, 0.12],
+        socket_angle_rad=[0, 2, 4],
+        base_points_m=[[0.1, 0], [-0.05, 0.1], [-0.05, -0.1]],
+        rod_limits_m=(0.2, 0.8),
+        tilt_limit_rad=0.03,
+        working_height_m=0.5,
+        name="mine",
+    )
+    pose = other.forward((0.5, 0.501, 0.502), "planar")
+    for value in (gpr, other, pose, gpr.inverse(0.1, 0.02), gpr.approximate(0.1, 0.02), gpr.platform):
+        for protocol in range(2, pickle.HIGHEST_PROTOCOL + 1):
+            assert pickle.loads(pickle.dumps(value, protocol)) == value
+        assert copy.copy(value) == copy.deepcopy(value) == value
+        assert value != 3 and "(" in repr(value)
+    assert gpr != other and len({gpr, jp.Gpr.paper(), other}) == 2
+    assert pose != other.forward((0.5, 0.501, 0.502), "polar")
+    with pytest.raises(AttributeError):
+        gpr.name = "other"
+    with pytest.raises(AttributeError):
+        pose.yaw_rad = 1

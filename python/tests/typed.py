@@ -1,0 +1,51 @@
+"""How a program with types uses the package: checked by mypy and pyright, and run as a test."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+import jointplay as jp
+
+
+class Slides(jp.Virtualization):
+    """Each socket slides along its own radius, as `'radial'` says."""
+
+    name = "slides"
+    joints = [jp.VirtualJoint("l", limb) for limb in range(3)]
+
+    def nominal(self, platform: jp.Platform) -> NDArray[np.float64]:
+        return platform.radii_m
+
+    def sockets(self, platform: jp.Platform, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return x[:, None] * platform.directions
+
+    def socket_velocities(self, platform: jp.Platform, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        velocities = np.zeros((3, 3, 2))
+        for limb in range(3):
+            velocities[limb, limb] = platform.directions[limb]
+        return velocities
+
+
+def lean(gpr: jp.Gpr) -> float:
+    rods: jp.Inverse = gpr.inverse(0.3, 0.02)
+    pose: jp.Forward = gpr.forward(rods.rods_m, Slides())
+    same: jp.Forward = gpr.forward((0.5, 0.501, 0.502), "polar", solver="newton", metric=0.05)
+    yaw: float = same.yaw_rad
+    return pose.pitch_rad + 0 * yaw
+
+
+def leans(gpr: jp.Gpr) -> NDArray[np.float64]:
+    tilts: jp.InverseMany = gpr.inverse(np.linspace(0, 1, 5), 0.02)
+    out: dict[str, NDArray[np.float64]] = {"pitch_rad": np.empty(5)}
+    poses: jp.ForwardMany = gpr.forward(np.array(tilts.rods_m), quantities=["pitch_rad"])
+    assert poses.failed == 0 and tilts.failures() and out
+    return poses.pitch_rad
+
+
+def refused() -> str:
+    try:
+        jp.Gpr.from_toml("")
+    except jp.FileError as error:
+        return f"{error.line}:{error.column}"
+    return ""
