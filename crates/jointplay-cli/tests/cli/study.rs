@@ -90,8 +90,8 @@ fn a_row_is_what_inverse_says() {
     assert_eq!(table["yaw_deg"][3], "50.5");
     assert_eq!(table["height_mm"][0], "480.1");
     for model in ["planar", "polar"] {
-        for row in 0..6 {
-            let at = |name: &str| table[name][row].as_str();
+        for (row, sample) in table["sample"].iter().enumerate() {
+            let at = |name: &str| -> &str { &table[name][row] };
             let (yaw, pitch) = (at("yaw_deg"), at("pitch_deg"));
             let pose = desk.json(&format!(
                 "inverse --yaw-deg {yaw} --pitch-deg {pitch} --height-mm 480.1 --virtualization {model}"
@@ -104,7 +104,7 @@ fn a_row_is_what_inverse_says() {
             near(at(&format!("{model}_origin_x_um")), &pose["platform"]["origin_mm"][0], 1e3);
             let joint = if model == "planar" { ("u2_mm", "u_mm") } else { ("phi2_deg", "phi_deg") };
             near(at(&format!("{model}_{}", joint.0)), &pose["virtual_joints"][joint.1][1], 1.0);
-            assert_eq!(at(&format!("{model}_status")), "solved");
+            assert_eq!(at(&format!("{model}_status")), "solved", "sample {sample}");
         }
     }
 }
