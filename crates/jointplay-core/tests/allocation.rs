@@ -9,6 +9,7 @@ mod robot;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 
+use jointplay_core::bulk::{Column, Quantity, Status};
 use jointplay_core::gpr::{AxisHeight, CenterHeight, Gpr};
 use jointplay_core::mechanism::{MechanismSystem, PositionSolver, ReliefSolver};
 use jointplay_core::spatial::Tilt;
@@ -68,6 +69,39 @@ fn kernels_do_not_allocate() {
                 gpr.inverse_for_center(tilt, CenterHeight(0.5), model, &options).unwrap();
             });
             assert_eq!((forward, center), (0, 0), "{} {solver}", model.name());
+        }
+    }
+}
+
+#[test]
+fn many_poses_do_not_allocate() {
+    const POSES: usize = 13;
+    let gpr = Gpr::paper();
+    let pitch: [f64; POSES] = std::array::from_fn(|i| 0.01 * i as f64);
+    let mut rods = [[0.0; POSES]; 3];
+    let mut status = [Status::Solved; POSES];
+    let inverse = allocations(|| {
+        let [yaw, height] = [0.4, 0.5].each_ref().map(|value| Column::constant(value, POSES));
+        let rods = rods.each_mut().map(|column| &mut column[..]);
+        gpr.inverse_many(yaw, pitch[..].into(), height, &mut status, rods).unwrap();
+    });
+    assert_eq!(inverse, 0);
+    let rods = rods.each_ref().map(|column| Column::from(&column[..]));
+    let mut columns = [[0.0; POSES]; 3];
+    for model in built_in() {
+        for solver in [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm] {
+            let options = SolveOptions { solver, ..SolveOptions::default() };
+            let forward = allocations(|| {
+                let [x, yaw, sensitivity] = columns.each_mut().map(|column| &mut column[..]);
+                let wanted = &mut [
+                    (Quantity::VirtualJoint(2), x),
+                    (Quantity::Yaw, yaw),
+                    (Quantity::Sensitivity(1), sensitivity),
+                ];
+                let tally = gpr.forward_many(rods, model, &options, &mut status, wanted).unwrap();
+                assert_eq!(tally.failed(), 0);
+            });
+            assert_eq!(forward, 0, "{} {solver}", model.name());
         }
     }
 }

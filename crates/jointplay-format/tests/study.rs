@@ -1,7 +1,5 @@
 //! Study files: what is refused and where, and tables that read back.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
-
 use jointplay_format::study::{Marker, MarkerError, StudyFile, TableKind, parse, robot_of};
 use jointplay_study::plan::{Moments, Totals};
 

@@ -59,6 +59,19 @@ impl<'a> Column<'a> {
         self.values[index * self.stride]
     }
 
+    /// From one number to the next in memory.
+    #[inline(always)]
+    pub(super) fn stride(&self) -> usize {
+        self.stride
+    }
+
+    /// The numbers of a column without gaps.
+    #[inline(always)]
+    pub(super) fn contiguous(&self) -> &'a [f64] {
+        debug_assert_eq!(self.stride, 1);
+        &self.values[..self.len]
+    }
+
     /// Some of the numbers.
     ///
     /// # Panics

@@ -1,11 +1,20 @@
 //! From many rods to the poses of the platform.
 
+use std::marker::PhantomData;
+
+use pulp::{Arch, Simd, WithSimd};
+
+use super::lanes::{Lanes, Mask};
+use super::pose::{Placed, Plane};
+use super::shape::{Balls, Model, Offset, Planar, Polar, Radial, Robot, Shape};
+use super::singular_values;
+use super::solve::{self, Found};
 use super::{Column, Quantity, Status, Tally};
 use crate::Error;
 use crate::gpr::{Forward, Gpr};
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
-use crate::virtualization::{SolveOptions, VirtualJoints, Virtualization};
+use crate::virtualization::{Kernel, SolveOptions, Solver, VirtualJoints, Virtualization};
 
 impl Gpr {
     /// Where the platform is for each of many rods; see [`Self::forward`].
@@ -20,7 +29,9 @@ impl Gpr {
     /// Poses without an answer are NaN and have their status.
     ///
     /// # Numerics
-    /// Does not allocate, but for sensitivities. Equal to [`Self::forward`] to 10⁻¹² of the platform's size; only what is asked for is computed.
+    /// Does not allocate, save for sensitivities of a virtualization without a [`Kernel`].
+    /// Equal to [`Self::forward`] to 10⁻¹² of the platform's size, with the same number of iterations but for round-off; only what is asked for is computed.
+    /// Poses that do not end within a few steps, and virtualizations without a kernel, are computed one by one.
     pub fn forward_many<V: Virtualization + ?Sized>(
         &self,
         rods: [Column<'_>; 3],
@@ -41,77 +52,386 @@ impl Gpr {
         for (quantity, _) in &*wanted {
             quantity.check(virtualization)?;
         }
-        for i in 0..expected {
-            status[i] =
-                self.one([0, 1, 2].map(|k| rods[k].at(i)), virtualization, options, |told| {
-                    for (quantity, column) in &mut *wanted {
-                        column[i] = told(*quantity)?;
-                    }
-                    Ok(())
-                })?;
-        }
+        let mut work = Work { gpr: self, rods, virtualization, options, status, wanted };
+        match virtualization.kernel() {
+            Some(Kernel::Radial) => work.by_kernel(Radial),
+            Some(Kernel::Polar) => work.by_kernel(Polar),
+            Some(Kernel::Offset) => work.by_kernel(Offset),
+            Some(Kernel::Planar) => work.by_kernel(Planar),
+            None => work.one_by_one(0..expected),
+        }?;
         Ok(Tally::of(status))
     }
+}
 
-    /// One pose by the scalar kernel, its quantities handed to `write`.
-    fn one<V: Virtualization + ?Sized>(
-        &self,
-        rods: [f64; 3],
-        virtualization: &V,
-        options: &SolveOptions,
-        write: impl FnOnce(&dyn Fn(Quantity) -> Result<f64, Error>) -> Result<(), Error>,
-    ) -> Result<Status, Error> {
-        match self.forward(rods, virtualization, options) {
-            Ok(pose) => {
-                write(&|quantity| self.value(&pose, virtualization, quantity))?;
-                Ok(Status::Solved)
+/// What one call has to do.
+struct Work<'a, 'b, V: ?Sized> {
+    gpr: &'a Gpr,
+    rods: [Column<'a>; 3],
+    virtualization: &'a V,
+    options: &'a SolveOptions,
+    status: &'a mut [Status],
+    wanted: &'a mut [(Quantity, &'b mut [f64])],
+}
+
+impl<V: Virtualization + ?Sized> Work<'_, '_, V> {
+    fn by_kernel<M: Model>(&mut self, model: M) -> Result<(), Error> {
+        match Robot::new(self.gpr, model, self.virtualization, self.options)? {
+            // The kernel always takes one step.
+            Some(robot) if self.options.max_iterations > 0 => {
+                Arch::new().dispatch(Blocks { work: self, robot: &robot, model: PhantomData::<M> })
             }
-            Err(error) => {
-                write(&|_| Ok(f64::NAN))?;
-                Status::of(&error).ok_or(error)
+            _ => self.one_by_one(0..self.status.len()),
+        }
+    }
+
+    /// Poses by the scalar kernel, which also finds the reason where there is no answer.
+    fn one_by_one(&mut self, poses: std::ops::Range<usize>) -> Result<(), Error> {
+        for i in poses {
+            let rods = [0, 1, 2].map(|k| self.rods[k].at(i));
+            match self.gpr.forward(rods, self.virtualization, self.options) {
+                Ok(pose) => {
+                    self.status[i] = Status::Solved;
+                    for (quantity, column) in &mut *self.wanted {
+                        column[i] = value(self.gpr, &pose, self.virtualization, *quantity)?;
+                    }
+                }
+                Err(error) => {
+                    self.status[i] = Status::of(&error).ok_or(error)?;
+                    for (_, column) in &mut *self.wanted {
+                        column[i] = f64::NAN;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The work cut into blocks of as many poses as the machine computes side by side.
+struct Blocks<'w, 'a, 'b, V: ?Sized, M> {
+    work: &'w mut Work<'a, 'b, V>,
+    robot: &'w Robot,
+    model: PhantomData<M>,
+}
+
+impl<V: Virtualization + ?Sized, M: Model> WithSimd for Blocks<'_, '_, '_, V, M> {
+    type Output = Result<(), Error>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Result<(), Error> {
+        let Self { work, robot, .. } = self;
+        let poses = work.status.len();
+        let needs = Needs::of(work.wanted);
+        let mut values = [Lanes::splat(simd, 0.0); PLACES];
+        for first in (0..poses).step_by(Lanes::<S>::COUNT) {
+            let rods = [
+                Lanes::load(simd, &work.rods[0], first),
+                Lanes::load(simd, &work.rods[1], first),
+                Lanes::load(simd, &work.rods[2], first),
+            ];
+            let balls = Balls::new(robot, rods);
+            let plane = Plane::new(robot, &balls);
+            let found = solved::<S, M>(robot, work.options, &balls, &plane);
+            let upright = balls.mean.like(0.0).below(found.shape.area() * robot.base_area);
+            let certain = fill::<S, M>(&mut values, &needs, robot, &balls, &plane, &found);
+            let solved = found.met & upright & certain;
+            for (quantity, column) in &mut *work.wanted {
+                values[place(*quantity)].store(column, first);
+            }
+            let end = (first + Lanes::<S>::COUNT).min(poses);
+            if solved.all() {
+                work.status[first..end].fill(Status::Solved);
+            } else {
+                for (lane, solved) in solved.answers()[..end - first].iter().enumerate() {
+                    if *solved {
+                        work.status[first + lane] = Status::Solved;
+                    } else {
+                        work.one_by_one(first + lane..first + lane + 1)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[inline(always)]
+fn solved<S: Simd, M: Model>(
+    robot: &Robot,
+    options: &SolveOptions,
+    balls: &Balls<S>,
+    plane: &Plane<S>,
+) -> Found<S> {
+    if options.solver == Solver::Newton {
+        return solve::newton::<S, M>(robot, balls, options.max_iterations);
+    }
+    if options.solver == Solver::ClosedForm {
+        if !M::TOWARD_SOCKET {
+            return solve::planar(robot, balls, plane.area);
+        }
+        if !M::ACROSS && robot.equally_spaced {
+            return solve::radial(robot, balls, plane.area);
+        }
+    }
+    solve::least_norm::<S, M>(robot, balls, options.relative_threshold, options.max_iterations)
+}
+
+/// Which groups of quantities are asked for: what nobody asks for is not computed.
+struct Needs {
+    sides: bool,
+    displacement: bool,
+    residual: bool,
+    pose: bool,
+    angles: bool,
+    axis_height: bool,
+    sensitivity: bool,
+}
+
+impl Needs {
+    fn of(wanted: &[(Quantity, &mut [f64])]) -> Self {
+        let any = |asked: fn(Quantity) -> bool| wanted.iter().any(|(quantity, _)| asked(*quantity));
+        let angles = any(|q| matches!(q, Quantity::Yaw | Quantity::Pitch | Quantity::Twist));
+        let axis_height = any(|q| q == Quantity::AxisHeight);
+        let pose = any(|q| matches!(q, Quantity::Origin(_) | Quantity::Normal(_)));
+        Self {
+            sides: any(|q| matches!(q, Quantity::Side(_))),
+            displacement: any(|q| q == Quantity::Displacement),
+            residual: any(|q| q == Quantity::Residual),
+            pose: pose || angles || axis_height,
+            angles,
+            axis_height,
+            sensitivity: any(|q| matches!(q, Quantity::Sensitivity(_))),
+        }
+    }
+}
+
+/// Places for the values of all quantities.
+const PLACES: usize = 25;
+
+/// Where the value of a quantity stands among those of a block.
+#[inline]
+fn place(quantity: Quantity) -> usize {
+    match quantity {
+        Quantity::VirtualJoint(joint) => joint,
+        Quantity::Side(side) => 6 + side,
+        Quantity::Origin(axis) => 9 + axis,
+        Quantity::Normal(axis) => 12 + axis,
+        Quantity::Sensitivity(index) => 15 + index,
+        Quantity::Yaw => 18,
+        Quantity::Pitch => 19,
+        Quantity::Twist => 20,
+        Quantity::AxisHeight => 21,
+        Quantity::Displacement => 22,
+        Quantity::Residual => 23,
+        Quantity::Iterations => 24,
+    }
+}
+
+/// Writes the values that are needed, each what [`value`] is for one pose; says where they can be relied on.
+#[inline(always)]
+fn fill<S: Simd, M: Model>(
+    values: &mut [Lanes<S>; PLACES],
+    needs: &Needs,
+    robot: &Robot,
+    balls: &Balls<S>,
+    plane: &Plane<S>,
+    found: &Found<S>,
+) -> Mask<S> {
+    let shape = &found.shape;
+    let zero = balls.mean.like(0.0);
+    let mut certain = zero.at_most(zero);
+    values[place(Quantity::Iterations)] = found.iterations;
+    for k in 0..3 {
+        values[place(Quantity::VirtualJoint(k))] = shape.a[k];
+        values[place(Quantity::VirtualJoint(3 + k))] = shape.b[k];
+    }
+    if needs.sides {
+        for k in 0..3 {
+            values[place(Quantity::Side(k))] = balls.squares[k].sqrt();
+        }
+    }
+    if needs.displacement {
+        values[place(Quantity::Displacement)] = displacement::<S, M>(robot, shape);
+    }
+    if needs.residual {
+        values[place(Quantity::Residual)] = residual(balls, found);
+    }
+    if needs.pose {
+        let placed = Placed::new(robot, balls, plane, shape);
+        for axis in 0..3 {
+            values[place(Quantity::Origin(axis))] = placed.origin[axis];
+            values[place(Quantity::Normal(axis))] = placed.normal[axis];
+        }
+        if needs.angles {
+            values[place(Quantity::Yaw)] = placed.yaw();
+            values[place(Quantity::Pitch)] = placed.pitch();
+            values[place(Quantity::Twist)] = placed.twist();
+        }
+        if needs.axis_height {
+            values[place(Quantity::AxisHeight)] = placed.axis_height();
+        }
+    }
+    if needs.sensitivity {
+        let (singular_values, orthogonal) =
+            singular_values::sensitivity::<S, M>(robot, balls, shape);
+        for (index, value) in singular_values.into_iter().enumerate() {
+            values[place(Quantity::Sensitivity(index))] = value;
+        }
+        certain = orthogonal;
+    }
+    certain
+}
+
+/// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits.
+#[inline(always)]
+fn residual<S: Simd>(balls: &Balls<S>, found: &Found<S>) -> Lanes<S> {
+    let mut most = balls.mean.like(0.0);
+    for (missing, square) in found.missing.iter().zip(balls.squares) {
+        most = most.max(missing.squared() / square);
+    }
+    most.sqrt() * 0.5
+}
+
+#[inline(always)]
+fn displacement<S: Simd, M: Model>(robot: &Robot, shape: &Shape<S>) -> Lanes<S> {
+    let mut a = shape.a;
+    for (a, start) in a.iter_mut().zip(robot.start) {
+        *a = *a - start;
+    }
+    solve::squared::<S, M>(robot, &a, &shape.b).sqrt()
+}
+
+/// A quantity of one pose.
+fn value<V: Virtualization + ?Sized>(
+    gpr: &Gpr,
+    pose: &Forward,
+    virtualization: &V,
+    quantity: Quantity,
+) -> Result<f64, Error> {
+    Ok(match quantity {
+        Quantity::Side(side) => pose.sides[side],
+        Quantity::VirtualJoint(joint) => pose.solution.virtual_joints[joint],
+        Quantity::Origin(axis) => pose.base_from_platform.translation.vector[axis],
+        Quantity::Normal(axis) => pose.normal()[axis],
+        Quantity::Yaw => pose.tilt().yaw,
+        Quantity::Pitch => pose.tilt().pitch,
+        Quantity::Twist => pose.twist_about_normal(),
+        Quantity::AxisHeight => pose.axis_height().0,
+        Quantity::Displacement => {
+            let x = &pose.solution.virtual_joints;
+            let mut nominal = VirtualJoints::zeros(x.len());
+            virtualization.nominal(gpr.platform(), &mut nominal);
+            let rho = pose.solution.characteristic_length;
+            let moved = x.iter().zip(nominal.iter()).zip(virtualization.joints());
+            moved
+                .map(|((x, start), joint)| ((x - start) * joint.motion.weight(rho)).powi(2))
+                .sum::<f64>()
+                .sqrt()
+        }
+        Quantity::Sensitivity(index) => {
+            let system = gpr.system(virtualization);
+            let at = system.configuration(pose);
+            let rho = pose.solution.characteristic_length;
+            sensitivity(&system, &at, rho, RANK_THRESHOLD)?.singular_values()[index]
+        }
+        Quantity::Residual => pose.solution.residual,
+        // A whole number of iterations far below 2⁵³.
+        Quantity::Iterations => pose.solution.iterations as f64,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpr::AxisHeight;
+    use crate::spatial::Tilt;
+    use crate::virtualization::{self, built_in};
+
+    const POSES: usize = 19;
+
+    /// All quantities of polar virtual joints, computed with one kind of registers.
+    fn with<S: Simd>(simd: S, rods: &[Vec<f64>; 3], options: &SolveOptions) -> Vec<Vec<f64>> {
+        let gpr = Gpr::paper();
+        let quantities = [
+            [0, 1, 2].map(Quantity::VirtualJoint),
+            [3, 4, 5].map(Quantity::VirtualJoint),
+            [0, 1, 2].map(Quantity::Origin),
+            [0, 1, 2].map(Quantity::Sensitivity),
+            [Quantity::Yaw, Quantity::Pitch, Quantity::Twist],
+        ];
+        let quantities = quantities.as_flattened();
+        let mut columns = vec![vec![0.0; POSES]; quantities.len()];
+        let mut wanted: Vec<_> = quantities
+            .iter()
+            .zip(&mut columns)
+            .map(|(quantity, column)| (*quantity, &mut column[..]))
+            .collect();
+        let mut status = [Status::TurnedOver; POSES];
+        let mut work = Work {
+            gpr: &gpr,
+            rods: rods.each_ref().map(|column| Column::from(&column[..])),
+            virtualization: &virtualization::Polar,
+            options,
+            status: &mut status,
+            wanted: &mut wanted,
+        };
+        let robot = Robot::new(&gpr, Polar, &virtualization::Polar, options).unwrap().unwrap();
+        let blocks = Blocks { work: &mut work, robot: &robot, model: PhantomData::<Polar> };
+        simd.vectorize(blocks).unwrap();
+        assert_eq!(status, [Status::Solved; POSES]);
+        columns
+    }
+
+    fn rods() -> [Vec<f64>; 3] {
+        let mut rods = [const { Vec::new() }; 3];
+        for i in 0..POSES {
+            let tilt = Tilt { yaw: i as f64 * 0.7, pitch: i as f64 * 0.01 };
+            let found = Gpr::paper().inverse(tilt, AxisHeight(0.5)).unwrap();
+            rods.iter_mut().zip(found).for_each(|(column, rod)| column.push(rod));
+        }
+        rods
+    }
+
+    fn largest_difference(a: &[Vec<f64>], b: &[Vec<f64>]) -> f64 {
+        let differences = a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| (a - b).abs());
+        differences.fold(0.0, f64::max)
+    }
+
+    /// Programs that run elsewhere take other registers than those that the laws were tested with.
+    #[test]
+    fn every_kind_of_registers_says_the_same() {
+        let rods = rods();
+        for solver in [Solver::Newton, Solver::LeastNorm] {
+            let options = SolveOptions { solver, ..SolveOptions::default() };
+            let one_lane = with(pulp::Scalar, &rods, &options);
+            let two_lanes = with(pulp::Scalar128b, &rods, &options);
+            assert!(largest_difference(&one_lane, &two_lanes) < 1e-13);
+            #[cfg(target_arch = "x86_64")]
+            {
+                use pulp::x86::{V3, V4};
+                let four_lanes = V3::try_new().map(|simd| with(simd, &rods, &options));
+                let eight_lanes = V4::try_new().map(|simd| with(simd, &rods, &options));
+                for lanes in [&four_lanes, &eight_lanes].into_iter().flatten() {
+                    assert!(largest_difference(&one_lane, lanes) < 1e-13);
+                }
+                if let (Some(four), Some(eight)) = (four_lanes, eight_lanes) {
+                    assert_eq!(four, eight, "both round products and sums once");
+                }
             }
         }
     }
 
-    fn value<V: Virtualization + ?Sized>(
-        &self,
-        pose: &Forward,
-        virtualization: &V,
-        quantity: Quantity,
-    ) -> Result<f64, Error> {
-        Ok(match quantity {
-            Quantity::Side(side) => pose.sides[side],
-            Quantity::VirtualJoint(joint) => pose.solution.virtual_joints[joint],
-            Quantity::Origin(axis) => pose.base_from_platform.translation.vector[axis],
-            Quantity::Normal(axis) => pose.normal()[axis],
-            Quantity::Yaw => pose.tilt().yaw,
-            Quantity::Pitch => pose.tilt().pitch,
-            Quantity::Twist => pose.twist_about_normal(),
-            Quantity::AxisHeight => pose.axis_height().0,
-            Quantity::Displacement => self.displacement(pose, virtualization),
-            Quantity::Sensitivity(index) => {
-                let system = self.system(virtualization);
-                let at = system.configuration(pose);
-                let rho = pose.solution.characteristic_length;
-                sensitivity(&system, &at, rho, RANK_THRESHOLD)?.singular_values()[index]
-            }
-            Quantity::Residual => pose.solution.residual,
-            // A whole number of iterations far below 2⁵³.
-            Quantity::Iterations => pose.solution.iterations as f64,
-        })
-    }
-
-    /// ‖X − X_0‖ in the metric [m].
-    fn displacement<V: Virtualization + ?Sized>(&self, pose: &Forward, virtualization: &V) -> f64 {
-        let x = &pose.solution.virtual_joints;
-        let mut nominal = VirtualJoints::zeros(x.len());
-        virtualization.nominal(self.platform(), &mut nominal);
-        let rho = pose.solution.characteristic_length;
-        x.iter()
-            .zip(nominal.iter())
-            .zip(virtualization.joints())
-            .map(|((x, start), joint)| ((x - start) * joint.motion.weight(rho)).powi(2))
-            .sum::<f64>()
-            .sqrt()
+    #[test]
+    fn every_quantity_has_a_place_of_its_own() {
+        let three = [Quantity::Side, Quantity::Origin, Quantity::Normal, Quantity::Sensitivity];
+        let mut places: Vec<_> = three.iter().flat_map(|of| (0..3).map(|k| place(of(k)))).collect();
+        places.extend((0..6).map(|joint| place(Quantity::VirtualJoint(joint))));
+        places.extend([Quantity::Yaw, Quantity::Pitch, Quantity::Twist].map(place));
+        places.extend([Quantity::AxisHeight, Quantity::Displacement].map(place));
+        places.extend([Quantity::Residual, Quantity::Iterations].map(place));
+        places.sort_unstable();
+        assert_eq!(places, (0..PLACES).collect::<Vec<_>>());
+        assert!(built_in().iter().all(|model| model.joints().len() <= 6));
     }
 }

@@ -1,5 +1,9 @@
 //! From many tilts to their rods.
 
+use pulp::{Arch, Simd, WithSimd};
+
+use super::lanes::Lanes;
+use super::trigonometry::sin_cos;
 use super::{Column, Status, Tally};
 use crate::Error;
 use crate::gpr::{AxisHeight, Gpr};
@@ -18,7 +22,7 @@ impl Gpr {
     /// [`Error::WrongLength`] for columns of different lengths. Poses without rods are NaN and have their status.
     ///
     /// # Numerics
-    /// Does not allocate. Equal to [`Self::inverse`] to 10⁻¹² of the rod.
+    /// Does not allocate. Equal to [`Self::inverse`] to 10⁻¹² of the rod and the base.
     pub fn inverse_many(
         &self,
         yaw: Column<'_>,
@@ -27,7 +31,6 @@ impl Gpr {
         status: &mut [Status],
         rods: [&mut [f64]; 3],
     ) -> Result<Tally, Error> {
-        let expected = status.len();
         let lengths = [
             ("the column of yaws", yaw.len()),
             ("the column of pitches", pitch.len()),
@@ -36,20 +39,70 @@ impl Gpr {
             ("a column of rods", rods[1].len()),
             ("a column of rods", rods[2].len()),
         ];
-        super::same_lengths(expected, lengths)?;
-        for (i, ended) in status.iter_mut().enumerate() {
-            let tilt = Tilt { yaw: yaw.at(i), pitch: pitch.at(i) };
-            match self.inverse(tilt, AxisHeight(height.at(i))) {
-                Ok(found) => {
-                    *ended = Status::Solved;
-                    (rods[0][i], rods[1][i], rods[2][i]) = found.into();
-                }
-                Err(error) => {
-                    *ended = Status::of(&error).ok_or(error)?;
-                    (rods[0][i], rods[1][i], rods[2][i]) = (f64::NAN, f64::NAN, f64::NAN);
+        super::same_lengths(status.len(), lengths)?;
+        Arch::new().dispatch(Blocks { gpr: self, given: [yaw, pitch, height], status, rods })?;
+        Ok(Tally::of(status))
+    }
+}
+
+/// The work cut into blocks of as many tilts as the machine computes side by side.
+struct Blocks<'a> {
+    gpr: &'a Gpr,
+    given: [Column<'a>; 3],
+    status: &'a mut [Status],
+    rods: [&'a mut [f64]; 3],
+}
+
+impl WithSimd for Blocks<'_> {
+    type Output = Result<(), Error>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) -> Result<(), Error> {
+        let tilts = self.status.len();
+        for first in (0..tilts).step_by(Lanes::<S>::COUNT) {
+            let yaw = Lanes::load(simd, &self.given[0], first);
+            let pitch = Lanes::load(simd, &self.given[1], first);
+            let height = Lanes::load(simd, &self.given[2], first);
+            let ((sin, cos), (rise, run)) = (sin_cos(yaw), sin_cos(pitch));
+            let slope = rise / run;
+            let (slope_x, slope_y) = (slope * cos, slope * sin);
+            // Written so that what is not a number is no tilt.
+            let mut reached = pitch.abs().below(pitch.like(std::f64::consts::FRAC_PI_2));
+            for (rods, point) in self.rods.iter_mut().zip(self.gpr.base_points()) {
+                let lower = slope_x.times_plus(slope.like(point.x), slope_y * point.y);
+                let rod = height - lower;
+                reached = reached & rod.abs().below(rod.like(f64::INFINITY));
+                rod.store(rods, first);
+            }
+            let end = (first + Lanes::<S>::COUNT).min(tilts);
+            if reached.all() {
+                self.status[first..end].fill(Status::Solved);
+                continue;
+            }
+            for (lane, reached) in reached.answers()[..end - first].iter().enumerate() {
+                if *reached {
+                    self.status[first + lane] = Status::Solved;
+                } else {
+                    self.one(first + lane)?;
                 }
             }
         }
-        Ok(Tally::of(status))
+        Ok(())
+    }
+}
+
+impl Blocks<'_> {
+    /// One tilt by the scalar kernel, which also finds the reason where there is no answer.
+    fn one(&mut self, i: usize) -> Result<(), Error> {
+        let [yaw, pitch, height] = self.given.map(|column| column.at(i));
+        let (status, found) = match self.gpr.inverse(Tilt { yaw, pitch }, AxisHeight(height)) {
+            Ok(rods) => (Status::Solved, rods),
+            Err(error) => (Status::of(&error).ok_or(error)?, [f64::NAN; 3]),
+        };
+        self.status[i] = status;
+        for (rods, rod) in self.rods.iter_mut().zip(found) {
+            rods[i] = rod;
+        }
+        Ok(())
     }
 }

@@ -29,8 +29,14 @@
 mod column;
 mod forward;
 mod inverse;
+mod lanes;
+mod pose;
 mod quantity;
+mod shape;
+mod singular_values;
+mod solve;
 mod status;
+mod trigonometry;
 
 pub use column::Column;
 pub use quantity::Quantity;

@@ -40,6 +40,19 @@ pub fn built_in() -> [&'static dyn Virtualization; 4] {
     [&Radial, &Polar, &Offset, &Planar]
 }
 
+/// The virtualizations that [`bulk`](crate::bulk) knows; each is the type of the same name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kernel {
+    /// [`Radial`].
+    Radial,
+    /// [`Polar`].
+    Polar,
+    /// [`Offset`].
+    Offset,
+    /// [`Planar`].
+    Planar,
+}
+
 /// A way to let the sockets move in the platform plane.
 ///
 /// All vectors are in the platform frame; `x` always has as many entries as [`joints`](Self::joints).
@@ -58,6 +71,11 @@ pub trait Virtualization {
 
     /// Writes ∂p/∂X: for each virtual joint, the velocities of the three sockets ([m/m], [m/rad]).
     fn socket_velocities(&self, platform: &Platform, x: &[f64], velocities: &mut [Sockets]);
+
+    /// The kernel that computes many poses of this virtualization at a time; `None`, as for one of your own, computes them one by one.
+    fn kernel(&self) -> Option<Kernel> {
+        None
+    }
 
     /// Writes the exact X of least displacement for these sides and says `true`, where a closed form exists.
     ///

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::polar::turned;
-use super::{Motion, Platform, Sockets, VirtualJoint, Virtualization};
+use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization};
 
 /// Sockets displaced by dr_k in the direction β_k + dφ_k: p_k = r_k u(β_k) + dr_k u(β_k + dφ_k).
 ///
@@ -26,6 +26,10 @@ impl Virtualization for Offset {
     #[inline]
     fn joints(&self) -> &[VirtualJoint] {
         &JOINTS
+    }
+
+    fn kernel(&self) -> Option<Kernel> {
+        Some(Kernel::Offset)
     }
 
     #[inline]

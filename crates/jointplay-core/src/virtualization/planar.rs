@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{Motion, Platform, Sides, Sockets, VirtualJoint, Virtualization};
+use super::{Kernel, Motion, Platform, Sides, Sockets, VirtualJoint, Virtualization};
 
 /// Sockets displaced by (u_k, v_k) in the platform plane: p_k = r_k u(β_k) + (u_k, v_k).
 ///
@@ -25,6 +25,10 @@ impl Virtualization for Planar {
     #[inline]
     fn joints(&self) -> &[VirtualJoint] {
         &JOINTS
+    }
+
+    fn kernel(&self) -> Option<Kernel> {
+        Some(Kernel::Planar)
     }
 
     #[inline]

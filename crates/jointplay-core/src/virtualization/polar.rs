@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{Motion, Platform, Sockets, VirtualJoint, Virtualization, unit};
+use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization, unit};
 
 /// Sockets in polar coordinates about O_p: p_k = l_k u(β_k + φ_k).
 ///
@@ -24,6 +24,10 @@ impl Virtualization for Polar {
     #[inline]
     fn joints(&self) -> &[VirtualJoint] {
         &JOINTS
+    }
+
+    fn kernel(&self) -> Option<Kernel> {
+        Some(Kernel::Polar)
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! Three radial slides, one at each socket.
 
-use super::{Motion, Platform, Sides, Sockets, VirtualJoint, Virtualization};
+use super::{Kernel, Motion, Platform, Sides, Sockets, VirtualJoint, Virtualization};
 
 /// Sockets that slide along their radii: p_k = l_k u(β_k).
 ///
@@ -22,6 +22,10 @@ impl Virtualization for Radial {
     #[inline]
     fn joints(&self) -> &[VirtualJoint] {
         &JOINTS
+    }
+
+    fn kernel(&self) -> Option<Kernel> {
+        Some(Kernel::Radial)
     }
 
     #[inline]

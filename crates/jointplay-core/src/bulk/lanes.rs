@@ -1,0 +1,257 @@
+//! As many poses side by side as the machine's registers hold.
+
+use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
+
+use pulp::Simd;
+
+use super::Column;
+
+/// One number of each pose in a block: eight with AVX-512, four with AVX2, two with NEON, else one.
+///
+/// Arithmetic is lane by lane, so that no pose knows of its neighbours.
+#[derive(Clone, Copy)]
+pub(super) struct Lanes<S: Simd> {
+    simd: S,
+    value: S::f64s,
+}
+
+/// A yes or no for each pose in a block.
+#[derive(Clone, Copy)]
+pub(super) struct Mask<S: Simd> {
+    simd: S,
+    value: S::m64s,
+}
+
+/// The most lanes that any machine has.
+const MOST: usize = 8;
+
+// Everything here is inlined, always: what is not would be compiled without the machine's wide instructions.
+impl<S: Simd> Lanes<S> {
+    /// Poses in a block.
+    pub(super) const COUNT: usize = S::F64_LANES;
+
+    #[inline(always)]
+    pub(super) fn splat(simd: S, value: f64) -> Self {
+        Self { simd, value: simd.splat_f64s(value) }
+    }
+
+    /// The same number as another, of the same machine.
+    #[inline(always)]
+    pub(super) fn like(self, value: f64) -> Self {
+        Self::splat(self.simd, value)
+    }
+
+    /// The entries of a column from `first` on; beyond its end the last one again.
+    #[inline(always)]
+    pub(super) fn load(simd: S, column: &Column<'_>, first: usize) -> Self {
+        if column.stride() == 1 && first + Self::COUNT <= column.len() {
+            let (whole, _) = S::as_simd_f64s(&column.contiguous()[first..first + Self::COUNT]);
+            return Self { simd, value: whole[0] };
+        }
+        if column.stride() == 0 {
+            return Self::splat(simd, column.at(0));
+        }
+        let mut numbers = [0.0; MOST];
+        for (lane, number) in numbers[..Self::COUNT].iter_mut().enumerate() {
+            *number = column.at((first + lane).min(column.len() - 1));
+        }
+        Self::of(simd, &numbers)
+    }
+
+    #[inline(always)]
+    fn of(simd: S, numbers: &[f64; MOST]) -> Self {
+        let (whole, _) = S::as_simd_f64s(&numbers[..Self::COUNT]);
+        Self { simd, value: whole[0] }
+    }
+
+    /// Writes the lanes to a column from `first` on, as far as it goes.
+    #[inline(always)]
+    pub(super) fn store(self, column: &mut [f64], first: usize) {
+        if first + Self::COUNT <= column.len() {
+            let (whole, _) = S::as_mut_simd_f64s(&mut column[first..first + Self::COUNT]);
+            whole[0] = self.value;
+        } else {
+            let rest = &mut column[first..];
+            rest.copy_from_slice(&self.numbers()[..rest.len()]);
+        }
+    }
+
+    /// The numbers of all lanes; those that the machine has not are zero.
+    #[inline(always)]
+    pub(super) fn numbers(self) -> [f64; MOST] {
+        let mut numbers = [0.0; MOST];
+        let (whole, _) = S::as_mut_simd_f64s(&mut numbers[..Self::COUNT]);
+        whole[0] = self.value;
+        numbers
+    }
+
+    /// A scalar function of each lane, for what is rare.
+    #[inline(always)]
+    pub(super) fn each(self, function: impl Fn(f64) -> f64) -> Self {
+        let mut numbers = self.numbers();
+        for number in &mut numbers[..Self::COUNT] {
+            *number = function(*number);
+        }
+        Self::of(self.simd, &numbers)
+    }
+
+    /// `self · factor + addend`, rounded once where the machine can.
+    #[inline(always)]
+    pub(super) fn times_plus(self, factor: Self, addend: Self) -> Self {
+        let value = self.simd.mul_add_e_f64s(self.value, factor.value, addend.value);
+        Self { value, ..self }
+    }
+
+    /// `minuend − self · factor`.
+    #[inline(always)]
+    pub(super) fn times_from(self, factor: Self, minuend: Self) -> Self {
+        let value = self.simd.negate_mul_add_e_f64s(self.value, factor.value, minuend.value);
+        Self { value, ..self }
+    }
+
+    #[inline(always)]
+    pub(super) fn squared(self) -> Self {
+        self * self
+    }
+
+    #[inline(always)]
+    pub(super) fn sqrt(self) -> Self {
+        Self { value: self.simd.sqrt_f64s(self.value), ..self }
+    }
+
+    #[inline(always)]
+    pub(super) fn abs(self) -> Self {
+        Self { value: self.simd.abs_f64s(self.value), ..self }
+    }
+
+    /// One over it.
+    #[inline(always)]
+    pub(super) fn inverse(self) -> Self {
+        self.like(1.0) / self
+    }
+
+    /// The larger of two; either where one is not a number.
+    #[inline(always)]
+    pub(super) fn max(self, other: Self) -> Self {
+        Self { value: self.simd.max_f64s(self.value, other.value), ..self }
+    }
+
+    /// The smaller of two; either where one is not a number.
+    #[inline(always)]
+    pub(super) fn min(self, other: Self) -> Self {
+        Self { value: self.simd.min_f64s(self.value, other.value), ..self }
+    }
+
+    /// Where `self ≤ other`; nowhere beside what is not a number.
+    #[inline(always)]
+    pub(super) fn at_most(self, other: Self) -> Mask<S> {
+        let value = self.simd.less_than_or_equal_f64s(self.value, other.value);
+        Mask { simd: self.simd, value }
+    }
+
+    /// Where `self < other`; nowhere beside what is not a number.
+    #[inline(always)]
+    pub(super) fn below(self, other: Self) -> Mask<S> {
+        Mask { simd: self.simd, value: self.simd.less_than_f64s(self.value, other.value) }
+    }
+
+    /// Where this bit of the number's representation is set.
+    #[inline(always)]
+    pub(super) fn bit(self, bit: u64) -> Mask<S> {
+        let simd = self.simd;
+        let bits = simd.and_u64s(simd.transmute_u64s_f64s(self.value), simd.splat_u64s(bit));
+        Mask { simd, value: simd.equal_u64s(bits, simd.splat_u64s(bit)) }
+    }
+}
+
+impl<S: Simd> Mask<S> {
+    /// `yes` where the mask says so, `no` elsewhere.
+    #[inline(always)]
+    pub(super) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
+        Lanes { value: self.simd.select_f64s(self.value, yes.value, no.value), simd: self.simd }
+    }
+
+    /// Whether it says yes everywhere.
+    #[inline(always)]
+    pub(super) fn all(self) -> bool {
+        !(!self).any()
+    }
+
+    /// Whether it says yes anywhere.
+    #[inline(always)]
+    pub(super) fn any(self) -> bool {
+        self.simd.first_true_m64s(self.value) < Lanes::<S>::COUNT
+    }
+
+    /// What it says of each lane; no for lanes that the machine has not.
+    #[inline(always)]
+    pub(super) fn answers(self) -> [bool; MOST] {
+        let (one, zero) = (Lanes::splat(self.simd, 1.0), Lanes::splat(self.simd, 0.0));
+        let numbers = self.select(one, zero).numbers();
+        let mut answers = [false; MOST];
+        for (answer, number) in answers.iter_mut().zip(numbers) {
+            *answer = number == 1.0;
+        }
+        answers
+    }
+}
+
+macro_rules! lane_by_lane {
+    ($($operator:ident :: $method:ident = $of_simd:ident),*) => {$(
+        impl<S: Simd> $operator for Lanes<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                Self { value: self.simd.$of_simd(self.value, other.value), ..self }
+            }
+        }
+
+        impl<S: Simd> $operator<f64> for Lanes<S> {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: f64) -> Self {
+                self.$method(self.like(other))
+            }
+        }
+    )*};
+}
+
+lane_by_lane!(Add::add = add_f64s, Sub::sub = sub_f64s, Mul::mul = mul_f64s, Div::div = div_f64s);
+
+impl<S: Simd> Neg for Lanes<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self { value: self.simd.neg_f64s(self.value), ..self }
+    }
+}
+
+impl<S: Simd> BitAnd for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitand(self, other: Self) -> Self {
+        Self { value: self.simd.and_m64s(self.value, other.value), ..self }
+    }
+}
+
+impl<S: Simd> BitOr for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn bitor(self, other: Self) -> Self {
+        Self { value: self.simd.or_m64s(self.value, other.value), ..self }
+    }
+}
+
+impl<S: Simd> Not for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self { value: self.simd.not_m64s(self.value), ..self }
+    }
+}

@@ -1,0 +1,122 @@
+//! Where the platforms of many poses are, once their sockets are known.
+
+use pulp::Simd;
+
+use super::lanes::Lanes;
+use super::shape::{Balls, Robot, Shape, Three};
+use super::trigonometry::angle_of;
+
+/// The plane through the balls of many poses.
+#[derive(Clone, Copy)]
+pub(super) struct Plane<S: Simd> {
+    /// Its upward normal times twice the area of the triangle [m²].
+    across: Three<S>,
+    /// Twice the area of the triangle [m²].
+    pub(super) area: Lanes<S>,
+}
+
+impl<S: Simd> Plane<S> {
+    #[inline(always)]
+    pub(super) fn new(robot: &Robot, balls: &Balls<S>) -> Self {
+        let [[x_1, y_1], _, [x_3, y_3]] = robot.base_edges;
+        let sense = robot.base_area.signum();
+        let (z_1, z_3) = (balls.rises[0], balls.rises[2]);
+        // (P_2 − P_1) × (P_3 − P_1), whose third entry is that of the base.
+        let x = z_3.times_from(z_3.like(y_1 * sense), z_1 * (y_3 * sense));
+        let y = z_1.times_from(z_1.like(x_3 * sense), z_3 * (x_1 * sense));
+        let z = x.like(robot.base_area.abs());
+        let area = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
+        Self { across: [x, y, z], area }
+    }
+}
+
+/// The platforms of many poses.
+#[derive(Clone, Copy)]
+pub(super) struct Placed<S: Simd> {
+    /// O_p in the base frame [m].
+    pub(super) origin: Three<S>,
+    /// Platform normal in the base frame.
+    pub(super) normal: Three<S>,
+    /// Cosine and sine of the turn about the normal.
+    turn: [Lanes<S>; 2],
+}
+
+impl<S: Simd> Placed<S> {
+    /// What [`fit_in_plane`](crate::spatial::fit_in_plane) does, for triangles that are equal to the threshold.
+    #[inline(always)]
+    pub(super) fn new(robot: &Robot, balls: &Balls<S>, plane: &Plane<S>, shape: &Shape<S>) -> Self {
+        let [x, y, z] = plane.across;
+        let area = plane.area;
+        // With n the normal: 1/(area (area + z)) gives both n and n/(1 + n_z) in one division.
+        let both = ((area + z) * area).inverse();
+        let (per_area, per_lean) = ((area + z) * both, area * both);
+        let normal = [x * per_area, y * per_area, z * per_area];
+        // e_p1 and e_p2 of a platform that leans without turning are e_1 − lean_x (n + e_3) and e_2 − lean_y (n + e_3).
+        let lean = [x * per_lean, y * per_lean];
+        let (mut cosine, mut sine) = (x.like(0.0), x.like(0.0));
+        for k in 0..3 {
+            let rise = balls.rises[k];
+            let [base_x, base_y] = robot.base_edges[k];
+            // The edge between the balls, in axes of the plane.
+            let onto_x = lean[0].times_from(rise, x.like(base_x));
+            let onto_y = lean[1].times_from(rise, x.like(base_y));
+            let [from_x, from_y] = shape.edges[k];
+            cosine = from_x.times_plus(onto_x, from_y.times_plus(onto_y, cosine));
+            sine = from_y.times_from(onto_x, from_x.times_plus(onto_y, sine));
+        }
+        // The length of (cosine, sine) is the sum of the squared sides but for what is missing from them; one step of Newton's method for the root takes that away.
+        let [l_1, l_2, l_3] = balls.squares;
+        let rough = (l_1 + l_2 + l_3).inverse();
+        let (cosine, sine) = (cosine * rough, sine * rough);
+        let length = cosine.times_plus(cosine, sine * sine);
+        let exact = length.times_from(length.like(0.5), length.like(1.5));
+        let (cosine, sine) = (cosine * exact, sine * exact);
+        let mut center = [x.like(0.0); 2];
+        for (axis, center) in center.iter_mut().enumerate() {
+            let [p_1, p_2, p_3] = shape.sockets;
+            *center = (p_1[axis] + p_2[axis] + p_3[axis]) * (1.0 / 3.0);
+        }
+        let turned = [
+            sine.times_from(center[1], cosine * center[0]),
+            sine.times_plus(center[0], cosine * center[1]),
+        ];
+        let along_lean = lean[0].times_plus(turned[0], lean[1] * turned[1]);
+        let rise = normal[0].times_plus(turned[0], normal[1] * turned[1]);
+        let origin = [
+            normal[0].times_plus(along_lean, x.like(robot.base_center[0]) - turned[0]),
+            normal[1].times_plus(along_lean, x.like(robot.base_center[1]) - turned[1]),
+            balls.mean + rise,
+        ];
+        Self { origin, normal, turn: [cosine, sine] }
+    }
+
+    /// Azimuth toward which the platform leans [rad].
+    #[inline(always)]
+    pub(super) fn yaw(&self) -> Lanes<S> {
+        let [x, y, _] = self.normal;
+        // No lean at all has no azimuth, and no sign of a zero.
+        let level = (x.abs() + y.abs()).at_most(x.like(0.0));
+        level.select(x.like(0.0), angle_of(y, x))
+    }
+
+    /// How far it leans [rad].
+    #[inline(always)]
+    pub(super) fn pitch(&self) -> Lanes<S> {
+        let [x, y, z] = self.normal;
+        angle_of(x.times_plus(x, y * y).sqrt(), z)
+    }
+
+    /// Turn about the normal beyond the shortest rotation to it [rad].
+    #[inline(always)]
+    pub(super) fn twist(&self) -> Lanes<S> {
+        let [cosine, sine] = self.turn;
+        angle_of(sine, cosine)
+    }
+
+    /// Where the platform plane crosses the base axis [m].
+    #[inline(always)]
+    pub(super) fn axis_height(&self) -> Lanes<S> {
+        let ([x, y, z], [o_x, o_y, o_z]) = (self.normal, self.origin);
+        x.times_plus(o_x, y * o_y) / z + o_z
+    }
+}

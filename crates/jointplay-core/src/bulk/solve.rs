@@ -1,0 +1,276 @@
+//! From the sides of many triangles of balls to the virtual joints.
+//!
+//! What [`solve`](crate::virtualization::solve) does for one pose, step by step alike; what does not end within a few steps is left to it.
+
+use pulp::Simd;
+
+use super::lanes::{Lanes, Mask};
+use super::shape::{Balls, Model, Response, Robot, Shape, Three, first_step};
+
+/// Shapes found, where they are, and the steps that it took.
+#[derive(Clone, Copy)]
+pub(super) struct Found<S: Simd> {
+    pub(super) shape: Shape<S>,
+    pub(super) missing: Three<S>,
+    pub(super) iterations: Lanes<S>,
+    /// Where the sides are met.
+    pub(super) met: Mask<S>,
+}
+
+/// Steps of Newton's method that are done here: it doubles its digits, and starts with five or more.
+const NEWTON_STEPS: usize = 8;
+/// Steps toward the least displacement that are done here: each gains three digits at 2°, one at 10°.
+const LEAST_NORM_STEPS: usize = 40;
+/// Least share of a pivot that elimination may leave here: less is nearly dependent, and taken with more care elsewhere.
+const LEAST_PIVOT: f64 = 1e-6;
+
+/// Newton's method from nominal, see [`Solver::Newton`](crate::virtualization::Solver::Newton).
+#[inline(always)]
+pub(super) fn newton<S: Simd, M: Model>(robot: &Robot, balls: &Balls<S>, most: usize) -> Found<S> {
+    let zero = balls.mean.like(0.0);
+    let one = balls.mean.like(1.0);
+    let at_start = balls.missing_at_start(robot);
+    let mut met = balls.met(robot, &at_start);
+    let mut shape = Shape::start::<M>(robot, zero);
+    let (by_a, by_b) = first_step::<S, M>(robot, &at_start);
+    shape.advance::<M>(robot, unless(met, by_a), unless(met, by_b));
+    let mut iterations = met.select(zero, one);
+    let mut missing = shape.missing(balls);
+    met = met | balls.met(robot, &missing);
+    let mut doubtful = one.below(zero);
+    for _ in 1..most.min(NEWTON_STEPS) {
+        if met.all() {
+            break;
+        }
+        let response = shape.response::<M>();
+        let mut half = missing;
+        for half in &mut half {
+            *half = *half * 0.5;
+        }
+        let (by_a, by_b, independent) = step::<S, M>(robot, &response, &half);
+        doubtful = doubtful | !(independent | met);
+        shape.advance::<M>(robot, unless(met, by_a), unless(met, by_b));
+        iterations = iterations + met.select(zero, one);
+        missing = shape.missing(balls);
+        met = met | balls.met(robot, &missing);
+    }
+    Found { shape, missing, iterations, met: met & !doubtful }
+}
+
+/// The least displacement near nominal, see [`Solver::LeastNorm`](crate::virtualization::Solver::LeastNorm).
+///
+/// Only as long as the full way does not overshoot, which takes displacements of millimetres.
+#[inline(always)]
+pub(super) fn least_norm<S: Simd, M: Model>(
+    robot: &Robot,
+    balls: &Balls<S>,
+    relative_threshold: f64,
+    most: usize,
+) -> Found<S> {
+    let zero = balls.mean.like(0.0);
+    let one = balls.mean.like(1.0);
+    let [l_1, l_2, l_3] = balls.squares;
+    let least_step = l_1.max(l_2).max(l_3) * relative_threshold.powi(2);
+    let at_start = balls.missing_at_start(robot);
+    let mut shape = Shape::start::<M>(robot, zero);
+    let (by_a, by_b) = first_step::<S, M>(robot, &at_start);
+    shape.advance::<M>(robot, by_a, by_b);
+    let (mut last_a, mut last_b) = (by_a, by_b);
+    let mut last_squared = squared::<S, M>(robot, &by_a, &by_b);
+    let mut iterations = one;
+    let mut missing = shape.missing(balls);
+    let mut met = last_squared.at_most(least_step) & balls.met(robot, &missing);
+    // Where a step turned back on the last one, or the sides were nearly dependent.
+    let mut doubtful = one.below(zero);
+    for _ in 1..most.min(LEAST_NORM_STEPS) {
+        if (met | doubtful).all() {
+            break;
+        }
+        let response = shape.response::<M>();
+        let mut target = missing;
+        let (mut from_a, from_b) = (shape.a, shape.b);
+        for k in 0..3 {
+            from_a[k] = from_a[k] - robot.start[k];
+            target[k] = target[k] * 0.5;
+        }
+        for k in 0..3 {
+            let before = (k + 2) % 3;
+            let gained = |products: [Lanes<S>; 2]| {
+                let along = products[0] * from_a[k];
+                if M::ACROSS { products[1].times_plus(from_b[k], along) } else { along }
+            };
+            target[k] = target[k] - gained(response.leaving[k]);
+            target[before] = target[before] + gained(response.arriving[k]);
+        }
+        let (mut by_a, mut by_b, independent) = step::<S, M>(robot, &response, &target);
+        for k in 0..3 {
+            by_a[k] = by_a[k] - from_a[k];
+            by_b[k] = by_b[k] - from_b[k];
+        }
+        (by_a, by_b) = (unless(met, by_a), unless(met, by_b));
+        let mut along = zero;
+        for k in 0..3 {
+            along = by_a[k].times_plus(last_a[k], along);
+            if M::ACROSS {
+                along = (by_b[k] * (1.0 / robot.compliance)).times_plus(last_b[k], along);
+            }
+        }
+        let overshot = along.below(last_squared * -0.5);
+        doubtful = doubtful | ((overshot | !independent) & !met);
+        shape.advance::<M>(robot, by_a, by_b);
+        iterations = iterations + met.select(zero, one);
+        missing = shape.missing(balls);
+        last_squared = squared::<S, M>(robot, &by_a, &by_b);
+        (last_a, last_b) = (by_a, by_b);
+        let now = last_squared.at_most(least_step) & balls.met(robot, &missing);
+        met = met | (now & !doubtful);
+    }
+    Found { shape, missing, iterations, met }
+}
+
+/// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
+///
+/// # Arguments
+/// * `area` – twice the area of the triangle of the balls [m²]
+#[inline(always)]
+pub(super) fn planar<S: Simd>(robot: &Robot, balls: &Balls<S>, area: Lanes<S>) -> Found<S> {
+    let [l_12, l_23, l_31] = balls.squares;
+    // The triangle of the balls laid out along its first side, everything times that side: corners (0, 0), (l_12, 0), (along, up).
+    let along = (l_12 + l_31 - l_23) * 0.5;
+    let up = area * robot.base_area.signum();
+    let corners = [[l_12.like(0.0); 2], [l_12, l_12.like(0.0)], [along, up]];
+    let center = [(l_12 + along) * (1.0 / 3.0), up * (1.0 / 3.0)];
+    let from_center = |k: usize, axis: usize| robot.sockets[k][axis] - robot.socket_center[axis];
+    let (mut cosine, mut sine) = (l_12 * from_center(1, 0), l_12 * from_center(1, 1));
+    cosine = along.times_plus(along.like(from_center(2, 0)), cosine);
+    cosine = up.times_plus(up.like(from_center(2, 1)), cosine);
+    sine = along.times_plus(along.like(from_center(2, 1)), sine);
+    sine = up.times_from(up.like(from_center(2, 0)), sine);
+    let scale = (cosine.times_plus(cosine, sine * sine) * l_12).sqrt().inverse();
+    let (cosine, sine) = (cosine * scale, sine * scale);
+    let mut x = [l_12; 3];
+    let mut y = [l_12; 3];
+    for k in 0..3 {
+        let from = [corners[k][0] - center[0], corners[k][1] - center[1]];
+        x[k] = sine.times_from(from[1], cosine * from[0]) - from_center(k, 0);
+        y[k] = sine.times_plus(from[0], cosine * from[1]) - from_center(k, 1);
+    }
+    closed(balls, robot, Shape::of::<super::shape::Planar>(robot, x, y))
+}
+
+/// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
+///
+/// # Arguments
+/// * `area` – twice the area of the triangle of the balls [m²]
+#[inline(always)]
+pub(super) fn radial<S: Simd>(robot: &Robot, balls: &Balls<S>, area: Lanes<S>) -> Found<S> {
+    let [l_12, l_23, l_31] = balls.squares;
+    let half = (l_12 + l_23 + l_31) * 0.5;
+    let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
+    // The sum of the three slides, and a third of one over it.
+    let sum = square.sqrt();
+    let third = sum.inverse() * (1.0 / 3.0);
+    let (d_13, d_21, d_32) = (l_12 - l_23, l_23 - l_31, l_31 - l_12);
+    let slides = [
+        (square + d_13 - d_21) * third,
+        (square + d_21 - d_32) * third,
+        (square + d_32 - d_13) * third,
+    ];
+    let zero = sum.like(0.0);
+    let shape = Shape::of::<super::shape::Radial>(robot, slides, [zero; 3]);
+    let found = closed(balls, robot, shape);
+    let within = zero.below(slides[0]) & zero.below(slides[1]) & zero.below(slides[2]);
+    Found { met: found.met & within, ..found }
+}
+
+#[inline(always)]
+fn closed<S: Simd>(balls: &Balls<S>, robot: &Robot, shape: Shape<S>) -> Found<S> {
+    let missing = shape.missing(balls);
+    let met = balls.met(robot, &missing);
+    Found { shape, missing, iterations: balls.mean.like(0.0), met }
+}
+
+/// Steps, save where the sides are met already.
+#[inline(always)]
+fn unless<S: Simd>(met: Mask<S>, steps: Three<S>) -> Three<S> {
+    let mut taken = steps;
+    for step in &mut taken {
+        *step = met.select(step.like(0.0), *step);
+    }
+    taken
+}
+
+/// ‖(a, b)‖² in the metric.
+#[inline(always)]
+pub(super) fn squared<S: Simd, M: Model>(robot: &Robot, a: &Three<S>, b: &Three<S>) -> Lanes<S> {
+    let sum = |v: &Three<S>| v[0].times_plus(v[0], v[1].times_plus(v[1], v[2] * v[2]));
+    if M::ACROSS { sum(b).times_plus(a[0].like(1.0 / robot.compliance), sum(a)) } else { sum(a) }
+}
+
+/// The least step that gives each edge what it lacks: C Eᵀ (E C Eᵀ)⁻¹ · target.
+///
+/// With it, where the three sides are independent beyond doubt.
+#[inline(always)]
+fn step<S: Simd, M: Model>(
+    robot: &Robot,
+    response: &Response<S>,
+    target: &Three<S>,
+) -> (Three<S>, Three<S>, Mask<S>) {
+    let [n_00, n_11, n_22, n_01, n_12, n_20] = normal_matrix::<S, M>(robot, response);
+    // The inverse by cofactors: one division, and none of it waits for another.
+    let c_00 = n_12.times_from(n_12, n_11 * n_22);
+    let c_11 = n_20.times_from(n_20, n_00 * n_22);
+    let c_22 = n_01.times_from(n_01, n_00 * n_11);
+    let c_01 = n_01.times_from(n_22, n_20 * n_12);
+    let c_12 = n_12.times_from(n_00, n_20 * n_01);
+    let c_20 = n_20.times_from(n_11, n_01 * n_12);
+    let determinant = n_00.times_plus(c_00, n_01.times_plus(c_01, n_20 * c_20));
+    let scale = determinant.inverse();
+    let [t_0, t_1, t_2] = *target;
+    let y = [
+        c_00.times_plus(t_0, c_01.times_plus(t_1, c_20 * t_2)) * scale,
+        c_01.times_plus(t_0, c_11.times_plus(t_1, c_12 * t_2)) * scale,
+        c_20.times_plus(t_0, c_12.times_plus(t_1, c_22 * t_2)) * scale,
+    ];
+    let (mut by_a, mut by_b) = (y, [t_0.like(0.0); 3]);
+    for k in 0..3 {
+        let (leaving, arriving) = (response.leaving[k], response.arriving[k]);
+        let before = y[(k + 2) % 3];
+        by_a[k] = leaving[0].times_from(y[k], arriving[0] * before);
+        if M::ACROSS {
+            by_b[k] = leaving[1].times_from(y[k], arriving[1] * before);
+            if M::TURNS {
+                by_b[k] = by_b[k] * robot.compliance;
+            }
+        }
+    }
+    let independent =
+        (n_00 * n_11 * LEAST_PIVOT).below(c_22) & (n_22 * c_22 * LEAST_PIVOT).below(determinant);
+    (by_a, by_b, independent)
+}
+
+/// E C Eᵀ, symmetric: its diagonal, then the entries (0,1), (1,2), (2,0).
+#[inline(always)]
+fn normal_matrix<S: Simd, M: Model>(robot: &Robot, response: &Response<S>) -> [Lanes<S>; 6] {
+    let zero = response.leaving[0][0].like(0.0);
+    let (mut diagonal, mut beside) = ([zero; 3], [zero; 3]);
+    for k in 0..3 {
+        let before = (k + 2) % 3;
+        let ([l_a, l_b], [r_a, r_b]) = (response.leaving[k], response.arriving[k]);
+        diagonal[k] = l_a.times_plus(l_a, diagonal[k]);
+        diagonal[before] = r_a.times_plus(r_a, diagonal[before]);
+        // Entry (k − 1, k).
+        beside[before] = -(l_a * r_a);
+        if M::ACROSS {
+            let (l_c, r_c) = if M::TURNS {
+                (l_b * robot.compliance, r_b * robot.compliance)
+            } else {
+                (l_b, r_b)
+            };
+            diagonal[k] = l_c.times_plus(l_b, diagonal[k]);
+            diagonal[before] = r_c.times_plus(r_b, diagonal[before]);
+            beside[before] = l_c.times_from(r_b, beside[before]);
+        }
+    }
+    [diagonal[0], diagonal[1], diagonal[2], beside[0], beside[1], beside[2]]
+}

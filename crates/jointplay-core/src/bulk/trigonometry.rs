@@ -1,0 +1,249 @@
+//! Sines, cosines and arc tangents of many angles at a time.
+
+// The coefficients are those of the sources, to the last digit printed there.
+#![expect(clippy::excessive_precision, reason = "coefficients stand as their sources print them")]
+
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
+
+use pulp::Simd;
+
+use super::lanes::Lanes;
+
+/// π/2 in three parts of 33 bits each, whose products with whole numbers up to 2²⁰ are exact.
+const HALF_PI: [f64; 3] = [
+    1.570_796_326_734_125_614_17,
+    6.077_100_506_303_965_976_60e-11,
+    2.022_266_248_711_166_455_80e-21,
+];
+/// Angles beyond this are left to the standard library [rad].
+const FAR: f64 = 1e6;
+/// Added to a number below 2⁵¹, it leaves the nearest whole number in the low bits.
+const ROUNDING: f64 = 6_755_399_441_055_744.0;
+
+/// Sine and cosine of any angle [rad].
+///
+/// # Numerics
+/// Off by less than 2·10⁻¹⁶.
+///
+/// # Source
+/// Reduction and polynomials of [fdlibm], `e_rem_pio2.c`, `k_sin.c`, `k_cos.c`
+#[inline(always)]
+pub(super) fn sin_cos<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    let shifted = angle.times_plus(angle.like(FRAC_2_PI), angle.like(ROUNDING));
+    let quarters = shifted - ROUNDING;
+    let mut rest = angle;
+    for part in HALF_PI {
+        rest = quarters.times_from(angle.like(part), rest);
+    }
+    let (sine, cosine) = within_an_eighth(rest);
+    let turned = shifted.bit(1);
+    let (first, second) = (turned.select(cosine, sine), turned.select(sine, cosine));
+    let lower = shifted.bit(2);
+    let right = (shifted + 1.0).bit(2);
+    let near = (lower.select(-first, first), right.select(-second, second));
+    let far = !angle.abs().at_most(angle.like(FAR));
+    if !far.any() {
+        return near;
+    }
+    (far.select(angle.each(f64::sin), near.0), far.select(angle.each(f64::cos), near.1))
+}
+
+/// Sine and cosine of angles up to π/4 [rad].
+#[inline(always)]
+fn within_an_eighth<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    const SINE: [f64; 6] = [
+        1.589_690_995_211_550_102_21e-10,
+        -2.505_076_025_340_686_341_95e-8,
+        2.755_731_370_707_006_767_89e-6,
+        -1.984_126_982_985_794_931_34e-4,
+        8.333_333_333_322_489_461_24e-3,
+        -1.666_666_666_666_663_243_48e-1,
+    ];
+    const COSINE: [f64; 6] = [
+        -1.135_964_755_778_819_482_65e-11,
+        2.087_572_321_298_174_827_90e-9,
+        -2.755_731_435_139_066_330_35e-7,
+        2.480_158_728_947_672_941_78e-5,
+        -1.388_888_888_887_410_957_49e-3,
+        4.166_666_666_666_660_190_37e-2,
+    ];
+    let square = angle.squared();
+    let sine = (square * angle).times_plus(polynomial(square, &SINE), angle);
+    let quartic = square.squared() * polynomial(square, &COSINE);
+    // One less half the square, with the round-off of the subtraction put back.
+    let half = square * 0.5;
+    let most = half.like(1.0) - half;
+    let cosine = most + (((half.like(1.0) - most) - half) + quartic);
+    (sine, cosine)
+}
+
+/// Sine and cosine of angles that are mostly far below 1/32 [rad].
+///
+/// # Numerics
+/// Exact to round-off; a short series where the angle is small, else [`sin_cos`].
+#[inline(always)]
+pub(super) fn sin_cos_of_step<S: Simd>(angle: Lanes<S>) -> (Lanes<S>, Lanes<S>) {
+    const SINE: [f64; 3] = [-1.0 / 5040.0, 1.0 / 120.0, -1.0 / 6.0];
+    const COSINE: [f64; 3] = [-1.0 / 720.0, 1.0 / 24.0, -0.5];
+    let square = angle.squared();
+    let sine = (square * angle).times_plus(polynomial(square, &SINE), angle);
+    let cosine = square.times_plus(polynomial(square, &COSINE), square.like(1.0));
+    let small = square.at_most(square.like(1.0 / 1024.0));
+    if small.all() {
+        return (sine, cosine);
+    }
+    let (any_sine, any_cosine) = sin_cos(angle);
+    (small.select(sine, any_sine), small.select(cosine, any_cosine))
+}
+
+/// The angle of a vector (x, y) of finite numbers, from −π to π; zero for no vector at all [rad].
+///
+/// # Numerics
+/// Off by less than 5·10⁻¹⁶.
+///
+/// # Source
+/// [Cephes], `atan.c`
+#[inline(always)]
+pub(super) fn angle_of<S: Simd>(y: Lanes<S>, x: Lanes<S>) -> Lanes<S> {
+    const ABOVE: [f64; 5] = [
+        -8.750_608_600_031_904_122_785e-1,
+        -1.615_753_718_733_365_076_637e1,
+        -7.500_855_792_314_704_667_340e1,
+        -1.228_866_684_490_136_173_410e2,
+        -6.485_021_904_942_025_371_773e1,
+    ];
+    const BELOW: [f64; 6] = [
+        1.0,
+        2.485_846_490_142_306_297_962e1,
+        1.650_270_098_316_988_542_046e2,
+        4.328_810_604_912_902_668_951e2,
+        4.853_903_996_359_136_964_868e2,
+        1.945_506_571_482_613_964_425e2,
+    ];
+    /// tan(π/8), above which the angle is measured from π/4.
+    const TAN_OF_SIXTEENTH: f64 = 0.414_213_562_373_095_048_8;
+    let zero = y.like(0.0);
+    let (tall, wide) = (y.abs(), x.abs());
+    let (most, least) = (tall.max(wide), tall.min(wide));
+    let none = most.at_most(zero);
+    let steep = (most * TAN_OF_SIXTEENTH).below(least);
+    // (t − 1)/(t + 1) for t = least/most, with one division.
+    let above = steep.select(least - most, least);
+    let below = none.select(y.like(1.0), steep.select(least + most, most));
+    let slope = above / below;
+    let square = slope.squared();
+    let share = square * polynomial(square, &ABOVE) / polynomial(square, &BELOW);
+    let angle = slope.times_plus(share, slope) + steep.select(y.like(FRAC_PI_4), zero);
+    let angle = wide.below(tall).select(y.like(FRAC_PI_2) - angle, angle);
+    let angle = x.below(zero).select(y.like(PI) - angle, angle);
+    y.below(zero).select(-angle, angle)
+}
+
+/// Σ c_i zⁿ⁻ⁱ, the coefficient of the highest power first.
+#[inline(always)]
+fn polynomial<S: Simd, const N: usize>(z: Lanes<S>, coefficients: &[f64; N]) -> Lanes<S> {
+    let mut sum = z.like(coefficients[0]);
+    for &coefficient in &coefficients[1..] {
+        sum = sum.times_plus(z, z.like(coefficient));
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use pulp::{Arch, WithSimd};
+
+    /// Runs a function of two columns on whatever the machine has.
+    struct Run<'a, F>(&'a [f64], &'a [f64], F);
+
+    trait OfTwo {
+        fn call<S: Simd>(&self, a: Lanes<S>, b: Lanes<S>) -> Lanes<S>;
+    }
+
+    impl<F: OfTwo> WithSimd for Run<'_, F> {
+        type Output = Vec<f64>;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Vec<f64> {
+            let mut found = vec![0.0; self.0.len()];
+            for first in (0..self.0.len()).step_by(Lanes::<S>::COUNT) {
+                let a = Lanes::load(simd, &self.0.into(), first);
+                let b = Lanes::load(simd, &self.1.into(), first);
+                self.2.call(a, b).store(&mut found, first);
+            }
+            found
+        }
+    }
+
+    struct Sine;
+    impl OfTwo for Sine {
+        fn call<S: Simd>(&self, a: Lanes<S>, _b: Lanes<S>) -> Lanes<S> {
+            sin_cos(a).0
+        }
+    }
+    struct Cosine;
+    impl OfTwo for Cosine {
+        fn call<S: Simd>(&self, a: Lanes<S>, _b: Lanes<S>) -> Lanes<S> {
+            sin_cos(a).1
+        }
+    }
+    struct StepSine;
+    impl OfTwo for StepSine {
+        fn call<S: Simd>(&self, a: Lanes<S>, _b: Lanes<S>) -> Lanes<S> {
+            sin_cos_of_step(a).0
+        }
+    }
+    struct StepCosine;
+    impl OfTwo for StepCosine {
+        fn call<S: Simd>(&self, a: Lanes<S>, _b: Lanes<S>) -> Lanes<S> {
+            sin_cos_of_step(a).1
+        }
+    }
+    struct AngleOf;
+    impl OfTwo for AngleOf {
+        fn call<S: Simd>(&self, a: Lanes<S>, b: Lanes<S>) -> Lanes<S> {
+            angle_of(a, b)
+        }
+    }
+
+    #[track_caller]
+    fn check(function: impl OfTwo, a: &[f64], b: &[f64], exact: fn(f64, f64) -> f64, within: f64) {
+        let found = Arch::new().dispatch(Run(a, b, function));
+        for ((found, a), b) in found.iter().zip(a).zip(b) {
+            let exact = exact(*a, *b);
+            let same = (found - exact).abs() <= within || (found.is_nan() && exact.is_nan());
+            assert!(same, "{found:e} for {exact:e} at {a} {b}");
+        }
+    }
+
+    fn angles() -> Vec<f64> {
+        let mut angles: Vec<f64> = (-4000..4000).map(|i| f64::from(i) * 0.003_9).collect();
+        angles.extend((-40..40).map(|i| f64::from(i) * FRAC_PI_4));
+        angles.extend((-40..40).map(|i| f64::from(i) * 1e-9));
+        angles.extend((-40..40).map(|i| f64::from(i) * 24_999.7));
+        angles.extend([0.0, -0.0, 1e9, -1e300, f64::NAN, f64::INFINITY, 1.0 / 32.0, -0.031_3]);
+        angles
+    }
+
+    #[test]
+    fn sines_and_cosines() {
+        let angles = angles();
+        check(Sine, &angles, &angles, |a, _| a.sin(), 2.3e-16);
+        check(Cosine, &angles, &angles, |a, _| a.cos(), 2.3e-16);
+        check(StepSine, &angles, &angles, |a, _| a.sin(), 2.3e-16);
+        check(StepCosine, &angles, &angles, |a, _| a.cos(), 2.3e-16);
+    }
+
+    #[test]
+    fn angles_of_vectors_in_all_quarters() {
+        let angles: Vec<f64> = (-3141..=3141).map(|i| f64::from(i) * 1e-3).collect();
+        for length in [1.0, 1e-9, 1e150] {
+            let y: Vec<f64> = angles.iter().map(|a| length * a.sin()).collect();
+            let x: Vec<f64> = angles.iter().map(|a| length * a.cos()).collect();
+            check(AngleOf, &y, &x, f64::atan2, 5e-16);
+        }
+        let (y, x) = ([0.0, 1.0, 0.0, -1.0, 1.0, 0.0], [0.0, 0.0, 1.0, 0.0, 1.0, -1.0]);
+        check(AngleOf, &y, &x, f64::atan2, 0.0);
+    }
+}
