@@ -70,7 +70,7 @@ impl Measure {
     ///
     /// # Errors
     /// As [`Quantity::check`].
-    pub fn check<V: Virtualization + ?Sized>(self, virtualization: &V) -> Result<(), Error> {
+    pub fn check(self, virtualization: &dyn Virtualization) -> Result<(), Error> {
         Ok(self.made_of().into_iter().try_for_each(|quantity| quantity.check(virtualization))?)
     }
 
