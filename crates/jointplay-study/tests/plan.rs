@@ -1,7 +1,5 @@
 //! Studies of any length: every sample by itself, the same in any company.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
-
 use jointplay_core::bulk::{Quantity, Status};
 use jointplay_core::gpr::{AxisHeight, Gpr};
 use jointplay_core::spatial::Tilt;
