@@ -242,7 +242,7 @@ mod tests {
         let told: Vec<&str> = told.trim().split("**").collect();
         assert!(told.len() > 7, "{told:?}");
         for pair in told.chunks_exact(2) {
-            let row = format!("| {} | {} |", pair[0].trim_start_matches("; "), pair[1]);
+            let row = format!("| {} | {} |", pair[0].trim_start_matches("; ").trim(), pair[1]);
             assert!(results.contains(&row), "no result says {row}");
         }
     }
