@@ -10,3 +10,6 @@ mod import;
 mod mechanism;
 mod refusals;
 mod simulate;
+mod study;
+#[cfg(unix)]
+mod study_interrupted;
