@@ -101,7 +101,7 @@ pub(crate) fn forward<'py>(
     wanted: &Wanted<'_, 'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let virtual_joints = model.virtualization().joints().len();
-    let threads = Threads::of(py, wanted.threads)?;
+    let threads = Threads::of(py, wanted.threads, rods.poses())?;
     let mut outputs = wanted.outputs(py, &rods.shape, virtual_joints)?;
     let mut status = vec![Status::Solved; rods.poses()];
     let columns = rods.columns()?;
@@ -149,7 +149,7 @@ pub(crate) fn inverse<'py>(
     out: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let threads = Threads::of(py, threads)?;
+    let threads = Threads::of(py, threads, given.poses())?;
     let mut output = match out {
         Some(array) => Output::given(array, "out", &given.shape, Some(3))?,
         None => Output::new(py, &given.shape, Some(3))?,
