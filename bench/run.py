@@ -12,12 +12,17 @@ What cannot be installed, built or run is reported as missing, with the reason.
 import argparse
 import json
 import os
+import shutil
 import subprocess
 import sys
 import venv
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE / "harness"))
+import kernels  # noqa: E402
+import limits  # noqa: E402
+
 VENV = HERE / ".venv"
 BUILD = HERE / ".build"
 PYTHON = VENV / "bin" / "python"
@@ -41,7 +46,7 @@ def main():
 
 def one_thread():
     """The environment, with libraries held to one thread: all rates are those of one core."""
-    names = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"]
+    names = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS"]
     return {**os.environ, **{name: "1" for name in names}, "PYTHONPATH": str(HERE / "harness")}
 
 
@@ -97,13 +102,27 @@ def build():
         if done.returncode != 0:
             out.unlink(missing_ok=True)
             missing[f"{name} (compiled)"] = reason(done)
-    return missing
+    missing |= build_wheel()
+    missing |= limits.build(BUILD, run, reason)
+    return {**missing, **kernels.build(BUILD, HERE / "peers", PYTHON, run, reason)}
 
 
-def run(command, cwd=None):
+def build_wheel():
+    """Builds jointplay's Python package and installs it; the version does not tell whether it is the newest, so always anew."""
+    wheels = BUILD / "wheels"
+    shutil.rmtree(wheels, ignore_errors=True)
+    maturin = [PYTHON, "-m", "maturin", "build", "--release", "--quiet", "--interpreter", PYTHON, "--out", wheels]
+    done = run(maturin, cwd=HERE.parent / "python")
+    if done.returncode == 0:
+        install = [PYTHON, "-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", *wheels.glob("*.whl")]
+        done = run(install)
+    return {} if done.returncode == 0 else {"jointplay, from Python": reason(done)}
+
+
+def run(command, cwd=None, env=None):
     words = [str(word) for word in command]
     try:
-        return subprocess.run(words, capture_output=True, text=True, cwd=cwd)
+        return subprocess.run(words, capture_output=True, text=True, cwd=cwd, env=env)
     except FileNotFoundError as error:
         return subprocess.CompletedProcess(words, 127, "", str(error))
 

@@ -90,7 +90,7 @@ def built_wheel(python: str) -> Path:
     tools = environment(python, "tools", TOOLS)
     wheels = HOME / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
-    build = ["build", "--release", "--quiet", "--locked", "--interpreter", python, "--out", wheels]
+    build: list[str | Path] = ["build", "--release", "--quiet", "--locked", "--interpreter", python, "--out", wheels]
     run([tools / "maturin", *build], cwd=PYTHON)
     (wheel,) = wheels.glob("*.whl")
     return wheel
@@ -99,7 +99,8 @@ def built_wheel(python: str) -> Path:
 def built_command() -> Path:
     """The `jointplay` command, which says the same numbers."""
     cargo = os.environ.get("CARGO", "cargo")
-    run([cargo, "build", "--quiet", "--package", "jointplay-cli"], cwd=ROOT)
+    # With the features of the other tests, so that it is there already when they have run.
+    run([cargo, "build", "--quiet", "--workspace", "--all-features", "--bin", "jointplay"], cwd=ROOT)
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     return target / "debug" / ("jointplay.exe" if os.name == "nt" else "jointplay")
 
@@ -134,7 +135,8 @@ def main() -> None:
         run([python, "-m", "pytest", "-p", "no:cacheprovider"], cwd=PYTHON)
         if one == newest:
             say("types")
-            run([python, "-m", "mypy", "--cache-dir", HOME / "mypy", "tests/typed.py"], cwd=PYTHON)
+            checked = ["src/jointplay", "tests/typed.py", "speed.py", "test.py"]
+            run([python, "-m", "mypy", "--cache-dir", HOME / "mypy", *checked], cwd=PYTHON)
             run([python, "-m", "mypy.stubtest", "jointplay", "--concise"], cwd=PYTHON)
             run([binaries / "basedpyright", "--project", PYTHON, "--pythonpath", python, "tests/typed.py"], cwd=PYTHON)
     say(f"Python passed in {time.monotonic() - start:.0f} s")

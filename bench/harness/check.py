@@ -1,27 +1,102 @@
-"""Looks at answers from outside, the same way for every program."""
+"""Looks at answers from outside, the same way for every program.
+
+The equations here stand for themselves: points and their distances, solved by NumPy, with nothing from any worker.
+"""
 
 import numpy as np
 
+NEXT = [1, 2, 0]
+STEPS = 100
 
-def gpr(work, answers, least):
-    """Gaps between sockets and balls, and how far virtual joints are from the least displacement."""
-    heading = np.arctan2(work.direction[:, 1], work.direction[:, 0])
-    gaps, apart = [], []
-    for rods, answer, reference in zip(work.poses, answers, least):
-        if not answer:
-            continue
-        rotation, point = np.array(answer[:9]).reshape(3, 3), np.array(answer[9:12])
-        slid, turned = np.array(answer[12:15]), np.array(answer[15:18]) + heading
-        sockets = np.column_stack([slid * np.cos(turned), slid * np.sin(turned), np.zeros(3)])
-        gaps.append(float(np.abs(sockets @ rotation.T + point - work.balls(rods)).max()))
-        apart.append(float(np.abs(np.array(answer[12:15]) - reference[12:15]).max()))
+
+def gpr(work, answers, newton, least):
+    """What answers are worth: X alone (6 numbers: l, then φ), or rotation, point and X (18).
+
+    Gaps are of sides, and of sockets from balls where there is a pose; distances are from reference solutions, a turn counted as its arc at the socket.
+    """
+    told = [k for k, answer in enumerate(answers) if answer]
+    if not told:
+        return {"answered": 0, "closed": 0}
+    rows = np.array([answers[k] for k in told])
+    x, rods = rows[:, -6:], work.poses[told]
+    gaps = np.abs(lengths(sockets(work, x)) - lengths(balls(work, rods))).max(axis=1)
+    if rows.shape[1] == 18:
+        rotation, point = rows[:, :9].reshape(-1, 3, 3), rows[:, 9:12]
+        flat = np.concatenate([sockets(work, x), np.zeros((len(told), 3, 1))], axis=2)
+        placed = flat @ rotation.transpose(0, 2, 1) + point[:, None, :]
+        gaps = np.maximum(gaps, np.abs(placed - balls(work, rods)).max(axis=(1, 2)))
+    arc = np.concatenate([np.ones(3), work.radius])
     return {
-        "answered": len(gaps),
-        "closed": sum(gap <= work.gap for gap in gaps),
-        "largest_gap_m": max(gaps, default=None),
-        "median_gap_m": float(np.median(gaps)) if gaps else None,
-        "slides_from_least_m": max(apart, default=None),
+        "answered": len(told),
+        "closed": int((gaps <= work.gap).sum()),
+        "largest_gap_m": float(gaps.max()),
+        "median_gap_m": float(np.median(gaps)),
+        "from_newton_m": float(np.abs((x - newton[told]) * arc).max()),
+        "from_least_m": float(np.abs((x - least[told]) * arc).max()),
     }
+
+
+def inverse(work, answers):
+    """How far rods are from those told, which jointplay found pose by pose."""
+    told = [k for k, answer in enumerate(answers) if answer]
+    apart = np.abs(np.array([answers[k] for k in told]) - work.poses[told]).max(axis=1)
+    return {"answered": len(told), "closed": int((apart <= work.gap).sum()), "largest_gap_m": float(apart.max())}
+
+
+def reference(work, least):
+    """X of every pose by Newton's iteration or to the least displacement, without any haste."""
+    wanted = lengths(balls(work, work.poses)) ** 2
+    nominal = np.concatenate([work.radius, np.zeros(3)])
+    compliance = np.concatenate([np.ones(3), np.full(3, work.metric**-2)])
+    x = np.tile(nominal, (len(wanted), 1))
+    going = np.ones(len(x), dtype=bool)
+    for _ in range(STEPS):
+        own = x[going]
+        points = sockets(work, own)
+        gap = wanted[going] - lengths(points) ** 2
+        jacobian = derivatives(work, own, points)
+        target = gap + np.einsum("nij,nj->ni", jacobian, own - nominal) if least else gap
+        weighted = compliance[:, None] * jacobian.transpose(0, 2, 1)
+        found = np.einsum("nij,nj->ni", weighted, np.linalg.solve(jacobian @ weighted, target[..., None])[..., 0])
+        found = nominal + found if least else own + found
+        # Newton's ends where its sides are met, as everybody's does; the least displacement at its round-off.
+        met = np.abs(np.sqrt(wanted[going]) - lengths(points)).max(axis=1) <= work.gap
+        done = np.abs(found - own).max(axis=1) <= 1e-15 if least else met
+        x[going] = np.where((met & ~np.array(least))[:, None], own, found)
+        going[going] = ~done
+        if not going.any():
+            return x
+    # The least displacement circles at the size of round-off.
+    return x
+
+
+def balls(work, rods):
+    base = np.broadcast_to(work.base, (len(rods), 3, 2))
+    return np.concatenate([base, rods[:, :, None]], axis=2)
+
+
+def sockets(work, x):
+    """p_k(X) in the platform plane."""
+    heading = np.arctan2(work.direction[:, 1], work.direction[:, 0]) + x[:, 3:]
+    return x[:, :3, None] * np.stack([np.cos(heading), np.sin(heading)], axis=2)
+
+
+def lengths(points):
+    """Sides 01, 12, 20."""
+    return np.linalg.norm(points[:, NEXT] - points, axis=2)
+
+
+def derivatives(work, x, points):
+    """Of the squared sides by X: rows are sides."""
+    edges = 2 * (points[:, NEXT] - points)
+    along = points / x[:, :3, None]
+    across = np.stack([-points[..., 1], points[..., 0]], axis=2)
+    jacobian = np.zeros((len(x), 3, 6))
+    for i, j in enumerate(NEXT):
+        for first, moving in ((0, along), (3, across)):
+            jacobian[:, i, first + j] = np.einsum("nk,nk->n", edges[:, i], moving[:, j])
+            jacobian[:, i, first + i] = -np.einsum("nk,nk->n", edges[:, i], moving[:, i])
+    return jacobian
 
 
 def linkage(work, answers):

@@ -12,14 +12,15 @@ from pathlib import Path
 import check
 import mjcf
 import report
+import robot
+import robot_report
 import work as told
 import workers
 
 HERE = Path(__file__).resolve().parent
-PEERS = HERE.parent / "peers"
 LINKAGES = ["four-bar", "bennett", "sarrus", "3-rps", "hexapod", "delta"]
 LOOPS = [1, 2, 5, 10, 20, 30, 50, 100, 200, 500, 1000]
-PACKAGES = ["pin", "mujoco", "drake", "exudyn", "scipy", "numpy", "cmeel-eigen"]
+PACKAGES = ["pin", "mujoco", "drake", "exudyn", "scipy", "numpy", "cmeel-eigen", "numba", "jax", "jaxlib", "casadi"]
 
 
 def note(line):
@@ -32,8 +33,8 @@ def main(build, out, rounds, only):
     subprocess.run([build / "jointplay", "write", folder], check=True)
     out.mkdir(parents=True, exist_ok=True)
     if "gpr" in only:
-        document = {**circumstances(missing), "rounds": rounds, "work": gpr(build, folder, rounds)}
-        report.gpr(out, document)
+        document = {**circumstances(missing), "rounds": rounds, "work": robot.work(build, folder, rounds, note)}
+        robot_report.report(out, document)
     if "linkages" in only:
         document = {**circumstances(missing), "rounds": rounds, "work": linkages(build, folder, rounds)}
         report.linkages(out, document)
@@ -41,35 +42,6 @@ def main(build, out, rounds, only):
         report.words(out, {**circumstances(missing), "work": words(build, folder.parent / "words")})
     if "scaling" in only:
         report.scaling(out, {**circumstances(missing), "work": scaling(build)})
-
-
-def gpr(build, folder, rounds):
-    """Positions of the three-rod robot with six virtual joints, each from nominal."""
-    path = folder / "gpr.txt"
-    work = told.Gpr.read(path)
-    path.with_suffix(".xml").write_text(mjcf.gpr(work))
-    commands = {
-        "jointplay, own equations": [build / "jointplay", "gpr", "own", "newton"],
-        "jointplay, own equations, least": [build / "jointplay", "gpr", "own", "least-norm"],
-        "jointplay, any mechanism": [build / "jointplay", "gpr", "general", "newton"],
-        "jointplay, any mechanism, least": [build / "jointplay", "gpr", "general", "least-norm"],
-        "Pinocchio, C++": [build / "pinocchio", "gpr", path],
-        "MuJoCo, C": [build / "mujoco", "gpr", path],
-        "Pinocchio, Python": peer("pinocchio", "gpr", path),
-        "Drake, Newton": peer("drake", "gpr", path),
-        "Drake, SNOPT": peer("drake", "snopt", path),
-        "Exudyn, static": peer("exudyn", "gpr", path),
-        "SciPy": peer("scipy", "gpr", path),
-    }
-    reference = workers.Worker([build / "jointplay", "gpr", "own", "least-norm"])
-    reference.time()
-    least = reference.answers(folder / "answers.txt")
-    reference.close()
-    results = workers.compare(commands, rounds, folder, note)
-    for result in results.values():
-        if "answers" in result:
-            result.update(check.gpr(work, result.pop("answers"), least))
-    return {"poses": len(work.poses), "results": results}
 
 
 def linkages(build, folder, rounds):
@@ -84,10 +56,10 @@ def linkages(build, folder, rounds):
             "jointplay": [build / "jointplay", "linkage", name],
             "Pinocchio, C++": [build / "pinocchio", "linkage", path],
             "MuJoCo, C": [build / "mujoco", "linkage", path],
-            "Pinocchio, Python": peer("pinocchio", "linkage", path),
-            "Drake, Newton": peer("drake", "linkage", path),
-            "Exudyn, static": peer("exudyn", "linkage", path),
-            "SciPy": peer("scipy", "linkage", path),
+            "Pinocchio, Python": robot.peer("pinocchio", "linkage", path),
+            "Drake, Newton": robot.peer("drake", "linkage", path),
+            "Exudyn, static": robot.peer("exudyn", "linkage", path),
+            "SciPy": robot.peer("scipy", "linkage", path),
         }
         results = workers.compare(commands, rounds, folder, note)
         for result in results.values():
@@ -106,7 +78,7 @@ def words(build, folder):
         note(f"asking {name}")
         try:
             done = subprocess.run(
-                [sys.executable, HERE / "words.py", name, folder], capture_output=True, text=True, timeout=300
+                [sys.executable, HERE / "words.py", name, folder], capture_output=True, text=True, timeout=300, cwd=build
             )
             answers = [line for line in done.stdout.splitlines() if line.startswith("answer ")]
             lines = done.stderr.strip().splitlines() or [f"ended with {done.returncode}"]
@@ -128,10 +100,6 @@ def scaling(build):
                 raise SystemExit(f"scaling {family} {loops} failed: {done.stderr.strip()}")
             families[family].append(json.loads(done.stdout))
     return families
-
-
-def peer(name, *words):
-    return [sys.executable, PEERS / f"{name}_peer.py", *words]
 
 
 def circumstances(missing):

@@ -43,7 +43,7 @@ def rate(result, asked):
 
 
 def quantity(rate):
-    for unit, size in (("M", 1e6), ("k", 1e3)):
+    for unit, size in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
         if rate >= size:
             return f"{rate / size:.3g} {unit}"
     return f"{rate:.3g}"
@@ -53,63 +53,6 @@ def figures(value):
     """Three figures, without an exponent."""
     text = f"{value:.3g}"
     return f"{float(text):,.0f}" if "e+" in text else text
-
-
-def gpr(out, document):
-    poses, results = document["work"]["poses"], document["work"]["results"]
-    rates = {name: rate(result, poses) for name, result in results.items() if "cpu_s" in result}
-    general = rates["jointplay, any mechanism"]
-    lines = [
-        "# Positions of the three-rod robot",
-        "",
-        *about(document, "python3 bench/run.py --only gpr"),
-        *method(document),
-        "",
-        f"The robot of the catalogue with the six virtual joints of the polar model, ρ = 1 mm, in {poses} poses: yaw 0° to 359° by 1°, pitch −2° to 2° by 0.1° but for level, height 500 mm.",
-        "Rods are given; pose and virtual joints are found, each pose from nominal, until each ball is within 10⁻⁹ mm of its socket.",
-        "",
-        "| program | poses/s | × jointplay, any mechanism | closed | largest gap, mm | slides off the least, nm |",
-        "| --- | ---: | ---: | ---: | ---: | ---: |",
-    ]
-    for name in sorted(results, key=lambda name: -rates.get(name, 0)):
-        result = results[name]
-        if name not in rates:
-            lines.append(f"| {name} | – | – | failed: {result['failed']} | – | – |")
-            continue
-        asked = len(range(0, poses, result["stride"]))
-        lines.append(
-            f"| {name} | {quantity(rates[name])} | {rates[name] / general:.3g} | {result['closed']} of {asked} "
-            f"| {result['largest_gap_m'] * 1e3:.1e} | {result['slides_from_least_m'] * 1e9:.2g} |"
-        )
-    lines += [
-        "",
-        "*Closed* and the gaps are computed from each program's answer by one function of the bench, not taken from the program.",
-        "*Off the least*: how far a radial slide is from that of the least displacement; Newton ends near it by construction.",
-        "A program that is asked for fewer poses is asked for every so many of them.",
-        "",
-        "- *jointplay, own equations*: `Gpr::forward` with the polar virtualization, by Newton's iteration or to the *least* displacement.",
-        "- *jointplay, any mechanism*: `PositionSolver` on the graph of links and joints, which knows nothing of those equations; it goes on to round-off.",
-        "- *Pinocchio, C++*, *MuJoCo, C*, *Pinocchio, Python*, *Drake, Newton*: kinematics and Jacobians of the library, Newton's iteration of the bench on them; the compiled ones with Eigen at fixed sizes. These libraries have no position solver for loops of their own; MuJoCo's constraints are soft.",
-        "- *Drake, SNOPT*: `InverseKinematics` with the displacement as cost, feasibility tolerance 10⁻¹³.",
-        "- *Exudyn, static*: `MainSolverStatic` with springs at the virtual joints, whose equilibrium is the least displacement.",
-        "- *SciPy*: `least_squares`, as someone does it who has nothing else.",
-        "",
-        "![Poses per second](gpr.svg)",
-    ]
-    write(out, "gpr", document, lines)
-    names = sorted(rates, key=lambda name: rates[name])
-    figure, axes = pyplot.subplots(figsize=(7.5, 0.42 * len(names) + 1.1), layout="constrained")
-    bars = axes.barh(
-        names,
-        [rates[name] for name in names],
-        color=[OURS if name.startswith("jointplay") else THEIRS for name in names],
-    )
-    axes.bar_label(bars, [quantity(rates[name]) for name in names], padding=4)
-    axes.set_xscale("log")
-    axes.set_xlim(right=max(rates.values()) * 5)
-    axes.set_xlabel("poses per second on one core (longer is faster)")
-    axes.spines[["top", "right"]].set_visible(False)
-    save(figure, out / "gpr.svg")
 
 
 def linkages(out, document):

@@ -1,6 +1,6 @@
 """The work of the bench as told in text, and how a Python worker answers.
 
-A worker says `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers.
+A worker says `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers; some also answer `call N` by N single calls.
 """
 
 import sys
@@ -180,8 +180,13 @@ def least_step(gap, platform, virtual_part, compliance):
     return np.linalg.solve(r[:6], -(rotated[:6] + virtual_part[:6] @ give)), give
 
 
-def serve(solve, stride=1):
-    """Answers for one worker; `solve()` does all of the work and gives a list of answers, None where there is none."""
+def serve(solve, stride=1, call=None, rows=None):
+    """Answers for one worker.
+
+    `solve()` does all of the work; of what it gives `rows` makes a list of answers, None where there is none, outside of what is timed.
+    `call(k)` asks for one position by itself.
+    """
+    rows = rows or (lambda answers: answers)
     print("ready" if stride == 1 else f"ready {stride}", flush=True)
     answers = []
     for line in sys.stdin:
@@ -189,12 +194,16 @@ def serve(solve, stride=1):
         if what == "run":
             for _ in range(int(rest)):
                 answers = solve()
-            print("done", sum(answer is not None for answer in answers), flush=True)
+            print("done", flush=True)
+        elif what == "call" and call:
+            for k in range(int(rest)):
+                call(k)
+            print("done", flush=True)
         elif what == "tell":
             with open(rest, "w") as file:
-                for answer in answers:
+                for answer in rows(answers):
                     told = [] if answer is None else answer
                     print(*(f"{number:.17g}" for number in told), file=file)
             print("done", flush=True)
         else:
-            sys.exit(f"say run N or tell FILE, not {line!r}")
+            sys.exit(f"say run N, call N or tell FILE, not {line!r}")

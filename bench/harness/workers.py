@@ -57,17 +57,23 @@ class Worker:
         return time.clock_gettime(clock.value)
 
     def time(self):
-        """CPU and wall time of doing all work once [s], and how many it says it solved."""
+        """CPU and wall time of doing all work once [s]."""
         cpu, wall = self._cpu(), time.perf_counter()
-        (solved,) = self._ask(f"run {self.repeats}")
+        self._ask(f"run {self.repeats}")
         cpu, wall = self._cpu() - cpu, time.perf_counter() - wall
-        return cpu / self.repeats, wall / self.repeats, int(solved)
+        return cpu / self.repeats, wall / self.repeats
+
+    def call(self, times):
+        """CPU time of one single call [s], from so many."""
+        cpu = self._cpu()
+        self._ask(f"call {times}")
+        return (self._cpu() - cpu) / times
 
     def warm_up(self):
         """Runs unmeasured, and learns how often a round has to repeat the work."""
-        cpu, _, _ = self.time()
+        cpu, _ = self.time()
         if cpu < LEAST_ROUND:
-            cpu, _, _ = self.time()
+            cpu, _ = self.time()
         self.repeats = max(1, round(LEAST_ROUND / max(cpu, 1e-6)))
 
     def answers(self, path):
@@ -84,11 +90,11 @@ class Worker:
 def compare(commands, rounds, folder, note):
     """Runs all workers in turn, round after round.
 
-    Returns by name: times of every round, what was solved, and the answers; or why there are none.
+    Returns by name: times of every round, and the answers; or why there are none.
     """
     workers, results = {}, {}
     for name, command in commands.items():
-        note(f"starting {name}")
+        note(f"starting {name if isinstance(name, str) else ': '.join(name)}")
         try:
             worker = Worker(command)
             worker.warm_up()
@@ -100,14 +106,13 @@ def compare(commands, rounds, folder, note):
         note(f"round {number + 1} of {rounds}")
         for name, worker in list(workers.items()):
             try:
-                cpu, wall, solved = worker.time()
+                cpu, wall = worker.time()
             except Failed as error:
                 results[name] = {"failed": str(error)}
                 del workers[name]
                 continue
             results[name]["cpu_s"].append(cpu)
             results[name]["wall_s"].append(wall)
-            results[name]["solved"] = solved
     for name, worker in workers.items():
         try:
             results[name]["answers"] = worker.answers(folder / "answers.txt")

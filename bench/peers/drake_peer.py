@@ -2,12 +2,15 @@
 
 python drake_peer.py gpr FILE, python drake_peer.py linkage FILE: Newton with the kinematics of MultibodyPlant
 python drake_peer.py snopt FILE: InverseKinematics, solved by SNOPT; for the robot
+python drake_peer.py closed FILE: the closed equations of the robot, solved by SNOPT
 """
 
 import sys
 
+import closed_equations
 import numpy as np
 import work as told
+from pydrake import symbolic
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.inverse_kinematics import InverseKinematics
 from pydrake.multibody.plant import MultibodyPlant
@@ -20,7 +23,7 @@ from pydrake.multibody.tree import (
     RevoluteJoint,
     SpatialInertia,
 )
-from pydrake.solvers import SnoptSolver
+from pydrake.solvers import MathematicalProgram, SnoptSolver
 
 # Every so many poses only, where all of them take minutes.
 STRIDE = 10
@@ -136,6 +139,34 @@ def snopt(path):
     return every, STRIDE
 
 
+def closed(path):
+    """The least displacement under the closed equations, written once as symbols."""
+    work = told.Gpr.read(path)
+    own = closed_equations.constants(work)
+    program, solver = MathematicalProgram(), SnoptSolver()
+    y, wanted = program.NewContinuousVariables(6), program.NewContinuousVariables(3)
+    values, _ = closed_equations.scaled_sides(symbolic, own, y)
+    program.AddQuadraticErrorCost(np.eye(6), np.zeros(6), y)
+    for value, goal in zip(values, wanted):
+        program.AddConstraint(value - goal, 0.0, 0.0)
+    # Numbers of formulas cannot be changed; bounds can.
+    held = program.AddBoundingBoxConstraint(np.zeros(3), np.zeros(3), wanted).evaluator()
+    for name in ("Major feasibility tolerance", "Major optimality tolerance", "Minor feasibility tolerance"):
+        program.SetSolverOption(solver.id(), name, 1e-12)
+
+    def one(rods):
+        goal = np.array(closed_equations.scaled_wanted(own, rods))
+        held.set_bounds(goal, goal)
+        return solver.Solve(program, np.concatenate([np.zeros(6), goal])).GetSolution(y)
+
+    def rows(found):
+        answers = [None] * len(work.poses)
+        answers[::STRIDE] = [closed_equations.from_scaled(own, y) for y in found]
+        return answers
+
+    return lambda: [one(rods) for rods in work.poses[::STRIDE]], STRIDE, None, rows
+
+
 def tree(work, time_step):
     """The open tree of a mechanism: plant, bodies and joints, not yet finalized."""
     plant = MultibodyPlant(time_step)
@@ -243,4 +274,4 @@ def linkage(path):
 
 
 if __name__ == "__main__":
-    told.serve(*{"gpr": gpr, "snopt": snopt, "linkage": linkage}[sys.argv[1]](sys.argv[2]))
+    told.serve(*{"gpr": gpr, "snopt": snopt, "closed": closed, "linkage": linkage}[sys.argv[1]](sys.argv[2]))

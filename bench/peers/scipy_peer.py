@@ -1,14 +1,16 @@
 """The work of the bench as someone does it who has only scipy: least squares over the coordinates.
 
-python scipy_peer.py gpr FILE, python scipy_peer.py linkage FILE
-The robot's least displacement is asked for by weak springs beside the gaps, then the gaps are closed alone.
+python scipy_peer.py gpr FILE, python scipy_peer.py linkage FILE; slsqp FILE and trust-constr FILE for the closed equations of the robot
+The robot's least displacement is asked for by weak springs beside the gaps, then the gaps are closed alone; of the closed equations, by an optimiser.
 """
 
+import math
 import sys
 
+import closed_equations
 import numpy as np
 import work as told
-from scipy.optimize import least_squares
+from scipy.optimize import NonlinearConstraint, least_squares, minimize
 
 # Every so many poses only: at this speed all of them take minutes.
 STRIDE = 40
@@ -55,6 +57,39 @@ def gpr(path):
     return every, STRIDE
 
 
+def closed(path, method):
+    """The least displacement under the closed equations, with exact derivatives."""
+    work = told.Gpr.read(path)
+    own = closed_equations.constants(work)
+
+    def values(y):
+        return np.array(closed_equations.scaled_sides(math, own, y.tolist())[0])
+
+    def jacobian(y):
+        return np.array(closed_equations.scaled_sides(math, own, y.tolist())[1])
+
+    def cost(y):
+        return y @ y / 2, y
+
+    def one(rods):
+        wanted = np.array(closed_equations.scaled_wanted(own, rods))
+        if method == "SLSQP":
+            sides = {"type": "eq", "fun": lambda y: values(y) - wanted, "jac": jacobian}
+            options = {"ftol": 1e-10, "maxiter": 200}
+            return minimize(cost, np.zeros(6), jac=True, method=method, constraints=sides, options=options).x
+        sides = NonlinearConstraint(values, wanted, wanted, jac=jacobian)
+        options = {"gtol": 1e-11, "xtol": 1e-14, "maxiter": 500}
+        identity = {"hess": lambda y: np.eye(6)}
+        return minimize(cost, np.zeros(6), jac=True, method=method, constraints=sides, options=options, **identity).x
+
+    def rows(found):
+        answers = [None] * len(work.poses)
+        answers[::STRIDE] = [closed_equations.from_scaled(own, y) for y in found]
+        return answers
+
+    return lambda: [one(rods) for rods in work.poses[::STRIDE]], rows
+
+
 def linkage(path):
     work = told.Linkage.read(path)
     at = np.cumsum([0] + [body.width for body in work.bodies])
@@ -84,4 +119,9 @@ def linkage(path):
 
 
 if __name__ == "__main__":
-    told.serve(*{"gpr": gpr, "linkage": linkage}[sys.argv[1]](sys.argv[2]))
+    what, path = sys.argv[1:]
+    if what in ("slsqp", "trust-constr"):
+        solve, rows = closed(path, {"slsqp": "SLSQP"}.get(what, what))
+        told.serve(solve, STRIDE, rows=rows)
+    else:
+        told.serve(*{"gpr": gpr, "linkage": linkage}[what](path))

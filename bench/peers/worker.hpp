@@ -1,12 +1,14 @@
 // What the compiled workers of the bench share: the work as told, and how they answer.
 //
-// A worker says "ready", then answers "run N" by doing all of its work N times, and "tell FILE" by writing its answers.
+// A worker says "ready", then answers "run N" by doing all of its work N times, and "tell FILE" by writing its answers;
+// some also answer "call N" by N single calls.
 #pragma once
 
 #include <array>
 #include <cstdio>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
@@ -93,8 +95,10 @@ class Work {
   virtual ~Work() = default;
   // Solves everything; how many were solved.
   virtual int solve() = 0;
+  // Solves that many positions by a call each; how many were solved.
+  virtual int call(int) { throw std::runtime_error("this worker does not answer single calls"); }
 
-  void tell(const std::string& path) const {
+  virtual void tell(const std::string& path) {
     FILE* out = std::fopen(path.c_str(), "w");
     if (!out) throw std::runtime_error("cannot write " + path);
     for (const auto& answer : answers_) {
@@ -108,18 +112,17 @@ class Work {
   std::vector<std::vector<double>> answers_;
 };
 
-template <class Gpr, class Linkage>
-int serve(int count, char** words) {
+// Answers for one worker, whose work is made of what it is called and of a file: WHAT FILE.
+template <class Make>
+int serve(int count, char** words, Make make) {
   if (count != 3) {
-    std::cerr << "say: gpr FILE or linkage FILE\n";
+    std::cerr << "say: WHAT FILE\n";
     return 2;
   }
   try {
     std::ifstream file(words[2]);
-    std::unique_ptr<Work> work;
-    if (std::string(words[1]) == "gpr") work = std::make_unique<Gpr>(file);
-    if (std::string(words[1]) == "linkage") work = std::make_unique<Linkage>(file);
-    if (!work) throw std::runtime_error("say gpr or linkage");
+    std::unique_ptr<Work> work = make(words[1], file);
+    if (!work) throw std::runtime_error(std::string("there is no work called ") + words[1]);
     std::cout << "ready" << std::endl;
     std::string line;
     while (std::getline(std::cin, line)) {
@@ -130,11 +133,13 @@ int serve(int count, char** words) {
         int solved = 0;
         for (int times = std::stoi(rest); times > 0; --times) solved = work->solve();
         std::cout << "done " << solved << std::endl;
+      } else if (what == "call") {
+        std::cout << "done " << work->call(std::stoi(rest)) << std::endl;
       } else if (what == "tell") {
         work->tell(rest);
         std::cout << "done" << std::endl;
       } else {
-        throw std::runtime_error("say run N or tell FILE");
+        throw std::runtime_error("say run N, call N or tell FILE");
       }
     }
   } catch (const std::exception& error) {
@@ -142,4 +147,14 @@ int serve(int count, char** words) {
     return 1;
   }
   return 0;
+}
+
+// The same for workers of the robot and of linkages: gpr FILE or linkage FILE.
+template <class Gpr, class Linkage>
+int serve(int count, char** words) {
+  return serve(count, words, [](const std::string& what, std::istream& in) -> std::unique_ptr<Work> {
+    if (what == "gpr") return std::make_unique<Gpr>(in);
+    if (what == "linkage") return std::make_unique<Linkage>(in);
+    return nullptr;
+  });
 }

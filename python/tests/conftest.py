@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import os
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +27,12 @@ def rods() -> np.ndarray:
 
 
 @pytest.fixture(scope="session")
-def command() -> str:
-    """The `jointplay` command; `python/test.py` says where it is."""
-    return os.environ["JOINTPLAY_COMMAND"]
+def ask():
+    """Asks the `jointplay` command, which `python/test.py` has built, and reads its answer."""
+
+    def answer(*arguments: str) -> dict:
+        command = [os.environ["JOINTPLAY_COMMAND"], *arguments, "--format", "json"]
+        done = subprocess.run(command, check=True, capture_output=True, text=True)
+        return json.loads(done.stdout)
+
+    return answer

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import copy
-import json
 import math
 import pickle
-import subprocess
 
 import numpy as np
 import pytest
@@ -21,12 +19,9 @@ SOLVERS = ("newton", "least-norm", "closed-form")
 
 @pytest.mark.parametrize("virtualization", VIRTUALIZATIONS)
 @pytest.mark.parametrize("solver", SOLVERS)
-def test_the_command_says_the_same(gpr, command, virtualization, solver):
+def test_the_command_says_the_same(gpr, ask, virtualization, solver):
     arguments = ["--q-mm", "500,501,502", "--virtualization", virtualization, "--solver", solver]
-    answer = subprocess.run(
-        [command, "forward", *arguments, "--format", "json"], check=True, capture_output=True, text=True
-    )
-    told = json.loads(answer.stdout)
+    told = ask("forward", *arguments)
     pose = gpr.forward((0.5, 0.501, 0.502), virtualization, solver=solver)
     platform = told["platform"]
     assert pose.yaw_rad == pytest.approx(math.radians(platform["yaw_deg"]), rel=1e-14)
@@ -44,16 +39,12 @@ def test_the_command_says_the_same(gpr, command, virtualization, solver):
     assert pose.characteristic_length_m == pytest.approx(told["characteristic_length_mm"] / 1e3)
 
 
-def test_metrics_are_those_of_the_command(gpr, command):
+def test_metrics_are_those_of_the_command(gpr, ask):
     for metric, told in ((0.05, "50"), ("radius", "radius"), ("paper", "paper")):
         arguments = ["--q-mm", "500,501,502", "--virtualization", "polar", "--metric", told]
-        answer = subprocess.run(
-            [command, "forward", *arguments, "--format", "json"], check=True, capture_output=True, text=True
-        )
+        origin = ask("forward", *arguments)["platform"]["origin_mm"]
         pose = gpr.forward([0.5, 0.501, 0.502], "polar", metric=metric)
-        np.testing.assert_allclose(
-            pose.origin_m * 1e3, json.loads(answer.stdout)["platform"]["origin_mm"], rtol=1e-14
-        )
+        np.testing.assert_allclose(pose.origin_m * 1e3, origin, rtol=1e-14)
 
 
 @given(

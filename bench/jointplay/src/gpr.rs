@@ -1,16 +1,18 @@
 //! Positions of the three-rod robot with polar virtual joints, for given rods, each from nominal.
 
+use std::cell::Cell;
 use std::fmt::Write as _;
+use std::hint::black_box;
 
 use jointplay::format::{catalogue, mechanism as file, robot};
-use jointplay::gpr::{AxisHeight, Gpr};
+use jointplay::gpr::{AxisHeight, Gpr, ball_sides};
 use jointplay::mechanism::{
     Carrier, Kinematics, Mechanism, MechanismSystem, PositionSolver, ReliefSolver, VirtualJoint,
     VirtualMotion,
 };
 use jointplay::nalgebra::{DVector, Unit, Vector3};
 use jointplay::spatial::{Pose, Tilt};
-use jointplay::virtualization::{Metric, Polar, SolveOptions, Solver};
+use jointplay::virtualization::{Metric, Polar, SolveOptions, Solver, solve};
 
 use crate::Work;
 
@@ -29,20 +31,22 @@ pub(crate) fn robot() -> Gpr {
     robot::parse(entry.text).expect("catalogue files can be read").gpr
 }
 
-/// Rods of every tilt: 360 azimuths, 20 pitches either side of level, none at it.
+/// Every tilt: 360 azimuths, 20 pitches either side of level, none at it.
+pub(crate) fn tilts() -> impl Iterator<Item = Tilt> {
+    let pitches = (-20..=20).filter(|&step| step != 0);
+    let steps = (0..360).flat_map(move |yaw| pitches.clone().map(move |pitch| (yaw, pitch)));
+    steps.map(|(yaw, pitch)| Tilt {
+        yaw: f64::from(yaw).to_radians(),
+        pitch: (f64::from(pitch) / 10.0).to_radians(),
+    })
+}
+
+/// The rods of every tilt.
 pub(crate) fn rods() -> Vec<[f64; 3]> {
     let gpr = robot();
-    let pitches = (-20..=20).filter(|&step| step != 0);
-    (0..360)
-        .flat_map(|yaw| pitches.clone().map(move |step| (yaw, step)))
-        .map(|(yaw, step)| {
-            let tilt = Tilt {
-                yaw: f64::from(yaw).to_radians(),
-                pitch: (f64::from(step) / 10.0).to_radians(),
-            };
-            gpr.inverse(tilt, AxisHeight(HEIGHT)).expect("tilts of 2° are reached")
-        })
-        .collect()
+    let rods =
+        tilts().map(|tilt| gpr.inverse(tilt, AxisHeight(HEIGHT)).expect("tilts of 2° are reached"));
+    rods.collect()
 }
 
 /// The work as text: sockets, metric, height, then the rods of each pose.
@@ -63,15 +67,26 @@ pub(crate) fn text() -> String {
     text
 }
 
-/// A pose and its virtual joints, as other programs report them too.
-type Answer = (Pose, [f64; 6]);
+/// What counts as solved, as a share of the longest side; and the metric.
+pub(crate) fn options(gpr: &Gpr, solver: Solver) -> SolveOptions {
+    let side = gpr.platform().mean_radius() * 3_f64.sqrt();
+    SolveOptions {
+        solver,
+        metric: Metric::Length(METRIC),
+        relative_threshold: GAP / side,
+        ..SolveOptions::default()
+    }
+}
 
-fn told((pose, virtual_joints): &Answer) -> Vec<f64> {
+/// A pose and its virtual joints, as other programs report them too.
+pub(crate) type Answer = (Pose, [f64; 6]);
+
+pub(crate) fn told((pose, virtual_joints): &Answer) -> Vec<f64> {
     let rotation = pose.rotation.matrix().transpose();
     rotation.iter().chain(pose.translation.vector.iter()).chain(virtual_joints).copied().collect()
 }
 
-/// The robot's own equations.
+/// The robot's own equations, pose by pose.
 pub(crate) struct Own {
     gpr: Gpr,
     rods: Vec<[f64; 3]>,
@@ -82,13 +97,7 @@ pub(crate) struct Own {
 impl Own {
     pub(crate) fn new(solver: Solver) -> Self {
         let gpr = robot();
-        let side = gpr.platform().mean_radius() * 3_f64.sqrt();
-        let options = SolveOptions {
-            solver,
-            metric: Metric::Length(METRIC),
-            relative_threshold: GAP / side,
-            ..SolveOptions::default()
-        };
+        let options = options(&gpr, solver);
         Self { gpr, rods: rods(), options, answers: Vec::new() }
     }
 }
@@ -105,8 +114,87 @@ impl Work for Own {
         self.answers.iter().flatten().count()
     }
 
+    fn call(&mut self, times: usize) -> Option<usize> {
+        let waiting = Waiting::default();
+        let solved = self.rods.iter().cycle().take(times).filter(|rods| {
+            let forward = self.gpr.forward(waiting.after(rods), &Polar, &self.options);
+            forward.is_ok_and(|found| waiting.told(found.base_from_platform.translation.x))
+        });
+        Some(solved.count())
+    }
+
     fn answers(&self) -> Vec<Option<Vec<f64>>> {
         self.answers.iter().map(|answer| answer.as_ref().map(told)).collect()
+    }
+}
+
+/// Its virtual joints alone, pose by pose, without placing the platform.
+pub(crate) struct JointsAlone {
+    gpr: Gpr,
+    rods: Vec<[f64; 3]>,
+    options: SolveOptions,
+    answers: Vec<Option<[f64; 6]>>,
+}
+
+impl JointsAlone {
+    pub(crate) fn new(solver: Solver) -> Self {
+        let gpr = robot();
+        let options = options(&gpr, solver);
+        Self { gpr, rods: rods(), options, answers: Vec::new() }
+    }
+
+    #[inline]
+    fn one(&self, rods: &[f64; 3]) -> Option<[f64; 6]> {
+        let sides = ball_sides(&self.gpr.ball_centers(rods));
+        let found = solve(&Polar, self.gpr.platform(), &sides, &self.options).ok()?;
+        let mut virtual_joints = [0.0; 6];
+        virtual_joints.copy_from_slice(&found.virtual_joints);
+        Some(virtual_joints)
+    }
+}
+
+impl Work for JointsAlone {
+    fn solve(&mut self) -> usize {
+        let mut answers = std::mem::take(&mut self.answers);
+        answers.clear();
+        answers.extend(self.rods.iter().map(|rods| self.one(rods)));
+        self.answers = answers;
+        self.answers.iter().flatten().count()
+    }
+
+    fn call(&mut self, times: usize) -> Option<usize> {
+        let waiting = Waiting::default();
+        let solved = self.rods.iter().cycle().take(times).filter(|rods| {
+            self.one(&waiting.after(rods)).is_some_and(|found| waiting.told(found[0]))
+        });
+        Some(solved.count())
+    }
+
+    fn answers(&self) -> Vec<Option<Vec<f64>>> {
+        self.answers.iter().map(|answer| answer.map(|numbers| numbers.to_vec())).collect()
+    }
+}
+
+/// Makes a call wait for the answer of the call before, as in a control loop: adds nothing of it, which the processor does not know.
+struct Waiting {
+    nothing: f64,
+    last: Cell<f64>,
+}
+
+impl Default for Waiting {
+    fn default() -> Self {
+        Self { nothing: black_box(0.0), last: Cell::new(0.0) }
+    }
+}
+
+impl Waiting {
+    fn after(&self, rods: &[f64; 3]) -> [f64; 3] {
+        rods.map(|rod| rod + self.nothing * self.last.get())
+    }
+
+    fn told(&self, answer: f64) -> bool {
+        self.last.set(answer);
+        true
     }
 }
 
@@ -174,6 +262,22 @@ impl Work for General {
             Some(coordinates)
         }));
         self.answers.iter().flatten().count()
+    }
+
+    fn call(&mut self, times: usize) -> Option<usize> {
+        let waiting = Waiting::default();
+        let mut coordinates = self.rest.clone();
+        let mut solved = 0;
+        for rods in self.rods.iter().cycle().take(times) {
+            coordinates.copy_from(&self.rest);
+            let rods = waiting.after(rods);
+            RODS.iter().zip(&rods).for_each(|(&k, rod)| coordinates[k] = rod - HEIGHT);
+            if self.solver.solve(coordinates.as_mut_slice(), self.relief).is_ok() {
+                waiting.told(coordinates[coordinates.len() - 1]);
+                solved += 1;
+            }
+        }
+        Some(solved)
     }
 
     fn answers(&self) -> Vec<Option<Vec<f64>>> {

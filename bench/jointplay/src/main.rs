@@ -1,12 +1,14 @@
 //! The work of the side-by-side bench, done by jointplay.
 //!
-//! `write FOLDER` writes the work for every program, `words FOLDER` what jointplay says of mechanisms; `gpr own SOLVER`, `gpr general SOLVER` and `linkage NAME` do it, with newton or least-norm as the solver.
+//! `write FOLDER` writes the work for every program, `words FOLDER` what jointplay says of mechanisms; `gpr WAY SOLVER` and `linkage NAME` do it.
+//! The ways are `own` (pose by pose, with the platform's pose), `joints` (virtual joints alone), `general` (as any mechanism), with newton or least-norm as the solver; and `bulk WHAT`, many poses at a time.
 //! `scaling FAMILY LOOPS` says how long mechanisms of many loops take.
-//! A worker says `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers.
+//! A worker says `ready`, then answers `run N` by doing all of its work N times, and `tell FILE` by writing its answers; some also answer `call N` by N single calls.
 
 // The families know the façade by the name of the crate below it.
 extern crate jointplay as jointplay_core;
 
+mod bulk;
 #[path = "../../../crates/jointplay-core/tests/families/mod.rs"]
 mod families;
 mod gpr;
@@ -27,6 +29,10 @@ use jointplay::virtualization::Solver;
 trait Work {
     /// Solves everything; how many were solved.
     fn solve(&mut self) -> usize;
+    /// Solves so many positions, by a call each that waits for the one before, or many at a time all in one; how many were solved, `None` if nobody asks that.
+    fn call(&mut self, _times: usize) -> Option<usize> {
+        None
+    }
     /// The numbers of the last answers, `None` for what was not solved.
     fn answers(&self) -> Vec<Option<Vec<f64>>>;
 }
@@ -37,17 +43,21 @@ fn main() -> ExitCode {
     let done = match words.as_slice() {
         ["write", folder] => write(Path::new(folder)),
         ["words", folder] => words::write(Path::new(folder)),
-        ["gpr", "own", "newton"] => serve(&mut gpr::Own::new(Solver::Newton)),
-        ["gpr", "own", "least-norm"] => serve(&mut gpr::Own::new(Solver::LeastNorm)),
-        ["gpr", "general", "newton"] => serve(&mut gpr::General::new(ReliefSolver::Newton)),
-        ["gpr", "general", "least-norm"] => serve(&mut gpr::General::new(ReliefSolver::LeastNorm)),
+        ["gpr", "bulk", what, rest @ ..] => match bulk::named(what, rest) {
+            Some(mut bulk) => serve(bulk.as_mut()),
+            None => Err(bulk::USAGE.into()),
+        },
+        ["gpr", way, solver] => match gpr_work(way, solver) {
+            Some(mut work) => serve(work.as_mut()),
+            None => Err("say gpr own, joints or general, then newton or least-norm".into()),
+        },
         ["linkage", name] => match linkage::Linkage::new(name) {
             Some(mut linkage) => serve(&mut linkage),
             None => Err(format!("no linkage is called {name:?}").into()),
         },
         ["scaling", family, loops] => scale(family, loops),
         _ => Err(
-            "say one of: write FOLDER, words FOLDER, gpr own SOLVER, gpr general SOLVER, linkage NAME, scaling FAMILY LOOPS; SOLVER is newton or least-norm"
+            "say one of: write FOLDER, words FOLDER, gpr WAY SOLVER, gpr bulk WHAT, linkage NAME, scaling FAMILY LOOPS"
                 .into(),
         ),
     };
@@ -59,6 +69,20 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+fn gpr_work(way: &str, solver: &str) -> Option<Box<dyn Work>> {
+    let (solver, relief) = match solver {
+        "newton" => (Solver::Newton, ReliefSolver::Newton),
+        "least-norm" => (Solver::LeastNorm, ReliefSolver::LeastNorm),
+        _ => return None,
+    };
+    Some(match way {
+        "own" => Box::new(gpr::Own::new(solver)),
+        "joints" => Box::new(gpr::JointsAlone::new(solver)),
+        "general" => Box::new(gpr::General::new(relief)),
+        _ => return None,
+    })
 }
 
 type Outcome = Result<(), Box<dyn std::error::Error>>;
@@ -94,6 +118,10 @@ fn serve(work: &mut dyn Work) -> Outcome {
                 }
                 writeln!(out, "done {solved}")?;
             }
+            Some(("call", times)) => {
+                let solved = work.call(times.parse()?).ok_or("this work is not called singly")?;
+                writeln!(out, "done {solved}")?;
+            }
             Some(("tell", path)) => {
                 let mut text = String::new();
                 for answer in work.answers() {
@@ -104,7 +132,7 @@ fn serve(work: &mut dyn Work) -> Outcome {
                 std::fs::write(path, text)?;
                 writeln!(out, "done")?;
             }
-            _ => return Err(format!("say run N or tell FILE, not {line:?}").into()),
+            _ => return Err(format!("say run N, call N or tell FILE, not {line:?}").into()),
         }
         out.flush()?;
     }
@@ -129,6 +157,16 @@ mod tests {
     fn every_position_is_found() {
         for solver in [Solver::Newton, Solver::LeastNorm] {
             check(&mut gpr::Own::new(solver), 14_400);
+            check(&mut gpr::JointsAlone::new(solver), 14_400);
+        }
+        for what in
+            ["joints", "pose", "least", "planar", "planar-pose", "radial", "radial-pose", "inverse"]
+        {
+            let mut one = bulk::named(what, &[]).expect("there is such work");
+            check(one.as_mut(), 14_400);
+            let mut shared = bulk::named(what, &["2", "cores"]).expect("there is such work");
+            check(shared.as_mut(), 28_800);
+            assert!(one.answers() == shared.answers()[14_400..], "{what}");
         }
         for relief in [ReliefSolver::Newton, ReliefSolver::LeastNorm] {
             check(&mut gpr::General::new(relief), 14_400);
@@ -151,9 +189,30 @@ mod tests {
         }
     }
 
+    #[test]
+    fn many_at_a_time_are_as_one_by_one() {
+        let told = |mut work: Box<dyn Work>| {
+            work.solve();
+            work.answers().into_iter().flatten().flatten().collect::<Vec<f64>>()
+        };
+        let bulk = |what| told(bulk::named(what, &[]).expect("there is such work"));
+        let rods: Vec<f64> = gpr::rods().concat();
+        for (many, one) in [
+            (bulk("joints"), told(Box::new(gpr::JointsAlone::new(Solver::Newton)))),
+            (bulk("pose"), told(Box::new(gpr::Own::new(Solver::Newton)))),
+            (bulk("least"), told(Box::new(gpr::JointsAlone::new(Solver::LeastNorm)))),
+            (bulk("inverse"), rods),
+        ] {
+            assert_eq!(many.len(), one.len());
+            let apart = many.iter().zip(&one).map(|(a, b)| (a - b).abs());
+            // A gap of 10⁻¹² m is a turn of 10⁻¹¹ rad.
+            assert!(apart.fold(0.0, f64::max) < 1e-11);
+        }
+    }
+
     /// What a document says in a table is a line of the results, or its beginning.
     #[test]
-    fn the_document_quotes_the_results() {
+    fn documents_quote_the_results() {
         let read = |path: &str| {
             let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(path);
             std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path:?}: {error}"))
@@ -161,13 +220,30 @@ mod tests {
         let results =
             ["gpr", "linkages", "scaling"].map(|name| read(&format!("bench/results/{name}.md")));
         let results = results.concat();
-        let document = read("docs/speed.md");
-        let (_, section) = document.split_once("## Beside other programs").expect("the section");
-        let rows: Vec<&str> = section.lines().filter(|line| line.starts_with("| ")).collect();
-        assert!(rows.len() > 12, "{rows:?}");
-        for row in rows.iter().filter(|row| !row.starts_with("| ---")) {
-            let heading = row.starts_with("| program");
-            assert!(heading || results.contains(row), "no result says {row}");
+        let section = |path: &str, heading: &str| {
+            let document = read(path);
+            let (_, section) = document.split_once(heading).expect("the section");
+            section.split_once("\n## ").map_or(section, |(section, _)| section).to_owned()
+        };
+        let speed = section("docs/speed.md", "## Beside other programs");
+        let lines: Vec<&str> = speed.lines().chain([""]).collect();
+        let rows = lines.windows(2).filter(|pair| {
+            let heading = pair[1].starts_with("| ---");
+            pair[0].starts_with("| ") && !pair[0].starts_with("| ---") && !heading
+        });
+        let rows: Vec<&str> = rows.map(|pair| pair[0]).collect();
+        assert!(rows.len() > 50, "{rows:?}");
+        for row in rows {
+            assert!(results.contains(row), "no result says {row}");
+        }
+        // Such as: jointplay, bulk **63 M**; C, by hand **12 M**.
+        let short = section("README.md", "## How fast");
+        let (_, told) = short.split_once(": ").expect("what is told");
+        let told: Vec<&str> = told.trim().split("**").collect();
+        assert!(told.len() > 7, "{told:?}");
+        for pair in told.chunks_exact(2) {
+            let row = format!("| {} | {} |", pair[0].trim_start_matches("; ").trim(), pair[1]);
+            assert!(results.contains(&row), "no result says {row}");
         }
     }
 }

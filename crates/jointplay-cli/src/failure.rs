@@ -31,6 +31,12 @@ pub(crate) enum Failure {
     Stopped(String),
     #[error("{0}")]
     OverClearance(String),
+    #[error("{0}")]
+    Unsolved(String),
+    #[error("{0}")]
+    Interrupted(String),
+    #[error("cannot go on from {}: {why}", path.display())]
+    Marker { path: PathBuf, why: String },
     #[error(transparent)]
     Coordinate(#[from] coordinates::Error),
     #[error("--yaw-step-deg {step}: {source}")]
@@ -111,6 +117,7 @@ fn explain_study(error: &study::Error) -> String {
             pitch.to_degrees(),
             explain_core(source)
         ),
+        study::Error::Core(error) => explain_core(error),
         other => other.to_string(),
     }
 }
@@ -119,6 +126,8 @@ fn explain_study(error: &study::Error) -> String {
 const NO: u8 = 1;
 /// The question is wrong.
 const BAD_INPUT: u8 = 2;
+/// Stopped by Ctrl-C, as shells number it.
+const INTERRUPTED: u8 = 130;
 
 impl Failure {
     fn exit_code(&self) -> u8 {
@@ -131,9 +140,12 @@ impl Failure {
             _ => BAD_INPUT,
         };
         match self {
-            Self::Limits(_) | Self::NotAssembled(_) | Self::Stopped(_) | Self::OverClearance(_) => {
-                NO
-            }
+            Self::Limits(_)
+            | Self::NotAssembled(_)
+            | Self::Stopped(_)
+            | Self::OverClearance(_)
+            | Self::Unsolved(_) => NO,
+            Self::Interrupted(_) => INTERRUPTED,
             Self::Core(error) => core(error),
             Self::Study(study::Error::Pose { source, .. }) => core(source),
             _ => BAD_INPUT,
@@ -145,6 +157,7 @@ impl Failure {
             Self::Limits(_) => "limits",
             Self::OverClearance(_) => "clearance",
             Self::Stopped(_) => "stopped",
+            Self::Interrupted(_) => "interrupted",
             _ if self.exit_code() == NO => "unsolved",
             Self::Write { .. } | Self::Print(_) => "output",
             _ => "input",
@@ -169,8 +182,12 @@ impl Failure {
                 serde_json::json!({ "kind": kind, "message": message, "limits_broken": limits });
             writeln!(stderr, "{}", serde_json::json!({ "error": error }))
         } else {
-            let red = Style::new().bold().fg_color(Some(AnsiColor::Red.into()));
-            writeln!(stderr, "{red}error:{red:#} {self}")
+            let (color, word) = match self {
+                Self::Interrupted(_) => (AnsiColor::Yellow, "interrupted"),
+                _ => (AnsiColor::Red, "error"),
+            };
+            let style = Style::new().bold().fg_color(Some(color.into()));
+            writeln!(stderr, "{style}{word}:{style:#} {self}")
         };
         // Where standard error is gone too, the exit code still says it.
         drop(written);

@@ -34,6 +34,7 @@ use clap::Parser;
 #[command(after_help = "\
 Examples:
   jointplay simulate                          the paper's studies, as data and figures
+  jointplay study --out shifts.csv            any number of poses or robots, from a text file
   jointplay forward --q-mm 500,501,502        where the platform is for these rods
   jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-mm 500
   jointplay compare                           what the models say of one tilt

@@ -14,6 +14,7 @@
 //! | change units without changing decimals | [`units`] |
 //! | say an error of the core in mm and degrees | [`explain::explain`] |
 //! | give results to a program | [`report`] |
+//! | read a study file, and write its table of any length | [`study::parse`], [`study::Table`] |
 //! | give a study to a spreadsheet or a data frame | [`table`] |
 //!
 //! ```
@@ -30,5 +31,6 @@ pub mod place;
 pub mod report;
 pub mod robot;
 pub mod steps;
+pub mod study;
 pub mod table;
 pub mod units;

@@ -87,6 +87,17 @@ pub(crate) fn numbers_of_shape(
     Ok(array.as_array().iter().copied().collect())
 }
 
+/// Numbers of an array with one axis.
+pub(crate) fn row(given: &Bound<'_, PyAny>, what: &str) -> PyResult<Vec<f64>> {
+    let array = real(given, what, "an array of shape (n,)")?;
+    if array.ndim() != 1 {
+        let message =
+            format!("{what} has to be an array of shape (n,), not {}", array.getattr("shape")?);
+        return Err(array_error(given.py(), "ArrayError", &message, array.as_any()));
+    }
+    numbers_of_shape(array.as_any(), what, array.shape())
+}
+
 fn borrowed(py: Python<'_>, what: &str, error: BorrowError) -> PyErr {
     let message = match error {
         BorrowError::NotWriteable => format!("{what} is read-only, but has to be written to"),
@@ -156,19 +167,19 @@ impl<'py> Triples<'py> {
 }
 
 /// Numbers that are spread over each other's shapes.
-pub(crate) struct Spread<'py, const N: usize> {
-    arrays: [PyReadonlyArrayDyn<'py, f64>; N],
+pub(crate) struct Spread<'py> {
+    arrays: Vec<PyReadonlyArrayDyn<'py, f64>>,
     /// Shape of the poses.
     pub(crate) shape: Vec<usize>,
 }
 
-impl<'py, const N: usize> Spread<'py, N> {
+impl<'py> Spread<'py> {
     /// # Arguments
     /// * `given` – each with what it is, such as `yaw_rad`
-    pub(crate) fn read(py: Python<'py>, given: [(&str, &Bound<'py, PyAny>); N]) -> PyResult<Self> {
-        let mut arrays = Vec::with_capacity(N);
+    pub(crate) fn read(py: Python<'py>, given: &[(&str, &Bound<'py, PyAny>)]) -> PyResult<Self> {
+        let mut arrays = Vec::with_capacity(given.len());
         for (what, given) in given {
-            arrays.push((what, real(given, what, "a number or an array of numbers")?));
+            arrays.push((*what, real(given, what, "a number or an array of numbers")?));
         }
         let numpy = py.import("numpy")?;
         let shapes = arrays.iter().map(|(_, array)| array.getattr("shape"));
@@ -199,25 +210,23 @@ impl<'py, const N: usize> Spread<'py, N> {
             };
             in_one_piece(flat)?.try_readonly().map_err(|error| borrowed(py, what, error))
         });
-        let arrays = arrays.collect::<PyResult<Vec<_>>>()?;
-        let arrays = arrays.try_into().map_err(|_| errors::internal("arrays were lost"))?;
-        Ok(Self { arrays, shape: poses })
+        Ok(Self { arrays: arrays.collect::<PyResult<_>>()?, shape: poses })
     }
 
     pub(crate) fn poses(&self) -> usize {
         self.shape.iter().product()
     }
 
-    pub(crate) fn columns(&self) -> PyResult<[Column<'_>; N]> {
+    pub(crate) fn columns(&self) -> PyResult<Vec<Column<'_>>> {
         let poses = self.poses();
-        let mut columns = [Column::from(&[][..]); N];
-        for (column, array) in columns.iter_mut().zip(&self.arrays) {
+        let mut columns = Vec::with_capacity(self.arrays.len());
+        for array in &self.arrays {
             let values = array.as_slice().map_err(|error| errors::internal(&error.to_string()))?;
-            *column = match values {
+            columns.push(match values {
                 _ if poses == 0 => Column::from(&values[..0]),
                 [value] => Column::constant(value, poses),
                 values => Column::from(values),
-            };
+            });
         }
         Ok(columns)
     }

@@ -2,13 +2,14 @@
 
 use jointplay::Error;
 use jointplay::format::place;
+use jointplay::study;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::skin::{self, fields};
 
-/// An exception of a class of `jointplay._errors`; if that fails, the failure itself.
+/// An exception of a class of the package; if that fails, the failure itself.
 pub(crate) fn new(
     py: Python<'_>,
     class: &str,
@@ -16,7 +17,7 @@ pub(crate) fn new(
     facts: PyResult<Bound<'_, PyDict>>,
 ) -> PyErr {
     let made = facts
-        .and_then(|facts| skin::error_class(py, class)?.call((message,), Some(&facts)))
+        .and_then(|facts| skin::class(py, class)?.call((message,), Some(&facts)))
         .map(PyErr::from_value);
     made.unwrap_or_else(|error| error)
 }
@@ -121,6 +122,24 @@ fn class_and_facts<'py>(
         }
         _ => ("InputError", PyDict::new(py)),
     })
+}
+
+/// An error of a study: that of its pose, which says which pose it was.
+pub(crate) fn study(py: Python<'_>, error: &study::Error) -> PyErr {
+    let study::Error::Pose { sample, yaw, pitch, source } = error else {
+        return input(py, &error.to_string());
+    };
+    let made = class_and_facts(py, source).map(|(class, facts)| {
+        let told = || {
+            facts.set_item("sample", *sample)?;
+            facts.set_item("yaw_rad", *yaw)?;
+            facts.set_item("pitch_rad", *pitch)?;
+            Ok(facts)
+        };
+        let message = format!("sample {sample} (yaw {yaw} rad, pitch {pitch} rad): {source}");
+        new(py, class, &message, told())
+    });
+    made.unwrap_or_else(|failed| failed)
 }
 
 /// A bug of ours, told as such.

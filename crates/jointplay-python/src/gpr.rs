@@ -75,7 +75,7 @@ impl std::hash::Hash for PyGpr {
     }
 }
 
-fn axis_height(height: Option<f64>, gpr: &Gpr) -> AxisHeight {
+pub(crate) fn axis_height(height: Option<f64>, gpr: &Gpr) -> AxisHeight {
     AxisHeight(height.unwrap_or_else(|| gpr.working_height()))
 }
 
@@ -98,13 +98,8 @@ impl PyGpr {
         found: Result<jointplay::gpr::Forward, jointplay::Error>,
         model: &Model,
     ) -> PyResult<PyForward> {
-        match found {
-            Ok(pose) => match model.raised() {
-                None => Ok(PyForward::new(pose, ModelNames::of_model(model))),
-                Some(raised) => Err(raised),
-            },
-            Err(error) => Err(model.failure(py, &error)),
-        }
+        let pose = model.checked(py, found)?;
+        Ok(PyForward::new(pose, ModelNames::of_model(model)))
     }
 }
 
@@ -330,12 +325,13 @@ impl PyGpr {
         let working = PyFloat::new(py, self.gpr.working_height()).into_any();
         let height_m = height_m.unwrap_or(&working);
         let given = [("yaw_rad", yaw_rad), ("pitch_rad", pitch_rad), ("height_m", height_m)];
-        let given = Spread::read(py, given)?;
+        let given = Spread::read(py, &given)?;
         if given.shape.is_empty() && out.is_none() {
-            let [yaw, pitch, height] = given.columns()?.map(|column| column.at(0));
+            let columns = given.columns()?;
+            let tilt = Tilt { yaw: columns[0].at(0), pitch: columns[1].at(0) };
             let rods = self
                 .gpr
-                .inverse(Tilt { yaw, pitch }, AxisHeight(height))
+                .inverse(tilt, AxisHeight(columns[2].at(0)))
                 .map_err(|error| errors::core(py, &error))?;
             return Ok(Bound::new(py, PyInverse { rods })?.into_any());
         }

@@ -2,16 +2,22 @@
 //!
 //! Classes for single poses and for mechanisms are here; errors and results of many numbers are Python classes in `python/jointplay/`, which this module fills.
 
+mod analyses;
 mod arrays;
 mod arrow;
 mod errors;
 mod files;
 mod gpr;
+mod gpr_analyses;
 mod many;
+mod mechanism;
+mod mechanism_analyses;
+mod mechanism_results;
 mod model;
 mod numbers;
 mod own_virtualization;
 mod pose;
+mod posed;
 mod quantities;
 mod skin;
 mod threads;
@@ -21,6 +27,8 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _jointplay(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<gpr::PyGpr>()?;
+    module.add_class::<mechanism::PyMechanism>()?;
+    module.add_function(wrap_pyfunction!(mechanism::catalogue_of_names, module)?)?;
     module.add_class::<pose::PyForward>()?;
     module.add_class::<pose::PyInverse>()?;
     module.add_function(wrap_pyfunction!(arrow::arrow_stream, module)?)?;

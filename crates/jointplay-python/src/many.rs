@@ -19,11 +19,11 @@ use crate::threads::Threads;
 fn evidence<'py>(
     py: Python<'py>,
     shape: &[usize],
-    status: &[Status],
+    status: Vec<Status>,
     tally: Tally,
     fields: &Bound<'py, PyDict>,
 ) -> PyResult<()> {
-    let numbers: Vec<u8> = status.iter().map(|status| *status as u8).collect();
+    let numbers: Vec<u8> = status.into_iter().map(|status| status as u8).collect();
     let numbers = numpy::ndarray::ArrayD::from_shape_vec(shape, numbers)
         .map_err(|error| errors::internal(&error.to_string()))?;
     fields.set_item("status", PyArray::from_owned_array(py, numbers))?;
@@ -101,7 +101,7 @@ pub(crate) fn forward<'py>(
     wanted: &Wanted<'_, 'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let virtual_joints = model.virtualization().joints().len();
-    let threads = Threads::of(py, wanted.threads)?;
+    let threads = Threads::of(py, wanted.threads, rods.poses())?;
     let mut outputs = wanted.outputs(py, &rods.shape, virtual_joints)?;
     let mut status = vec![Status::Solved; rods.poses()];
     let columns = rods.columns()?;
@@ -137,7 +137,7 @@ pub(crate) fn forward<'py>(
         arrays.set_item(named.name, output.array)?;
     }
     fields.set_item("arrays", arrays)?;
-    evidence(py, &rods.shape, &status, tally, &fields)?;
+    evidence(py, &rods.shape, status, tally, &fields)?;
     skin::result(py, "ForwardMany", &fields)
 }
 
@@ -145,17 +145,19 @@ pub(crate) fn forward<'py>(
 pub(crate) fn inverse<'py>(
     py: Python<'py>,
     gpr: &Gpr,
-    given: &Spread<'py, 3>,
+    given: &Spread<'py>,
     out: Option<&Bound<'py, PyAny>>,
     threads: Option<i64>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let threads = Threads::of(py, threads)?;
+    let threads = Threads::of(py, threads, given.poses())?;
     let mut output = match out {
         Some(array) => Output::given(array, "out", &given.shape, Some(3))?,
         None => Output::new(py, &given.shape, Some(3))?,
     };
     let mut status = vec![Status::Solved; given.poses()];
-    let columns: [Column<'_>; 3] = given.columns()?;
+    let columns = given.columns()?;
+    let columns: [Column<'_>; 3] =
+        columns.try_into().map_err(|_| errors::internal("a tilt is not three columns"))?;
     let [yaw, pitch, height] = columns;
     let rods: [&mut [f64]; 3] =
         output.slices()?.try_into().map_err(|_| errors::internal("rods are not three columns"))?;
@@ -167,6 +169,6 @@ pub(crate) fn inverse<'py>(
     };
     let tally = found.map_err(|error| errors::core(py, &error))?;
     let fields = fields!(py; rods_m = output.array);
-    evidence(py, &given.shape, &status, tally, &fields)?;
+    evidence(py, &given.shape, status, tally, &fields)?;
     skin::result(py, "InverseMany", &fields)
 }

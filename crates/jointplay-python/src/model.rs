@@ -82,9 +82,16 @@ impl Model {
         }
     }
 
-    /// The error to raise for one of the core: where Python's own code raised, that.
-    pub(crate) fn failure(&self, py: Python<'_>, error: &jointplay::Error) -> PyErr {
-        self.raised().unwrap_or_else(|| errors::core(py, error))
+    /// What was found, or what to raise.
+    pub(crate) fn checked<T>(
+        &self,
+        py: Python<'_>,
+        found: Result<T, jointplay::Error>,
+    ) -> PyResult<T> {
+        match (self.raised(), found) {
+            (Some(raised), _) => Err(raised),
+            (None, found) => found.map_err(|error| errors::core(py, &error)),
+        }
     }
 
     /// What a virtualization written in Python raised meanwhile.

@@ -4,25 +4,21 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyDict, PyModule};
 
-static ERRORS: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
-static RESULTS: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
+static PACKAGE: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
 
-/// A class of `jointplay._errors`.
-pub(crate) fn error_class<'py>(py: Python<'py>, class: &str) -> PyResult<Bound<'py, PyAny>> {
-    let module =
-        ERRORS.get_or_try_init(py, || py.import("jointplay._errors").map(Bound::unbind))?;
-    module.bind(py).getattr(class)
+/// A class of the package, by its name.
+pub(crate) fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    let package = PACKAGE.get_or_try_init(py, || py.import("jointplay").map(Bound::unbind))?;
+    package.bind(py).getattr(name)
 }
 
-/// An object of a class of `jointplay._results`.
+/// An object of a class of the package.
 pub(crate) fn result<'py>(
     py: Python<'py>,
-    class: &str,
+    name: &str,
     fields: &Bound<'py, PyDict>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let module =
-        RESULTS.get_or_try_init(py, || py.import("jointplay._results").map(Bound::unbind))?;
-    module.bind(py).getattr(class)?.call((), Some(fields))
+    class(py, name)?.call((), Some(fields))
 }
 
 /// A dictionary of fields, each named as the expression given for it says.

@@ -16,6 +16,9 @@ type Pools = (u32, BTreeMap<usize, Arc<ThreadPool>>);
 /// A process made by `fork` has none of its parent's threads, so that pools of the parent would wait for ever there.
 static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 
+/// So few poses are done before another thread has taken them over.
+const FEW: usize = 4096;
+
 /// More threads than this are a slip of the pen.
 const MOST: usize = 1024;
 
@@ -28,8 +31,8 @@ pub(crate) enum Threads {
 }
 
 impl Threads {
-    /// The threads asked for; without a number as many as there are cores.
-    pub(crate) fn of(py: Python<'_>, threads: Option<i64>) -> PyResult<Self> {
+    /// The threads asked for; without a number as many as there are cores, if there is enough to do for them.
+    pub(crate) fn of(py: Python<'_>, threads: Option<i64>, poses: usize) -> PyResult<Self> {
         let count = match threads {
             None => std::thread::available_parallelism().map_or(1, usize::from).min(MOST),
             Some(count) => match usize::try_from(count) {
@@ -42,7 +45,7 @@ impl Threads {
                 }
             },
         };
-        if count == 1 { Ok(Self::Here) } else { pool(count).map(Self::Pool) }
+        if count == 1 || poses <= FEW { Ok(Self::Here) } else { pool(count).map(Self::Pool) }
     }
 }
 

@@ -28,6 +28,42 @@ pub enum Error {
         /// Why.
         source: Box<jointplay_core::Error>,
     },
+    /// Something that is varied over no values at all.
+    #[error("the study has no samples: height and angles need at least one value each")]
+    NoValues,
+    /// More samples than can be counted.
+    #[error(
+        "{heights} heights × {first} × {second} tilts × {draws} draws are more samples than can be counted: at most 2⁶³ − 1"
+    )]
+    TooManySamples {
+        /// Number of heights.
+        heights: u64,
+        /// Number of values of the first angle.
+        first: u64,
+        /// Number of values of the second angle.
+        second: u64,
+        /// Number of draws.
+        draws: u64,
+    },
+    /// A sample beyond the end of the study.
+    #[error("there is no sample {found}: they are numbered from 0, and there are {count}")]
+    NoSuchSample {
+        /// Which one.
+        found: u64,
+        /// How many there are.
+        count: u64,
+    },
+    /// A virtualization that the study does not have.
+    #[error("there is no virtualization {found}: they are numbered from 0, and there are {count}")]
+    NoSuchModel {
+        /// Which one.
+        found: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// What the core says of all samples alike.
+    #[error(transparent)]
+    Core(#[from] jointplay_core::Error),
 }
 
 impl Error {

@@ -8,6 +8,7 @@
 //! | sum them up | [`summarize`] → [`Summary`] |
 //! | set the bounds of sensitivity beside them | [`check_bounds`] → [`BoundsCheck`] |
 //! | set all models side by side | [`compare`] → [`Comparison`] |
+//! | compute millions of samples, from grids or at random, of robots as built | [`plan`] |
 //!
 //! ```
 //! use jointplay_core::{gpr::Gpr, virtualization::{Polar, SolveOptions}};
@@ -22,6 +23,7 @@ mod bounds_check;
 mod compare;
 mod error;
 pub mod parallel;
+pub mod plan;
 mod raster;
 mod samples;
 mod summary;

@@ -37,10 +37,10 @@ pub fn inverse_many(
 ///
 /// # Errors
 /// As [`Gpr::forward_many`].
-pub fn forward_many<V: Virtualization + Sync + ?Sized>(
+pub fn forward_many(
     gpr: &Gpr,
     rods: [Column<'_>; 3],
-    virtualization: &V,
+    virtualization: &(dyn Virtualization + Sync),
     options: &SolveOptions,
     status: &mut [Status],
     wanted: &mut [(Quantity, &mut [f64])],

@@ -188,3 +188,10 @@ class NotRelievedError(NoAnswerError):
     """Largest mismatch that is left, in radians and characteristic lengths."""
     allowed: float
     """Largest that counts as closed."""
+
+
+class StoppedError(NoAnswerError):
+    """A mechanism stopped on the way to where its motion was to begin."""
+
+    motion: Any
+    """The ``Motion`` up to there."""

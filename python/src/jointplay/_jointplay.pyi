@@ -1,11 +1,20 @@
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
 from typing import Any, Literal, TypeAlias, final, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._results import (
+from ._analyses import BoundsCheck, Comparison, Mobility, Sensitivity, Study, TiltPlay
+from ._mechanisms import (
+    Configuration,
+    MechanismMobility,
+    Motion,
+    Positions,
+    Relief,
+    Suggestions,
+)
+from ._poses import (
     Approximate,
     BrokenLimit,
     ForwardMany,
@@ -14,7 +23,7 @@ from ._results import (
 )
 from ._virtualization import Virtualization
 
-__all__ = ["Forward", "Gpr", "Inverse", "__version__", "arrow_stream"]
+__all__ = ["Forward", "Gpr", "Inverse", "Mechanism", "__version__", "arrow_stream", "catalogue"]
 
 __version__: str
 
@@ -149,6 +158,56 @@ class Gpr:
     def broken_limits(
         self, rods_m: ArrayLike, pitch_rad: float | None = None
     ) -> list[BrokenLimit]: ...
+    def mobility(
+        self, rods_m: ArrayLike | None = None, virtualization: _Model | None = None
+    ) -> Mobility: ...
+    def sensitivity(
+        self,
+        rods_m: ArrayLike,
+        virtualization: _Model | None = None,
+        *,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+    ) -> Sensitivity: ...
+    def tilt_play(
+        self,
+        yaw_rad: float,
+        pitch_rad: float,
+        height_m: float | None = None,
+        virtualization: _Model | None = None,
+        *,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+    ) -> TiltPlay: ...
+    def compare(
+        self,
+        pitch_rad: ArrayLike,
+        yaw_rad: float = 0.0,
+        height_m: float | None = None,
+        *,
+        virtualizations: Sequence[_Model] | None = None,
+        solver: _Solver | None = None,
+        metric: _Metric | None = None,
+    ) -> Comparison: ...
+    def _simulate(
+        self,
+        virtualization: _Model | None,
+        yaw_rad: ArrayLike | None,
+        pitch_rad: ArrayLike | None,
+        height_m: float | None,
+        serpentine: bool,
+        solver: _Solver | None,
+        metric: _Metric | None,
+    ) -> Study: ...
+    def _check_bounds(
+        self,
+        virtualization: _Model | None,
+        yaw_rad: ArrayLike | None,
+        pitch_rad: ArrayLike | None,
+        height_m: float | None,
+        solver: _Solver | None,
+        metric: _Metric | None,
+    ) -> BoundsCheck: ...
     def __copy__(self) -> Gpr: ...
     def __deepcopy__(self, _memo: object) -> Gpr: ...
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
@@ -208,4 +267,71 @@ class Inverse:
     def __eq__(self, other: object, /) -> bool: ...
     def __hash__(self) -> int: ...
 
+@final
+class Mechanism:
+    @staticmethod
+    def from_file(
+        path: str | PathLike[str],
+        *,
+        parameters: dict[str, float] | None = None,
+        loops: str | PathLike[str] | None = None,
+    ) -> Mechanism: ...
+    @staticmethod
+    def from_toml(text: str, *, parameters: dict[str, float] | None = None) -> Mechanism: ...
+    @staticmethod
+    def from_catalogue(name: str, *, parameters: dict[str, float] | None = None) -> Mechanism: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def links(self) -> tuple[str, ...]: ...
+    @property
+    def joints(self) -> tuple[str, ...]: ...
+    @property
+    def coordinate_names(self) -> tuple[str, ...]: ...
+    @property
+    def coordinate_units(self) -> tuple[str, ...]: ...
+    @property
+    def virtual_joint_names(self) -> tuple[str, ...]: ...
+    @property
+    def virtual_joint_units(self) -> tuple[str, ...]: ...
+    @property
+    def actuated(self) -> tuple[str, ...]: ...
+    @property
+    def parameters(self) -> dict[str, float]: ...
+    @property
+    def ignored(self) -> tuple[str, ...]: ...
+    @property
+    def joint_freedoms(self) -> int: ...
+    @property
+    def loops(self) -> int: ...
+    def assemble(
+        self, at: dict[str, float] | None = None, *, tolerance: float | None = None
+    ) -> Configuration: ...
+    def branches(
+        self, at: dict[str, float] | None = None, *, starts: int = ...
+    ) -> list[Configuration]: ...
+    def mobility(
+        self, at: dict[str, float] | None = None, *, tolerance: float | None = None
+    ) -> MechanismMobility: ...
+    def drive(
+        self, ways: Mapping[str, float | tuple[float, float]], *, steps: int = ...
+    ) -> Motion: ...
+    def suggest(self, commands: Sequence[dict[str, float]]) -> Suggestions: ...
+    def relieve(self, at: dict[str, float]) -> Relief: ...
+    def positions(
+        self,
+        commanded: Mapping[str, ArrayLike],
+        *,
+        solver: Literal["least-norm", "newton"] = "least-norm",
+    ) -> Positions: ...
+    def __copy__(self) -> Mechanism: ...
+    def __deepcopy__(self, _memo: object) -> Mechanism: ...
+    @staticmethod
+    def _again(
+        text: str, parameters: Sequence[tuple[str, float]], closing: str | None
+    ) -> Mechanism: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __hash__(self) -> int: ...
+
+def catalogue() -> dict[str, str]: ...
 def arrow_stream(columns: Sequence[tuple[str, NDArray[Any]]]) -> object: ...

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 if TYPE_CHECKING:
-    from ._results import Platform
+    from ._poses import Platform
 
 
 @dataclass(frozen=True)

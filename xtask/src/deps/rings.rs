@@ -42,7 +42,7 @@ const FACADE: &str = "jointplay";
 const STUDIO: &str = "jointplay-studio";
 
 const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "faer"]);
-const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror"]);
+const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror", "chacha20"]);
 /// Arguments, catch-all errors and Python belong to ring 4, servers to the studio.
 const LIBRARIES: Outside = Outside::AllBut(&["clap", "anyhow", "pyo3", "tokio", "axum"]);
 const NONE: Outside = Outside::Only(&[]);

@@ -18,6 +18,9 @@ mod simulate;
 mod simulate_text;
 #[cfg(feature = "studio")]
 mod studio;
+mod study;
+mod study_file;
+mod study_text;
 mod suggest;
 
 use clap::Subcommand;
@@ -27,6 +30,7 @@ use crate::failure::Failure;
 #[derive(Subcommand)]
 pub(crate) enum Command {
     Simulate(simulate::Simulate),
+    Study(study::StudyCommand),
     Forward(forward::ForwardCommand),
     Inverse(inverse::Inverse),
     Mobility(mobility::Mobility),
@@ -48,6 +52,7 @@ impl Command {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         match self {
             Self::Simulate(command) => command.run(),
+            Self::Study(command) => command.run(),
             Self::Forward(command) => command.run(),
             Self::Inverse(command) => command.run(),
             Self::Mobility(command) => command.run(),
@@ -69,6 +74,7 @@ impl Command {
     /// Whether errors are to be told as JSON too.
     pub(crate) fn wants_json(&self) -> bool {
         match self {
+            Self::Study(command) => command.json(),
             Self::Forward(command) => command.answer.json(),
             Self::Inverse(command) => command.answer.json(),
             Self::Mobility(command) => command.answer.json(),

@@ -28,6 +28,7 @@ fn desk_with_a_model() -> Desk {
     let desk = Desk::new();
     desk.write("robot.urdf", crate::import::URDF);
     desk.write("loops.toml", crate::import::LOOPS);
+    desk.write("my-study.toml", crate::study::SMALL);
     desk
 }
 
@@ -37,6 +38,7 @@ fn every_command_that_a_document_shows_runs() {
         include_str!("../../../../README.md"),
         include_str!("../../../../docs/paper-to-code.md"),
         include_str!("../../../../docs/catalogue.md"),
+        include_str!("../../../../docs/studies.md"),
     ];
     let mut all: Vec<String> = documents.into_iter().flat_map(commands).collect();
     all.sort();
@@ -55,6 +57,7 @@ fn every_example_in_a_help_text_runs() {
     for command in [
         "",
         "simulate",
+        "study",
         "forward",
         "inverse",
         "mobility",

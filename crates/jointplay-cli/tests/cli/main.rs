@@ -12,3 +12,6 @@ mod refusals;
 mod simulate;
 #[cfg(all(feature = "studio", unix))]
 mod studio;
+mod study;
+#[cfg(unix)]
+mod study_interrupted;

@@ -32,10 +32,10 @@ impl Gpr {
     /// Does not allocate, save for sensitivities of a virtualization without a [`Kernel`].
     /// Equal to [`Self::forward`] to 10⁻¹² of the platform's size, with the same number of iterations but for round-off; only what is asked for is computed.
     /// Poses that do not end within a few steps, and virtualizations without a kernel, are computed one by one.
-    pub fn forward_many<V: Virtualization + ?Sized>(
+    pub fn forward_many(
         &self,
         rods: [Column<'_>; 3],
-        virtualization: &V,
+        virtualization: &dyn Virtualization,
         options: &SolveOptions,
         status: &mut [Status],
         wanted: &mut [(Quantity, &mut [f64])],
@@ -54,10 +54,10 @@ impl Gpr {
         }
         let mut work = Work { gpr: self, rods, virtualization, options, status, wanted };
         match virtualization.kernel() {
-            Some(Kernel::Radial) => work.by_kernel(Radial),
-            Some(Kernel::Polar) => work.by_kernel(Polar),
-            Some(Kernel::Offset) => work.by_kernel(Offset),
-            Some(Kernel::Planar) => work.by_kernel(Planar),
+            Some(Kernel::Radial) => work.by_kernel::<Radial>(),
+            Some(Kernel::Polar) => work.by_kernel::<Polar>(),
+            Some(Kernel::Offset) => work.by_kernel::<Offset>(),
+            Some(Kernel::Planar) => work.by_kernel::<Planar>(),
             None => work.one_by_one(0..expected),
         }?;
         Ok(Tally::of(status))
@@ -65,18 +65,18 @@ impl Gpr {
 }
 
 /// What one call has to do.
-struct Work<'a, 'b, V: ?Sized> {
+struct Work<'a, 'b> {
     gpr: &'a Gpr,
     rods: [Column<'a>; 3],
-    virtualization: &'a V,
+    virtualization: &'a dyn Virtualization,
     options: &'a SolveOptions,
     status: &'a mut [Status],
     wanted: &'a mut [(Quantity, &'b mut [f64])],
 }
 
-impl<V: Virtualization + ?Sized> Work<'_, '_, V> {
-    fn by_kernel<M: Model>(&mut self, model: M) -> Result<(), Error> {
-        match Robot::new(self.gpr, model, self.virtualization, self.options)? {
+impl Work<'_, '_> {
+    fn by_kernel<M: Model>(&mut self) -> Result<(), Error> {
+        match Robot::new::<M>(self.gpr, self.virtualization, self.options)? {
             // The kernel always takes one step.
             Some(robot) if self.options.max_iterations > 0 => {
                 Arch::new().dispatch(Blocks { work: self, robot: &robot, model: PhantomData::<M> })
@@ -109,13 +109,13 @@ impl<V: Virtualization + ?Sized> Work<'_, '_, V> {
 }
 
 /// The work cut into blocks of as many poses as the machine computes side by side.
-struct Blocks<'w, 'a, 'b, V: ?Sized, M> {
-    work: &'w mut Work<'a, 'b, V>,
+struct Blocks<'w, 'a, 'b, M> {
+    work: &'w mut Work<'a, 'b>,
     robot: &'w Robot,
     model: PhantomData<M>,
 }
 
-impl<V: Virtualization + ?Sized, M: Model> WithSimd for Blocks<'_, '_, '_, V, M> {
+impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
     type Output = Result<(), Error>;
 
     #[inline(always)]
@@ -303,10 +303,10 @@ fn displacement<S: Simd, M: Model>(robot: &Robot, shape: &Shape<S>) -> Lanes<S> 
 }
 
 /// A quantity of one pose.
-fn value<V: Virtualization + ?Sized>(
+fn value(
     gpr: &Gpr,
     pose: &Forward,
-    virtualization: &V,
+    virtualization: &dyn Virtualization,
     quantity: Quantity,
 ) -> Result<f64, Error> {
     Ok(match quantity {
@@ -366,7 +366,7 @@ mod tests {
             status: &mut status,
             wanted: &mut wanted,
         };
-        let robot = Robot::new(&gpr, Polar, &virtualization::Polar, options).unwrap().unwrap();
+        let robot = Robot::new::<Polar>(&gpr, &virtualization::Polar, options).unwrap().unwrap();
         let blocks = Blocks { work: &mut work, robot: &robot, model: PhantomData::<Polar> };
         simd.vectorize(blocks).unwrap();
         assert_eq!(status, [Status::Solved; POSES]);

@@ -39,7 +39,7 @@ impl Quantity {
     ///
     /// # Errors
     /// [`Error::NoSuchQuantity`] with the indices that there are.
-    pub fn check<V: Virtualization + ?Sized>(self, virtualization: &V) -> Result<(), Error> {
+    pub fn check(self, virtualization: &dyn Virtualization) -> Result<(), Error> {
         let (what, index, count) = match self {
             Self::Side(index) => ("side", index, 3),
             Self::VirtualJoint(index) => ("virtual joint", index, virtualization.joints().len()),

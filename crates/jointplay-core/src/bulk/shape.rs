@@ -84,10 +84,9 @@ pub(super) struct Robot {
 
 impl Robot {
     /// `None` where the first step from nominal does not exist, so that no pose is for the kernel.
-    pub(super) fn new<M: Model, V: Virtualization + ?Sized>(
+    pub(super) fn new<M: Model>(
         gpr: &Gpr,
-        _model: M,
-        virtualization: &V,
+        virtualization: &dyn Virtualization,
         options: &SolveOptions,
     ) -> Result<Option<Self>, Error> {
         let platform = gpr.platform();

@@ -9,6 +9,7 @@ mod relief;
 mod sensitivity;
 mod study;
 mod suggest;
+mod totals;
 
 use jointplay_core::gpr::BrokenLimit;
 use jointplay_core::virtualization::{Motion, VirtualJoint};
@@ -30,6 +31,7 @@ pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
 pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
+pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};
 
 /// Displacements of virtual joints grouped by symbol, such as `l_mm` → three lengths; written as a map.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,0 +1,113 @@
+"""What the machine can do at most, and what share of it jointplay reaches: bytes moved and operations counted."""
+
+import re
+import subprocess
+from collections import Counter
+from pathlib import Path
+
+import workers
+
+HERE = Path(__file__).resolve().parent
+# Arithmetic on doubles as objdump writes it, and what one of a lane is counted as.
+ARITHMETIC = re.compile(r"v?(add|sub|mul|div|sqrt|rcp14|rsqrt14|fn?m(?:add|sub|addsub|subadd)(?:132|213|231))(sd|pd)$")
+LANES = {"zmm": 8, "ymm": 4, "xmm": 2}
+
+
+def build(out, run, reason):
+    """Compiles the two helpers; returns what could not be, with the reason."""
+    missing = {}
+    for name, compiler, flags in (
+        ("machine.cpp", "c++", ["-O3", "-march=native", "-std=c++17"]),
+        ("steps.c", "cc", ["-O2", "-w"]),
+    ):
+        done = run([compiler, *flags, HERE / name, "-o", out / Path(name).stem])
+        if done.returncode != 0:
+            missing[f"harness, {name}"] = reason(done)
+    return missing
+
+
+def machine(build, footprints, rounds, folder, note):
+    """Operations per second, and bytes per second of copies of so many bytes."""
+    asked = {name: [build / "machine", name, 0] for name in ("fma", "divide", "root")}
+    asked |= {f"copy {size}": [build / "machine", "copy", size] for size in footprints}
+    found = workers.compare(asked, rounds, folder, note)
+    return {
+        name: told["answers"][0][0] / min(told["cpu_s"]) if "cpu_s" in told else None for name, told in found.items()
+    }
+
+
+def operations(build, command, ask):
+    """Arithmetic that a worker executes for what it is asked, from its instructions one by one."""
+    worker = workers.Worker(command)
+    worker._ask(ask)
+    pid = worker.process.pid
+    stepping = subprocess.Popen(
+        [build / "steps", str(pid)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    if stepping.stdout.readline().strip() != "attached":
+        raise workers.Failed(f"its instructions cannot be counted: {stepping.stderr.read().strip()}")
+    files = mapped(pid)
+    worker._ask(ask)
+    lines, errors = stepping.communicate()
+    worker.close()
+    if stepping.returncode != 0:
+        raise workers.Failed(f"its instructions cannot be counted: {errors.strip()}")
+    executed = [(int(address, 16), int(count)) for address, count in map(str.split, lines.splitlines())]
+    return sort(executed, files)
+
+
+def mapped(pid):
+    """Where files lie in the memory of a process: start, end, base, path."""
+    base, found = {}, []
+    for line in Path(f"/proc/{pid}/maps").read_text().splitlines():
+        span, _, _, _, _, *path = line.split()
+        if not path or not path[0].startswith("/"):
+            continue
+        start, end = (int(word, 16) for word in span.split("-"))
+        base.setdefault(path[0], start)
+        found.append((start, end, base[path[0]], path[0]))
+    return found
+
+
+def sort(executed, files):
+    """Instructions by what they do: floating operations, divisions, roots, everything."""
+    counts, names = Counter(), {}
+    for address, count in executed:
+        counts["instructions"] += count
+        where = next((one for one in files if one[0] <= address < one[1]), None)
+        if where is None:
+            continue
+        _, _, base, path = where
+        if path not in names:
+            names[path] = disassembled(path)
+        text = names[path].get(address - base)
+        kind = text and ARITHMETIC.match(text.split()[0])
+        if not kind:
+            continue
+        lanes = 1
+        if kind[2] == "pd":
+            lanes = max(size for register, size in LANES.items() if register in text)
+        counts["operations"] += count * lanes * (2 if kind[1].startswith("f") else 1)
+        counts["divisions"] += count * lanes * (kind[1] == "div")
+        counts["roots"] += count * lanes * (kind[1] == "sqrt")
+    return counts
+
+
+def disassembled(path):
+    """Text of each instruction of a file by its address."""
+    told = subprocess.run(["objdump", "-d", "--no-show-raw-insn", path], capture_output=True, text=True)
+    pairs = (line.split(":\t", 1) for line in told.stdout.splitlines() if ":\t" in line)
+    return {int(address, 16): text for address, text in pairs}
+
+
+def bound(figure, rates):
+    """Poses per second that bytes, operations, and divisions and roots allow each; the least counts."""
+    allowed = {}
+    if copied := rates.get(f"copy {figure['footprint']}"):
+        allowed["bytes"] = copied / figure["bytes"]
+    if rates["fma"]:
+        allowed["operations"] = 2 * rates["fma"] / figure["operations"]
+    slow = sum(figure[kind] / rates[name] for kind, name in (("divisions", "divide"), ("roots", "root")) if rates[name])
+    if slow:
+        allowed["divisions and roots"] = 1 / slow
+    return allowed

@@ -1,0 +1,133 @@
+//! What a study comes to, in words.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use jointplay::format::report::{ColumnReport, OutcomeReport, TotalsReport};
+use jointplay::format::study::StudyFile;
+
+use super::study::Expected;
+use crate::failure::Failure;
+use crate::output;
+
+/// The summary of a whole study.
+pub(super) fn summary(report: &TotalsReport, out: &Path) -> String {
+    let samples = report.samples;
+    let mut text = format!("{}, {}: {samples} samples\n", report.study, report.robot);
+    for model in &report.virtualizations {
+        let _ = writeln!(text, "  {}: {}", model.name, outcome(model));
+    }
+    for (count, limits) in [
+        (report.beyond_tilt_limit, "are commanded beyond the robot's limit of the tilt"),
+        (report.beyond_rod_limits, "have a rod beyond its limits"),
+    ] {
+        if count > 0 {
+            let _ = writeln!(text, "  {count} samples {limits}, and were computed all the same");
+        }
+    }
+    let width = report.columns.iter().map(|column| column.name.len()).max().unwrap_or_default();
+    let heads = ["least", "5 %", "median", "95 %", "greatest", "mean", "deviation"];
+    let heads: String = heads.iter().map(|head| format!("{head:>14}")).collect();
+    let _ = writeln!(text, "  {:width$}{heads}", "");
+    for column in &report.columns {
+        let cells: String = cells(column).iter().map(|cell| format!("{cell:>14}")).collect();
+        let _ = writeln!(text, "  {:width$}{cells}", column.name);
+    }
+    if report.percentiles_from < samples {
+        let _ = writeln!(
+            text,
+            "  percentiles from {} samples, drawn evenly over the study: the share below each is true to 0.2 % of the samples (standard error, at most)",
+            report.percentiles_from
+        );
+    }
+    let _ = writeln!(text, "{} written", out.display());
+    text
+}
+
+fn outcome(model: &OutcomeReport) -> String {
+    let all = model.solved + model.failed;
+    if model.failed == 0 {
+        return format!("all {all} samples have an answer");
+    }
+    let reasons: Vec<String> =
+        model.reasons.iter().map(|(why, count)| format!("{count} {why}")).collect();
+    format!("{} of {all} samples have no answer: {}", model.failed, reasons.join(", "))
+}
+
+fn cells(column: &ColumnReport) -> [String; 7] {
+    [
+        column.min,
+        column.percentile(5),
+        column.percentile(50),
+        column.percentile(95),
+        column.max,
+        column.mean,
+        column.standard_deviation,
+    ]
+    .map(|value| value.map_or("-".to_owned(), number))
+}
+
+/// A number to seven digits.
+fn number(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 {
+        "0".to_owned()
+    } else if (1e-3..1e6).contains(&size) {
+        let whole = size.log10().floor().max(0.0) as usize;
+        output::fixed(value, 6 - whole.min(6))
+    } else {
+        format!("{value:.4e}")
+    }
+}
+
+/// What a study will take, as text or as JSON.
+pub(super) fn dry_run(
+    file: &StudyFile,
+    out: &Path,
+    expected: &Expected,
+    json: bool,
+) -> Result<(), Failure> {
+    let columns: Vec<&str> = file.columns.iter().map(|column| column.name.as_str()).collect();
+    if json {
+        return output::json(&serde_json::json!({
+            "study": file.name,
+            "table": out.display().to_string(),
+            "samples": expected.samples,
+            "columns": columns,
+            "expected_bytes": expected.bytes.round(),
+            "expected_seconds": expected.time,
+        }));
+    }
+    let mut text = format!("{}: {} samples, nothing computed\n", file.name, expected.samples);
+    let _ = writeln!(text, "  table    {}, about {}", out.display(), size(expected.bytes));
+    let _ = writeln!(text, "  time     about {}", time(expected.time));
+    let _ = writeln!(text, "  columns  {}: {}", columns.len(), columns.join(", "));
+    output::text(&text)
+}
+
+/// A number with a prefix, such as 3.21 M.
+pub(super) fn short(value: f64) -> String {
+    for (factor, prefix) in [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")] {
+        if value >= factor {
+            return format!("{:.3}{prefix}", value / factor);
+        }
+    }
+    format!("{value:.0}")
+}
+
+/// How large a file is.
+pub(super) fn size(bytes: f64) -> String {
+    let text = short(bytes);
+    if text.contains(' ') { text + "B" } else { text + " B" }
+}
+
+/// How long something takes.
+fn time(seconds: f64) -> String {
+    const YEAR: f64 = 365.25 * 86_400.0;
+    for (unit, name) in [(YEAR, "years"), (86_400.0, "days"), (3600.0, "h"), (60.0, "min")] {
+        if seconds >= unit {
+            return format!("{:.1} {name}", seconds / unit);
+        }
+    }
+    format!("{seconds:.2} s")
+}

@@ -1,0 +1,291 @@
+//! Studies of any length: what they write, what they sum up, what they refuse.
+
+use std::collections::BTreeMap;
+
+use crate::desk::Desk;
+use serde_json::Value;
+
+/// A grid of six poses under two virtualizations.
+pub(crate) const SMALL: &str = r#"kind = "study"
+virtualizations = ["planar", "polar"]
+quantities = ["q1_mm", "origin_x_um", "pitch_deg", "virtual_joints"]
+
+[pose]
+yaw_deg = [20, 50.5]
+pitch_deg = "-1:1:1"
+height_mm = 480.1
+"#;
+
+/// Columns of a table by name.
+pub(crate) fn columns(csv: &str) -> BTreeMap<String, Vec<String>> {
+    let mut lines = csv.lines().map(|line| line.split(',').map(str::to_owned));
+    let names: Vec<String> = lines.next().unwrap().collect();
+    let mut columns: BTreeMap<String, Vec<String>> =
+        names.iter().map(|name| (name.clone(), Vec::new())).collect();
+    for line in lines {
+        let cells: Vec<String> = line.collect();
+        assert_eq!(cells.len(), names.len());
+        for (name, cell) in names.iter().zip(cells) {
+            columns.get_mut(name).unwrap().push(cell);
+        }
+    }
+    columns
+}
+
+fn numbers(column: &[String]) -> Vec<f64> {
+    column.iter().filter(|cell| !cell.is_empty()).map(|cell| cell.parse().unwrap()).collect()
+}
+
+/// Writes a study, runs it, and gives its summary and table.
+#[track_caller]
+fn studied(desk: &Desk, text: &str, flags: &str) -> (Value, String) {
+    desk.write("s.toml", text);
+    let run = desk.run(&format!("study s.toml --out t.csv --force --format json {flags}"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    (serde_json::from_str(&run.stdout).unwrap(), desk.read("t.csv"))
+}
+
+#[test]
+fn the_first_try_needs_nothing() {
+    let desk = Desk::new();
+    let run = desk.run("study");
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert_eq!(desk.names("."), ["center-shift.csv"]);
+    assert_eq!(desk.read("center-shift.csv").lines().count(), 2233);
+    // Silent but for one line, as nobody watches.
+    assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
+    assert!(run.stderr.contains("2232 samples in"), "{}", run.stderr);
+
+    let mut settings = insta::Settings::clone_current();
+    // What is zero but for round-off differs from machine to machine, and so does whether it is zero.
+    settings.add_filter(r"-?\d\.\d+e-\d+", "[small]");
+    settings.add_filter(r"(?m) 0( |$)", " [small]$1");
+    settings.add_filter(r" +(\[small\])", " $1");
+    settings.bind(|| insta::assert_snapshot!("study", run.stdout));
+}
+
+#[test]
+fn an_example_is_a_study_of_ones_own() {
+    let desk = Desk::new();
+    desk.write("mine.toml", &desk.done("study --example"));
+    assert_eq!(desk.run("study mine.toml").code, 0);
+    assert_eq!(desk.run("study center-shift").code, 0);
+    assert_eq!(desk.read("mine.csv"), desk.read("center-shift.csv"));
+    assert!(desk.done("study misbuilt --example").contains("[tolerances]"));
+}
+
+#[test]
+fn a_row_is_what_inverse_says() {
+    let desk = Desk::new();
+    let (_, csv) = studied(&desk, SMALL, "");
+    let header = csv.lines().next().unwrap();
+    assert_eq!(
+        header,
+        "sample,yaw_deg,pitch_deg,height_mm,q1_mm,\
+         planar_origin_x_um,planar_pitch_deg,planar_u1_mm,planar_u2_mm,planar_u3_mm,\
+         planar_v1_mm,planar_v2_mm,planar_v3_mm,planar_status,\
+         polar_origin_x_um,polar_pitch_deg,polar_l1_mm,polar_l2_mm,polar_l3_mm,\
+         polar_phi1_deg,polar_phi2_deg,polar_phi3_deg,polar_status"
+    );
+    let table = columns(&csv);
+    assert_eq!(table["sample"], ["0", "1", "2", "3", "4", "5"]);
+    assert_eq!(table["yaw_deg"][3], "50.5");
+    assert_eq!(table["height_mm"][0], "480.1");
+    for model in ["planar", "polar"] {
+        for (row, sample) in table["sample"].iter().enumerate() {
+            let at = |name: &str| -> &str { &table[name][row] };
+            let (yaw, pitch) = (at("yaw_deg"), at("pitch_deg"));
+            let pose = desk.json(&format!(
+                "inverse --yaw-deg {yaw} --pitch-deg {pitch} --height-mm 480.1 --virtualization {model}"
+            ));
+            let near = |cell: &str, expected: &Value, scale: f64| {
+                let (found, expected) = (cell.parse::<f64>().unwrap(), expected.as_f64().unwrap());
+                assert!((found - expected * scale).abs() < 1e-9, "{found} {expected}");
+            };
+            near(at("q1_mm"), &pose["q_mm"][0], 1.0);
+            near(at(&format!("{model}_origin_x_um")), &pose["platform"]["origin_mm"][0], 1e3);
+            let joint = if model == "planar" { ("u2_mm", "u_mm") } else { ("phi2_deg", "phi_deg") };
+            near(at(&format!("{model}_{}", joint.0)), &pose["virtual_joints"][joint.1][1], 1.0);
+            assert_eq!(at(&format!("{model}_status")), "solved", "sample {sample}");
+        }
+    }
+}
+
+#[test]
+fn a_summary_is_that_of_its_table() {
+    let desk = Desk::new();
+    let text = r#"kind = "study"
+samples = 3001
+seed = 11
+quantities = ["center_shift_um", "tilt_error_urad", "socket_angle_2_deg"]
+virtualizations = ["offset"]
+[pose]
+tilt_x_deg = { normal = [0.1, 0.5] }
+tilt_y_deg = { uniform = [-1, 1] }
+[tolerances]
+socket_angle_deg = { normal = [0, 0.01] }
+base_x_mm = { uniform = [-0.02, 0.03] }
+"#;
+    let (summary, csv) = studied(&desk, text, "");
+    let table = columns(&csv);
+    assert_eq!(summary["samples"], 3001);
+    assert_eq!(summary["percentiles_from"], 3001);
+    assert_eq!(summary["columns"].as_array().unwrap().len(), 6);
+    for column in summary["columns"].as_array().unwrap() {
+        let name = column["name"].as_str().unwrap();
+        let mut values = numbers(&table[name]);
+        values.sort_by(f64::total_cmp);
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let size = values[0].abs().max(values[3000].abs());
+        let near = |found: &Value, expected: f64| {
+            let found = found.as_f64().unwrap();
+            assert!((found - expected).abs() <= 1e-9 * size, "{name}: {found} {expected}");
+        };
+        near(&column["min"], values[0]);
+        near(&column["max"], values[3000]);
+        near(&column["mean"], mean);
+        near(&column["standard_deviation"], variance.sqrt());
+        near(&column["percentiles"]["p5"], values[150]);
+        near(&column["percentiles"]["p50"], values[1500]);
+        near(&column["percentiles"]["p99"], values[2970]);
+    }
+}
+
+#[test]
+fn the_same_study_gives_the_same_bytes_on_any_number_of_threads() {
+    let desk = Desk::new();
+    let text = desk.done("study misbuilt --example");
+    let (_, first) = studied(&desk, &text, "--threads 1");
+    for threads in [2, 5] {
+        let (_, again) = studied(&desk, &text, &format!("--threads {threads}"));
+        assert!(first == again, "{threads} threads");
+    }
+    let (_, other) = studied(&desk, &text.replace("seed = 1", "seed = 2"), "");
+    assert_ne!(first, other);
+}
+
+#[test]
+fn samples_without_an_answer_are_empty_and_counted() {
+    let desk = Desk::new();
+    let text = r#"kind = "study"
+samples = 400
+virtualizations = ["polar"]
+solver = "newton"
+quantities = ["origin_x_um"]
+[pose]
+yaw_deg = 0
+pitch_deg = { normal = [0, 60] }
+"#;
+    let (summary, csv) = studied(&desk, text, "");
+    let table = columns(&csv);
+    let failed = table["polar_status"].iter().filter(|status| *status != "solved").count();
+    assert!(failed > 20 && failed < 380, "{failed}");
+    for (status, cell) in table["polar_status"].iter().zip(&table["polar_origin_x_um"]) {
+        assert_eq!(status != "solved", cell.is_empty());
+    }
+    let model = &summary["virtualizations"][0];
+    assert_eq!(model["failed"], failed);
+    let steep = table["polar_status"].iter().filter(|status| *status == "pitch of 90° or more");
+    assert_eq!(model["reasons"]["pitch of 90° or more"], steep.count());
+
+    // None at all: the table is written, and the answer is no.
+    desk.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e300]"));
+    let none = desk.run("study none.toml");
+    assert_eq!(none.code, 1, "{}", none.stderr);
+    assert!(none.stderr.contains("no sample has an answer"), "{}", none.stderr);
+    assert_eq!(desk.read("none.csv").lines().count(), 401);
+}
+
+#[test]
+fn a_dry_run_says_what_a_run_will_be() {
+    let desk = Desk::new();
+    let dry = desk.json("study misbuilt --dry-run");
+    assert!(desk.names(".").is_empty());
+    desk.run("study misbuilt");
+    let csv = desk.read("misbuilt.csv");
+    let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
+    assert_eq!(dry["samples"].as_u64().unwrap() as usize, csv.lines().count() - 1);
+    let names: Vec<&str> =
+        dry["columns"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+    assert_eq!(names, header);
+    let expected = dry["expected_bytes"].as_f64().unwrap();
+    assert!((expected / csv.len() as f64 - 1.0).abs() < 0.02, "{expected} {}", csv.len());
+    assert!(desk.done("study misbuilt --dry-run").contains("10000 samples, nothing computed"));
+
+    // Nobody computes these, but their size can be told.
+    desk.write(
+        "huge.toml",
+        &SMALL
+            .replace("\"-1:1:1\"", "{ uniform = [-1, 1] }")
+            .replace("quant", "samples = 4000000000000000000\nquant"),
+    );
+    assert!(desk.done("study huge.toml --dry-run").contains(" years"));
+}
+
+#[test]
+fn a_table_that_is_there_is_replaced_only_on_request() {
+    let desk = Desk::new();
+    desk.write("s.toml", SMALL);
+    desk.write("s.csv", "mine");
+    let refused = desk.run("study s.toml");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
+    assert_eq!(desk.read("s.csv"), "mine");
+    assert_eq!(desk.run("study s.toml --force").code, 0);
+    assert_eq!(desk.read("s.csv").lines().count(), 7);
+    assert_eq!(desk.names("."), ["s.csv", "s.toml"]);
+}
+
+#[test]
+fn robots_lie_beside_their_study() {
+    let desk = Desk::new();
+    let robot = desk.done("catalogue show gpr");
+    desk.write("mine.toml", &robot.replacen("height_mm = 500.0", "height_mm = 400.0", 1));
+    let text =
+        SMALL.replace("height_mm = 480.1\n", "").replacen("virt", "robot = \"mine.toml\"\nvirt", 1);
+    let (summary, csv) = studied(&desk, &text, "");
+    assert_eq!(columns(&csv)["height_mm"][0], "400.0");
+    assert_eq!(summary["robot"], "GPR of the paper");
+    for (robot, message) in [
+        ("../mine.toml", "has to lie in the folder of the study"),
+        ("/mine.toml", "has to lie in the folder of the study"),
+        ("none.toml", "cannot read"),
+        ("delta", "of the kind \\\"mechanism\\\""),
+        ("gps", "not in the catalogue"),
+    ] {
+        desk.write("s.toml", &text.replace("mine.toml", robot));
+        let refused = desk.run("study s.toml --format json");
+        assert_eq!(refused.code, 2);
+        assert!(refused.stderr.contains(message), "{robot}: {}", refused.stderr);
+    }
+}
+
+#[test]
+fn wrong_use_is_told() {
+    let desk = Desk::new();
+    desk.write("s.toml", &SMALL.replace("origin_x_um", "origin_x_deg"));
+    let refused = desk.run("study s.toml");
+    assert_eq!(refused.code, 2);
+    let expected = "error: s.toml:3:24: `origin_x` needs a unit: origin_x_mm, origin_x_um, origin_x_nm, origin_x_m
+  |
+3 | quantities = [\"q1_mm\", \"origin_x_deg\", \"pitch_deg\", \"virtual_joints\"]
+  |                        ^^^^^^^^^^^^^^\n";
+    assert_eq!(refused.stderr, expected);
+    desk.write("s.toml", SMALL);
+    for (line, message) in [
+        ("study s.toml --out t.xlsx", "ends in .csv or in .parquet"),
+        ("study s.toml --resume", "nothing to go on with"),
+        ("study missbuilt", "did you mean `misbuilt`?"),
+        ("study none.toml", "cannot read none.toml"),
+        ("study s.toml --threads 0", "invalid value"),
+        ("study s.toml --out no/folder.csv", "cannot write no/folder.csv.part"),
+        ("study s.toml --resume --force", "cannot be used with"),
+    ] {
+        let refused = desk.run(line);
+        assert_eq!(refused.code, 2, "{line}");
+        assert!(refused.stderr.contains(message), "{line}: {}", refused.stderr);
+    }
+    assert_eq!(desk.names("."), ["s.toml"]);
+}

@@ -1,0 +1,252 @@
+//! Studies that are interrupted, killed or out of disk, and taken up again.
+
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::desk::Desk;
+
+/// Seven chunks, the last one not full.
+const STUDY: &str = r#"kind = "study"
+samples = 400000
+seed = 5
+quantities = ["origin_x_um", "tilt_error_urad", "socket_radius_1_mm"]
+virtualizations = ["radial", "planar"]
+[pose]
+yaw_deg = { uniform = [0, 360] }
+pitch_deg = { uniform = [0, 1.5] }
+[tolerances]
+socket_radius_mm = { normal = [0, 0.01] }
+"#;
+
+fn desk() -> Desk {
+    let desk = Desk::new();
+    desk.write("s.toml", STUDY);
+    desk
+}
+
+/// Table and summary of a run that nothing disturbs.
+fn undisturbed(desk: &Desk, table: &str) -> (Vec<u8>, String) {
+    let run = desk.run(&format!("study s.toml --out whole-{table} --format json"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    (std::fs::read(desk.file(&format!("whole-{table}"))).unwrap(), run.stdout)
+}
+
+fn start(desk: &Desk, line: &str) -> Child {
+    desk.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+fn send(signal: &str, child: &Child) {
+    let status = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+/// Chunks that the marker tells of.
+fn marked(desk: &Desk, table: &str) -> u64 {
+    let text =
+        std::fs::read_to_string(desk.file(&format!("{table}.part.json"))).unwrap_or_default();
+    let marker: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
+    marker["chunks"].as_u64().unwrap_or_default()
+}
+
+/// Waits until more chunks are marked than these, or the run has ended.
+fn await_more(desk: &Desk, table: &str, chunks: u64, child: &mut Child) {
+    let patience = Instant::now();
+    while marked(desk, table) <= chunks && child.try_wait().unwrap().is_none() {
+        assert!(patience.elapsed() < Duration::from_secs(120), "nothing is marked");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Ends the table of an interrupted run, and holds it to one that was not.
+#[track_caller]
+fn finish(desk: &Desk, table: &str, expected: &(Vec<u8>, String)) {
+    let run = desk.run(&format!("study s.toml --out {table} --resume --format json"));
+    assert_eq!(run.code, 0, "{}", run.stderr);
+    assert!(std::fs::read(desk.file(table)).unwrap() == expected.0, "{table} differs");
+    assert_eq!(run.stdout, expected.1, "the summary of {table} differs");
+    let left: Vec<String> =
+        desk.names(".").into_iter().filter(|name| name.contains(".part")).collect();
+    assert!(left.is_empty(), "{left:?}");
+}
+
+/// Moments to kill at that differ from run to run.
+fn moments() -> impl Iterator<Item = Duration> {
+    let seed = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap();
+    let mut state = seed.subsec_nanos() | 1;
+    std::iter::repeat_with(move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        Duration::from_millis(u64::from(state >> 22) % 400)
+    })
+}
+
+fn killed_and_taken_up(table: &str) {
+    let desk = desk();
+    let expected = undisturbed(&desk, table);
+    let mut kills = 0;
+    // From the start, before anything is marked, and then from wherever it has come to.
+    for (run, moment) in (0..5).zip(moments()) {
+        let resume =
+            if desk.file(&format!("{table}.part.json")).exists() { "--resume" } else { "--force" };
+        let mut child = start(&desk, &format!("study s.toml --out {table} {resume}"));
+        if run > 0 {
+            await_more(&desk, table, marked(&desk, table), &mut child);
+        }
+        std::thread::sleep(moment);
+        let ended = child.try_wait().unwrap().is_some();
+        if !ended {
+            send("-KILL", &child);
+            kills += 1;
+        }
+        child.wait().unwrap();
+        if ended {
+            break;
+        }
+        assert!(!desk.file(table).exists(), "half a table has its name");
+    }
+    assert!(kills > 0);
+    if !desk.file(table).exists() {
+        let resume =
+            if desk.file(&format!("{table}.part.json")).exists() { "--resume" } else { "--force" };
+        assert_eq!(resume, "--resume", "five runs have marked nothing");
+        finish(&desk, table, &expected);
+    }
+    assert!(std::fs::read(desk.file(table)).unwrap() == expected.0);
+}
+
+fn interrupted_and_taken_up(table: &str, signal: &str) {
+    let desk = desk();
+    let expected = undisturbed(&desk, table);
+    let mut child = start(&desk, &format!("study s.toml --out {table}"));
+    await_more(&desk, table, 0, &mut child);
+    send(signal, &child);
+    let output = child.wait_with_output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(130), "{stderr}");
+    assert!(stderr.contains("of 400000 samples are done"), "{stderr}");
+    assert!(stderr.contains("--resume"), "{stderr}");
+    assert!(!desk.file(table).exists());
+    let part = std::fs::read(desk.file(&format!("{table}.part"))).unwrap();
+    let done = usize::try_from(marked(&desk, table)).unwrap() * 65_536;
+    assert!(done > 0);
+    if table.ends_with(".csv") {
+        // A table of what is done: whole rows, the first of those to come.
+        assert!(expected.0.starts_with(&part) && part.ends_with(b"\n"));
+        assert_eq!(part.iter().filter(|&&byte| byte == b'\n').count(), done + 1);
+    } else {
+        assert!(part.starts_with(b"PAR1") && part.ends_with(b"PAR1"));
+    }
+    let again = desk.run(&format!("study s.toml --out {table}"));
+    assert_eq!(again.code, 2);
+    assert!(again.stderr.contains("--resume goes on with it"), "{}", again.stderr);
+    finish(&desk, table, &expected);
+}
+
+#[test]
+fn a_killed_run_goes_on_from_its_last_mark() {
+    killed_and_taken_up("t.csv");
+}
+
+#[test]
+fn an_interrupted_run_leaves_a_table_and_goes_on() {
+    interrupted_and_taken_up("t.csv", "-INT");
+    interrupted_and_taken_up("t.csv", "-TERM");
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn parquet_is_killed_interrupted_and_taken_up_too() {
+    killed_and_taken_up("t.parquet");
+    interrupted_and_taken_up("t.parquet", "-INT");
+}
+
+#[test]
+fn a_full_disk_costs_nothing_that_was_done() {
+    let desk = desk();
+    let expected = undisturbed(&desk, "t.csv");
+    // In place of a full disk, files that may not grow: blocks of 512 bytes, some two chunks.
+    let program = env!("CARGO_BIN_EXE_jointplay");
+    let script =
+        format!("trap '' XFSZ; ulimit -f 40000; exec '{program}' study s.toml --out t.csv");
+    let output =
+        Command::new("sh").args(["-c", &script]).current_dir(desk.path()).output().unwrap();
+    let stderr = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.contains("cannot write t.csv.part"), "{stderr}");
+    assert!(stderr.contains("--resume goes on"), "{stderr}");
+    let part = std::fs::read(desk.file("t.csv.part")).unwrap();
+    assert!(expected.0.starts_with(&part) && part.ends_with(b"\n"));
+    assert!(marked(&desk, "t.csv") > 0);
+    finish(&desk, "t.csv", &expected);
+}
+
+#[test]
+fn a_table_of_another_study_is_not_gone_on_with() {
+    let desk = desk();
+    let mut child = start(&desk, "study s.toml --out t.csv");
+    await_more(&desk, "t.csv", 0, &mut child);
+    // Whoever holds the table is left alone.
+    let meanwhile = desk.run("study s.toml --out t.csv --resume");
+    assert_eq!(meanwhile.code, 2);
+    assert!(meanwhile.stderr.contains("another run is writing t.csv.part"), "{}", meanwhile.stderr);
+    send("-KILL", &child);
+    child.wait().unwrap();
+
+    let refused = |study: &str, message: &str| {
+        desk.write("s.toml", study);
+        let run = desk.run("study s.toml --out t.csv --resume");
+        assert_eq!(run.code, 2);
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    };
+    refused(&STUDY.replace("seed = 5", "seed = 6"), "seed: 5 there, 6 here");
+    refused(&STUDY.replace("400000", "400001"), "samples: 400000 there, 400001 here");
+    refused(&STUDY.replace("1.5]", "1.6]"), "tilt: ");
+    refused(
+        &STUDY.replace("\"radial\", ", ""),
+        "virtualizations: radial, planar there, planar here",
+    );
+    let whole = desk.read("t.csv.part.json");
+    desk.write("t.csv.part.json", &whole.replacen("\"jointplay\": \"", "\"jointplay\": \"9", 1));
+    refused(STUDY, "only the same version goes on");
+    desk.write("t.csv.part.json", &whole[..whole.len() / 2]);
+    refused(STUDY, "no marker of an interrupted study");
+    desk.write("t.csv.part.json", &whole);
+    std::fs::File::options()
+        .write(true)
+        .open(desk.file("t.csv.part"))
+        .unwrap()
+        .set_len(99)
+        .unwrap();
+    refused(STUDY, "t.csv.part has 99 bytes");
+
+    // A word of the file that changes no number does not matter; --force begins again.
+    desk.write("s.toml", &STUDY.replace("400000", "1000"));
+    assert_eq!(desk.run("study s.toml --out t.csv --force").code, 0);
+    assert_eq!(desk.read("t.csv").lines().count(), 1001);
+}
+
+/// The most memory that a run takes at a time [kB].
+#[cfg(target_os = "linux")]
+fn peak(desk: &Desk, samples: u64) -> u64 {
+    desk.write("m.toml", &STUDY.replace("400000", &samples.to_string()));
+    let mut child = start(desk, "study m.toml --out m.csv --force --threads 2");
+    let mut peak = 0;
+    while child.try_wait().unwrap().is_none() {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
+        let told = status.unwrap_or_default();
+        let line = told.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        if let Some(kilobytes) = line.and_then(|line| line.trim().split(' ').next()) {
+            peak = peak.max(kilobytes.parse().unwrap());
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    peak
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_does_not_grow_with_the_length() {
+    let desk = desk();
+    let (short, long) = (peak(&desk, 200_000), peak(&desk, 1_000_000));
+    assert!(short > 10_000, "{short} kB");
+    assert!(long < short + short / 4, "{short} kB for 200000 samples, {long} kB for a million");
+}

@@ -1,0 +1,270 @@
+//! Names of quantities with their units, and the columns of a study's table.
+
+use jointplay_core::bulk::Quantity;
+use jointplay_core::virtualization::{Motion, Virtualization};
+use jointplay_study::plan::{Dimension, Measure, Plan, TiltForm, Wanted};
+
+use super::Problem;
+use crate::place::nearest;
+use crate::units::Unit;
+
+/// A column of a study's table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// Its name, with the unit at its end.
+    pub name: String,
+    /// What stands in it.
+    pub source: Source,
+}
+
+/// What stands in a column.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The number of the sample.
+    Sample,
+    /// The number of its draw.
+    Draw,
+    /// Something wanted of it, in a unit.
+    Number {
+        /// Which, in the order of the plan.
+        index: usize,
+        /// Its unit.
+        unit: Unit,
+        /// Whether it was typed, as what is commanded: then it is written as it was typed.
+        typed: bool,
+        /// Whether few values come again and again.
+        repeats: bool,
+    },
+    /// What became of it under a virtualization.
+    Status {
+        /// Which, in the order of the plan.
+        model: usize,
+    },
+}
+
+/// Something that can be asked for.
+struct Term {
+    /// Its name without unit.
+    stem: String,
+    units: &'static [Unit],
+    wanted: Wanted,
+}
+
+/// A name that stands for several.
+struct Group {
+    name: &'static str,
+    units: &'static [Unit],
+    has: fn(&Wanted) -> bool,
+}
+
+const GROUPS: [Group; 4] = [
+    Group { name: "rods", units: &Unit::LENGTHS, has: |wanted| matches!(wanted, Wanted::Rod(_)) },
+    Group { name: "sides", units: &Unit::LENGTHS, has: |wanted| matches!(wanted, Wanted::Side(_)) },
+    Group { name: "dimensions", units: &[], has: |wanted| matches!(wanted, Wanted::Built { .. }) },
+    Group {
+        name: "virtual_joints",
+        units: &[],
+        has: |wanted| {
+            matches!(
+                wanted,
+                Wanted::Model { measure: Measure::Quantity(Quantity::VirtualJoint(_)), .. }
+            )
+        },
+    },
+];
+
+/// Something asked for, with the unit that it is to have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Asked {
+    pub(super) wanted: Wanted,
+    pub(super) unit: Unit,
+}
+
+const LENGTHS: &[Unit] = &Unit::LENGTHS;
+const ANGLES: &[Unit] = &Unit::ANGLES;
+const NUMBERS: &[Unit] = &[Unit::One];
+
+/// All that can be asked for under these virtualizations.
+fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
+    let mut terms = Vec::new();
+    let mut free = |stem: String, units, wanted| terms.push(Term { stem, units, wanted });
+    for k in 0..3 {
+        free(format!("q{}", k + 1), LENGTHS, Wanted::Rod(k));
+    }
+    for (k, name) in ["L12", "L23", "L31"].into_iter().enumerate() {
+        free(name.to_owned(), LENGTHS, Wanted::Side(k));
+    }
+    for dimension in Dimension::ALL {
+        let (name, units) = match dimension {
+            Dimension::SocketRadius => ("socket_radius", LENGTHS),
+            Dimension::SocketAngle => ("socket_angle", ANGLES),
+            Dimension::BaseX => ("base_x", LENGTHS),
+            Dimension::BaseY => ("base_y", LENGTHS),
+        };
+        for limb in 0..3 {
+            free(format!("{name}_{}", limb + 1), units, Wanted::Built { limb, dimension });
+        }
+    }
+    for (model, virtualization) in models.iter().enumerate() {
+        let mut add = |stem: &str, units, measure| {
+            let wanted = Wanted::Model { model, measure };
+            terms.push(Term { stem: stem.to_owned(), units, wanted });
+        };
+        let quantity = Measure::Quantity;
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            add(&format!("origin_{name}"), LENGTHS, quantity(Quantity::Origin(axis)));
+        }
+        add("center_shift", LENGTHS, Measure::CenterShift);
+        add("axis_height", LENGTHS, quantity(Quantity::AxisHeight));
+        add("yaw", ANGLES, quantity(Quantity::Yaw));
+        add("pitch", ANGLES, quantity(Quantity::Pitch));
+        add("tilt_x", ANGLES, Measure::TiltX);
+        add("tilt_y", ANGLES, Measure::TiltY);
+        add("tilt_error", ANGLES, Measure::TiltError);
+        add("twist", ANGLES, quantity(Quantity::Twist));
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            add(&format!("normal_{name}"), NUMBERS, quantity(Quantity::Normal(axis)));
+        }
+        add("displacement", LENGTHS, quantity(Quantity::Displacement));
+        for k in 0..3 {
+            add(&format!("sensitivity_{}", k + 1), NUMBERS, quantity(Quantity::Sensitivity(k)));
+        }
+        add("residual", LENGTHS, quantity(Quantity::Residual));
+        add("iterations", NUMBERS, quantity(Quantity::Iterations));
+        for (k, joint) in virtualization.joints().iter().enumerate() {
+            let units = match joint.motion {
+                Motion::Linear => LENGTHS,
+                Motion::Angular => ANGLES,
+            };
+            let stem = format!("{}{}", joint.symbol, joint.limb + 1);
+            add(&stem, units, quantity(Quantity::VirtualJoint(k)));
+        }
+    }
+    terms
+}
+
+/// What a name asks for: one entry for each virtualization that has it.
+pub(super) fn resolve(
+    name: &str,
+    models: &[&'static (dyn Virtualization + Sync)],
+) -> Result<Vec<Asked>, Problem> {
+    let terms = terms(models);
+    let named = |stem: &str, units: &[Unit]| {
+        units.iter().copied().find(|unit| name.strip_prefix(stem) == Some(unit.suffix()))
+    };
+    let found: Vec<Asked> = terms
+        .iter()
+        .filter_map(|term| {
+            let unit = named(&term.stem, term.units)?;
+            Some(Asked { wanted: term.wanted, unit })
+        })
+        .collect();
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    for group in &GROUPS {
+        let given = named(group.name, group.units);
+        if given.is_some() || (group.units.is_empty() && name == group.name) {
+            let members = terms.iter().filter(|term| (group.has)(&term.wanted));
+            let asked =
+                |term: &Term| Asked { wanted: term.wanted, unit: given.unwrap_or(term.units[0]) };
+            return Ok(members.map(asked).collect());
+        }
+    }
+    let every = || {
+        let terms = terms.iter().map(|term| (term.stem.as_str(), term.units));
+        terms.chain(GROUPS.iter().map(|group| (group.name, group.units)))
+    };
+    let with_units = |stem: &str, units: &[Unit]| -> Vec<String> {
+        let units = if units.is_empty() { NUMBERS } else { units };
+        units.iter().map(|unit| format!("{stem}{}", unit.suffix())).collect()
+    };
+    // The quantity without its unit, or with one of another kind.
+    let bare = every().find(|(stem, units)| {
+        let all = [LENGTHS, ANGLES, NUMBERS].concat();
+        let rest = name.strip_prefix(stem);
+        rest.is_some_and(|rest| !units.is_empty() && all.iter().any(|unit| unit.suffix() == rest))
+    });
+    if let Some((stem, units)) = bare
+        && units != NUMBERS
+    {
+        let units = with_units(stem, units);
+        return Err(Problem::Unit { quantity: stem.to_owned(), units });
+    }
+    let mut known: Vec<String> = Vec::new();
+    for (stem, units) in every() {
+        let usual = with_units(stem, units).swap_remove(0);
+        if !known.contains(&usual) {
+            known.push(usual);
+        }
+    }
+    Err(Problem::Unknown {
+        what: "quantity",
+        found: name.to_owned(),
+        nearest: nearest(name, known.iter().map(String::as_str)),
+        known,
+    })
+}
+
+/// Columns of what is commanded, with what is wanted for them.
+pub(super) fn commanded(plan: &Plan) -> Vec<(String, Asked, bool)> {
+    let (first, second) = match plan.tilt.form {
+        TiltForm::YawPitch => ("yaw", "pitch"),
+        TiltForm::AboutXAndY => ("tilt_x", "tilt_y"),
+    };
+    let column = |stem: &str, wanted, unit: Unit, spread: &jointplay_study::plan::Spread| {
+        (format!("{stem}{}", unit.suffix()), Asked { wanted, unit }, !spread.is_random())
+    };
+    vec![
+        column(first, Wanted::FirstAngle, Unit::Degree, &plan.tilt.first),
+        column(second, Wanted::SecondAngle, Unit::Degree, &plan.tilt.second),
+        column("height", Wanted::Height, Unit::Millimeter, &plan.height),
+    ]
+}
+
+/// The columns of a table: sample, draw, what is commanded, what no virtualization changes, then each virtualization with its status.
+///
+/// Puts what is wanted into the plan, in the same order.
+pub(super) fn columns(plan: &mut Plan, asked: &[Asked]) -> Vec<Column> {
+    let mut columns = vec![Column { name: "sample".to_owned(), source: Source::Sample }];
+    let grid = [&plan.height, &plan.tilt.first, &plan.tilt.second];
+    if plan.draws_anything() && grid.iter().any(|spread| spread.values() > 1) {
+        columns.push(Column { name: "draw".to_owned(), source: Source::Draw });
+    }
+    let mut wanted = Vec::new();
+    let mut number = |name: String, asked: &Asked, typed: bool, repeats: bool| {
+        wanted.push(asked.wanted);
+        let source = Source::Number { index: wanted.len() - 1, unit: asked.unit, typed, repeats };
+        Column { name, source }
+    };
+    for (name, asked, listed) in commanded(plan) {
+        columns.push(number(name, &asked, true, listed));
+    }
+    let terms = terms(&plan.models);
+    let stem = |wanted: &Wanted| {
+        let term = terms.iter().find(|term| term.wanted == *wanted);
+        &term.expect("what is asked for was found among the terms").stem
+    };
+    for asked in asked.iter().filter(|asked| !matches!(asked.wanted, Wanted::Model { .. })) {
+        let typed = matches!(asked.wanted, Wanted::Built { .. });
+        let name = format!("{}{}", stem(&asked.wanted), asked.unit.suffix());
+        columns.push(number(name, asked, typed, typed && !plan.tolerances.any()));
+    }
+    for (k, virtualization) in plan.models.iter().enumerate() {
+        let model = virtualization.name();
+        for asked in asked {
+            if matches!(asked.wanted, Wanted::Model { model, .. } if model == k) {
+                let name = format!("{model}_{}{}", stem(&asked.wanted), asked.unit.suffix());
+                let repeats = matches!(
+                    asked.wanted,
+                    Wanted::Model { measure: Measure::Quantity(Quantity::Iterations), .. }
+                );
+                columns.push(number(name, asked, false, repeats));
+            }
+        }
+        columns
+            .push(Column { name: format!("{model}_status"), source: Source::Status { model: k } });
+    }
+    plan.wanted = wanted;
+    columns
+}

@@ -1,0 +1,197 @@
+//! The table of a study, written chunk by chunk.
+
+use std::path::Path;
+
+use jointplay_study::plan::Block;
+use rayon::prelude::*;
+
+use super::{Column, Source};
+use crate::units::Unit;
+
+/// What a table is written as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableKind {
+    /// Comma-separated values: every number with the digits that read back the same, nothing where there is no answer.
+    Csv,
+    /// Parquet: a row group for each chunk, NaN where there is no answer.
+    Parquet,
+}
+
+impl TableKind {
+    /// By the ending of a file's name; `None` for any other.
+    #[must_use]
+    pub fn of(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()? {
+            "csv" => Some(Self::Csv),
+            "parquet" => Some(Self::Parquet),
+            _ => None,
+        }
+    }
+
+    /// How the file's name ends.
+    #[must_use]
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Parquet => "parquet",
+        }
+    }
+}
+
+/// Why a table cannot be written.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TableError {
+    /// Parquet was left out when this was built.
+    #[error("it was built without Parquet")]
+    WithoutParquet,
+    /// What the Parquet library says.
+    #[error("the Parquet writer says: {0}")]
+    Parquet(String),
+}
+
+/// A chunk on its way into a file.
+#[derive(Debug, Default)]
+pub struct Encoded {
+    /// Its bytes, in order.
+    pub parts: Vec<Vec<u8>>,
+    /// Where its columns are.
+    #[cfg(feature = "parquet")]
+    pub(super) group: Option<super::table_parquet::Group>,
+}
+
+/// A table on its way into a file.
+pub struct Table {
+    columns: Vec<Column>,
+    kind: Kind,
+}
+
+enum Kind {
+    Csv,
+    #[cfg(feature = "parquet")]
+    Parquet(super::table_parquet::Schema),
+}
+
+/// What a table has to say of its chunks at its end; nothing for comma-separated values.
+#[derive(Default)]
+pub struct Index {
+    #[cfg(feature = "parquet")]
+    pub(super) groups: Vec<super::table_parquet::Group>,
+}
+
+impl Table {
+    /// A table of these columns.
+    ///
+    /// # Errors
+    /// [`TableError::WithoutParquet`], [`TableError::Parquet`].
+    pub fn new(kind: TableKind, columns: Vec<Column>) -> Result<Self, TableError> {
+        let kind = match kind {
+            TableKind::Csv => Kind::Csv,
+            #[cfg(feature = "parquet")]
+            TableKind::Parquet => Kind::Parquet(super::table_parquet::Schema::new(&columns)?),
+            #[cfg(not(feature = "parquet"))]
+            TableKind::Parquet => return Err(TableError::WithoutParquet),
+        };
+        Ok(Self { columns, kind })
+    }
+
+    /// What stands before the first chunk.
+    #[must_use]
+    pub fn head(&self) -> Vec<u8> {
+        match &self.kind {
+            Kind::Csv => {
+                let names: Vec<&str> = self.columns.iter().map(|c| c.name.as_str()).collect();
+                (names.join(",") + "\n").into_bytes()
+            }
+            #[cfg(feature = "parquet")]
+            Kind::Parquet(_) => super::table_parquet::MAGIC.to_vec(),
+        }
+    }
+
+    /// A chunk as it will stand in the file.
+    ///
+    /// # Errors
+    /// [`TableError::Parquet`].
+    pub fn encode(&self, blocks: &[Block]) -> Result<Encoded, TableError> {
+        match &self.kind {
+            Kind::Csv => {
+                let parts = blocks.par_iter().map(|block| csv(&self.columns, block)).collect();
+                Ok(Encoded { parts, ..Encoded::default() })
+            }
+            #[cfg(feature = "parquet")]
+            Kind::Parquet(schema) => schema.encode(&self.columns, blocks),
+        }
+    }
+
+    /// Notes that a chunk stands in the file from byte `at` on.
+    ///
+    /// # Errors
+    /// [`TableError::Parquet`].
+    #[cfg_attr(not(feature = "parquet"), expect(unused_variables, clippy::unnecessary_wraps))]
+    pub fn note(&self, index: &mut Index, encoded: &Encoded, at: u64) -> Result<(), TableError> {
+        #[cfg(feature = "parquet")]
+        if let Some(group) = &encoded.group {
+            index.groups.push(super::table_parquet::placed(group, at)?);
+        }
+        Ok(())
+    }
+
+    /// What stands after the last chunk.
+    ///
+    /// # Errors
+    /// [`TableError::Parquet`].
+    #[cfg_attr(not(feature = "parquet"), expect(unused_variables, clippy::unnecessary_wraps))]
+    pub fn foot(&self, index: &Index) -> Result<Vec<u8>, TableError> {
+        match &self.kind {
+            Kind::Csv => Ok(Vec::new()),
+            #[cfg(feature = "parquet")]
+            Kind::Parquet(schema) => schema.foot(&index.groups),
+        }
+    }
+
+    /// Reads back what [`Self::foot`] gave.
+    ///
+    /// # Errors
+    /// [`TableError::Parquet`] for anything else.
+    #[cfg_attr(not(feature = "parquet"), expect(unused_variables, clippy::unnecessary_wraps))]
+    pub fn index(&self, foot: &[u8]) -> Result<Index, TableError> {
+        match &self.kind {
+            Kind::Csv => Ok(Index::default()),
+            #[cfg(feature = "parquet")]
+            Kind::Parquet(_) => Ok(Index { groups: super::table_parquet::groups(foot)? }),
+        }
+    }
+}
+
+/// A number as it stands in a table.
+#[inline]
+pub(super) fn told(value: f64, unit: Unit, typed: bool) -> f64 {
+    if typed { unit.of_typed(value) } else { unit.of(value) }
+}
+
+/// The rows of a block.
+fn csv(columns: &[Column], block: &Block) -> Vec<u8> {
+    /// About as many bytes as a number takes.
+    const CELL: usize = 18;
+    let mut text = Vec::with_capacity(block.samples.len() * columns.len() * CELL);
+    let (mut numbers, mut counts) = (zmij::Buffer::new(), itoa::Buffer::new());
+    for row in 0..block.samples.len() {
+        for (place, column) in columns.iter().enumerate() {
+            if place > 0 {
+                text.push(b',');
+            }
+            let cell = match column.source {
+                Source::Sample => counts.format(block.samples[row]),
+                Source::Draw => counts.format(block.draws[row]),
+                Source::Status { model } => block.outcomes[model][row].name(),
+                Source::Number { index, unit, typed, .. } => {
+                    let value = block.columns[index][row];
+                    if value.is_nan() { "" } else { numbers.format(told(value, unit, typed)) }
+                }
+            };
+            text.extend_from_slice(cell.as_bytes());
+        }
+        text.push(b'\n');
+    }
+    text
+}

@@ -1,0 +1,297 @@
+//! Study files: what is refused and where, and tables that read back.
+
+use jointplay_format::study::{Marker, MarkerError, StudyFile, TableKind, parse, robot_of};
+use jointplay_study::plan::{Moments, Totals};
+
+const STUDY: &str = r#"kind = "study"
+name = "a study"
+robot = "gpr"
+virtualizations = ["planar", "polar"]
+solver = "newton"
+metric = 12.5
+samples = 100
+seed = 9
+quantities = ["q1_mm", "center_shift_um", "virtual_joints"]
+
+[pose]
+yaw_deg = { uniform = [0, 360] }
+pitch_deg = "-1:1:0.5"
+height_mm = [480.1, 500]
+
+[tolerances]
+base_x_mm = { normal = [0, 0.01] }
+"#;
+
+fn study(text: &str) -> StudyFile {
+    parse(text, robot_of).unwrap_or_else(|error| panic!("{}", error.with_excerpt("s.toml")))
+}
+
+/// Replaces a piece of the study and reads the message.
+#[track_caller]
+fn refuse(from: &str, to: &str, line: usize, message: &str) {
+    assert!(STUDY.contains(from), "{from:?} is not in the study");
+    let Err(error) = parse(&STUDY.replacen(from, to, 1), robot_of) else {
+        panic!("{to:?} is taken");
+    };
+    assert!(error.to_string().contains(message), "{error}");
+    assert_eq!(error.place.line, line, "{}", error.with_excerpt("s.toml"));
+}
+
+#[test]
+fn a_study_says_what_is_computed() {
+    let file = study(STUDY);
+    assert_eq!((file.name.as_str(), file.robot.as_str()), ("a study", "GPR of the paper"));
+    assert_eq!((file.plan.grid(), file.plan.samples()), (Ok(10), Ok(1000)));
+    let names: Vec<&str> = file.columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(names[..6], ["sample", "draw", "yaw_deg", "pitch_deg", "height_mm", "q1_mm"]);
+    assert_eq!(names[6..8], ["planar_center_shift_um", "planar_u1_mm"]);
+    assert_eq!(names.last(), Some(&"polar_status"));
+    let least =
+        "kind = \"study\"\nquantities = [\"twist_mrad\"]\n[pose]\ntilt_x_deg = 1\ntilt_y_deg = 0";
+    let least = study(least);
+    assert_eq!(least.plan.samples(), Ok(1));
+    let names: Vec<&str> = least.columns.iter().map(|column| column.name.as_str()).collect();
+    assert_eq!(
+        names,
+        ["sample", "tilt_x_deg", "tilt_y_deg", "height_mm", "planar_twist_mrad", "planar_status"]
+    );
+}
+
+#[test]
+fn the_study_of_the_documents_is_one() {
+    let page = include_str!("../../../docs/studies.md");
+    let (_, rest) = page.split_once("```toml\n").unwrap();
+    let file = study(rest.split_once("```").unwrap().0);
+    assert_eq!(file.plan.samples(), Ok(30_000));
+    // And every quantity of its table is one, with the unit that it is shown with.
+    let (_, rest) = page.split_once("| quantity | is |").unwrap();
+    let cells = rest.lines().skip(2).take_while(|line| line.starts_with('|'));
+    let mut count = 0;
+    for cell in cells.filter_map(|line| line.split('|').nth(1)) {
+        for name in cell.split('`').skip(1).step_by(2) {
+            let models = "[\"radial\", \"polar\", \"offset\", \"planar\"]";
+            study(&format!(
+                "kind = \"study\"\nvirtualizations = {models}\nquantities = [\"{name}\"]\n[pose]\nyaw_deg = 0\npitch_deg = 0"
+            ));
+            count += 1;
+        }
+    }
+    assert!(count > 30, "{count}");
+}
+
+#[test]
+fn bad_studies_are_refused_with_their_place() {
+    refuse("kind = \"study\"", "kind = \"gpr\"", 1, "known: study");
+    refuse("\"a study\"", "\"a\\u001b\"", 2, "control characters");
+    refuse("\"gpr\"", "\"delta\"", 3, "of the kind \"mechanism\"");
+    let broken = |_: &str| Ok("kind = \"gpr\"\nlimb = 3".to_owned());
+    let error = parse(STUDY, broken).err().unwrap();
+    assert!(error.to_string().contains("line 2 of the robot \"gpr\" is wrong"), "{error}");
+    refuse("\"gpr\"", "\"gprs\"", 3, "not in the catalogue");
+    refuse("\"planar\",", "\"planer\",", 4, "did you mean `planar`?");
+    refuse("[\"planar\", \"polar\"]", "[]", 4, "`virtualizations` is empty");
+    refuse("\"polar\"]", "\"planar\"]", 4, "`virtualizations` has \"planar\" twice");
+    refuse("\"newton\"", "\"newtown\"", 5, "did you mean `newton`?");
+    refuse("12.5", "-1", 6, "the metric has to be");
+    refuse("12.5", "\"rad\"", 6, "the metric has to be");
+    refuse("samples = 100", "samples = 0", 7, "`samples` is 0, but has to be at least 1");
+    refuse("= 100", "= 9000000000000000000", 7, "more samples than can be counted");
+    refuse("samples = 100\n", "", 11, "needs `samples`");
+    refuse("seed = 9", "seed = -9", 8, "`seed` is -9, but has to be at least 0");
+    refuse("seed = 9", "sead = 9", 8, "did you mean `seed`?");
+    refuse("center_shift_um", "centre_shift_um", 9, "did you mean `center_shift_mm`?");
+    let units = "needs a unit: center_shift_mm, center_shift_um, center_shift_nm, center_shift_m";
+    refuse("center_shift_um", "center_shift", 9, units);
+    refuse("center_shift_um", "rods", 9, "needs a unit: rods_mm");
+    refuse("center_shift_um", "u1_deg", 9, "`u1` needs a unit: u1_mm");
+    refuse("center_shift_um", "l4_mm", 9, "is not known");
+    refuse("center_shift_um", "normal_x_mm", 9, "is not known");
+    refuse("center_shift_um", "u1_mm", 9, "`quantities` has \"virtual_joints\" twice");
+    refuse("[0, 360]", "[360, 0]", 12, "uniform from 360 to 0 is no range");
+    refuse("[0, 360]", "[0, 360, 1]", 12, "has to be a number, a range");
+    refuse("[0, 360]", "[0, nan]", 12, "`yaw_deg` has NaN");
+    refuse("uniform", "unifrom", 12, "did you mean `uniform`?");
+    refuse("{ uniform = [0, 360] }", "true", 12, "has to be a number, a range");
+    refuse("{ uniform = [0, 360] }", "[]", 12, "`yaw_deg` is empty");
+    refuse("{ uniform = [0, 360] }", "[1, \"2\"]", 12, "has to be a number, a range");
+    refuse("[0, 360] }", "[0, 1], normal = [0, 1] }", 12, "has to be a number, a range");
+    refuse("\"-1:1:0.5\"", "\"-1:1:0.3\"", 13, "`pitch_deg`: steps of 0.3 from -1 miss 1");
+    refuse("\"-1:1:0.5\"", "90", 13, "`pitch_deg` has 90, but needs numbers from -89.999");
+    refuse("pitch_deg = \"-1:1:0.5\"\n", "", 11, "found: yaw_deg");
+    refuse("pitch_deg", "tilt_x_deg", 11, "found: yaw_deg, tilt_x_deg");
+    refuse("[480.1, 500]", "1e9", 14, "`height_mm` has 1000000000, but needs");
+    refuse("[0, 0.01]", "[0, 0]", 17, "a standard deviation of 0 is not positive");
+    refuse("{ normal = [0, 0.01] }", "0.1", 17, "`base_x_mm` has to be drawn");
+    refuse("base_x_mm = { normal = [0, 0.01] }", "", 16, "no tolerances here");
+    refuse("base_x_mm", "rods_from = \"guess\"\nbase_x_mm", 17, "known: nominal, as-built");
+    let still = STUDY.replace("{ uniform = [0, 360] }", "5");
+    let (still, _) = still.split_once("[tolerances]").unwrap();
+    let error = parse(still, robot_of).err().unwrap();
+    assert!(error.to_string().contains("nothing is random") && error.place.line == 7, "{error}");
+}
+
+#[test]
+fn differences_are_told_by_key() {
+    let begun = study(STUDY);
+    let told = |from: &str, to: &str| begun.differences(&study(&STUDY.replacen(from, to, 1)));
+    assert_eq!(told("a study", "another name"), [""; 0]);
+    assert_eq!(told("seed = 9", "# a comment\nseed = 9"), [""; 0]);
+    assert_eq!(told("seed = 9", "seed = 8"), ["seed: 9 there, 8 here"]);
+    assert_eq!(told("newton", "least-norm"), ["solver: newton there, least-norm here"]);
+    for (from, to, key) in [
+        ("480.1", "480.2", "height"),
+        ("360", "180", "tilt"),
+        ("0.01", "0.02", "tolerances"),
+        ("12.5", "12", "metric"),
+        ("center_shift_um", "center_shift_mm", "columns"),
+    ] {
+        let told = told(from, to);
+        assert!(told.len() == 1 && told[0].starts_with(key), "{told:?}");
+    }
+}
+
+#[test]
+fn markers_read_back_to_the_bit() {
+    let file = study(STUDY);
+    let mut totals = Totals::new(3, 2);
+    totals.columns[0] = Moments::of(&[0.1, 0.2, f64::NAN, 1e-300]);
+    totals.outcomes[1].no_robot = 7;
+    let mut marker = Marker::new(&file, TableKind::Csv, totals);
+    (marker.chunks, marker.bytes, marker.foot) = (3, u64::MAX, vec![0, 255, 16]);
+    let text = marker.to_json(9);
+    assert_eq!(Marker::parse(&text), Ok(marker));
+    let malformed = |text: &str| matches!(Marker::parse(text), Err(MarkerError::Malformed(_)));
+    assert!(malformed(&text[1..]));
+    for (from, to) in [
+        ("00ff10", "00ff1"),
+        ("00ff10", "00fg10"),
+        ("\"csv\"", "\"doc\""),
+        ("\"chunks\": 3", "\"chunks\": -3"),
+    ] {
+        assert!(text.contains(from) && malformed(&text.replace(from, to)), "{to}");
+    }
+}
+
+/// What studies are made of, and what they are not.
+const WORDS: [&str; 36] = [
+    "kind",
+    "=",
+    "\"study\"",
+    "\n",
+    "quantities",
+    "[",
+    "]",
+    "{",
+    "}",
+    "\"q1_mm\"",
+    "virtualizations",
+    "[pose]",
+    "yaw_deg",
+    "pitch_deg",
+    "height_mm",
+    "0",
+    "1e300",
+    "nan",
+    "inf",
+    "-1",
+    "uniform",
+    "normal",
+    ",",
+    "\"-1:1:1e-9\"",
+    "[tolerances]",
+    "socket_radius_mm",
+    "samples",
+    "seed",
+    "9223372036854775807",
+    "#",
+    "é",
+    "metric",
+    "\"planar\"",
+    "\"virtual_joints\"",
+    "\"_mm\"",
+    "\"\"",
+];
+
+proptest::proptest! {
+    #[test]
+    fn no_text_panics(
+        words in proptest::collection::vec(proptest::sample::select(&WORDS[..]), 0..60),
+        from in 0..STUDY.len(),
+        to in 0..STUDY.len(),
+        noise in "\\PC{0,12}",
+    ) {
+        let piece = STUDY.get(from..to).unwrap_or_default();
+        let texts = [
+            words.join(" "),
+            format!("{piece}{noise}"),
+            STUDY.replacen(piece, &noise, 1),
+            STUDY.replacen(piece, &words.concat(), 1),
+        ];
+        for text in texts {
+            if let Err(error) = parse(&text, robot_of) {
+                let _ = error.with_excerpt("s.toml");
+            }
+        }
+        let _ = Marker::parse(&noise);
+    }
+}
+
+#[cfg(feature = "parquet")]
+#[test]
+fn a_parquet_table_reads_back_the_same() {
+    use jointplay_format::study::{Index, Table};
+    use jointplay_study::plan::compute;
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    let file = study(&STUDY.replace("[0, 0.01]", "[0, 60]"));
+    let tables = [TableKind::Csv, TableKind::Parquet]
+        .map(|kind| Table::new(kind, file.columns.clone()).unwrap());
+    // Three chunks of two blocks, with the end read back after the second, as by a run that is taken up again.
+    let [csv, parquet] = tables.map(|table| {
+        let (mut bytes, mut index) = (table.head(), Index::default());
+        for chunk in 0..3 {
+            let blocks = [0, 1].map(|block| {
+                let first = 100 * chunk + 50 * block;
+                compute(&file.plan, &(first..first + 50).collect::<Vec<u64>>()).unwrap()
+            });
+            let encoded = table.encode(&blocks).unwrap();
+            table.note(&mut index, &encoded, bytes.len() as u64).unwrap();
+            bytes.extend(encoded.parts.concat());
+            if chunk == 1 {
+                let foot = table.foot(&index).unwrap();
+                index = table.index(&foot).unwrap();
+                assert!(table.foot(&index).unwrap() == foot, "an end read back is another");
+            }
+        }
+        bytes.extend(table.foot(&index).unwrap());
+        bytes
+    });
+    let reader = SerializedFileReader::new(bytes::Bytes::from(parquet)).unwrap();
+    assert_eq!(reader.num_row_groups(), 3);
+    let text = String::from_utf8(csv).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let (mut rows, mut missing) = (0, 0);
+    for (row, line) in reader.get_row_iter(None).unwrap().zip(lines) {
+        let row = row.unwrap();
+        assert_eq!(row.get_column_iter().count(), names.len());
+        let cells = row.get_column_iter().zip(line.split(',')).zip(&names);
+        for (((name, field), expected), known) in cells {
+            assert_eq!(name, known);
+            match field {
+                Field::Long(found) => assert_eq!(found.to_string(), expected),
+                Field::Str(found) => assert_eq!(found, expected),
+                Field::Double(found) if expected.is_empty() => {
+                    assert!(found.is_nan());
+                    missing += 1;
+                }
+                Field::Double(found) => assert_eq!(*found, expected.parse::<f64>().unwrap()),
+                other => panic!("{name}: {other:?}"),
+            }
+        }
+        rows += 1;
+    }
+    assert_eq!(rows, 300);
+    assert!(missing > 0);
+}

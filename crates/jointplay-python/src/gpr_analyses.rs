@@ -1,0 +1,263 @@
+//! What the three-rod robot is asked besides its poses.
+
+use jointplay::gpr::AxisHeight;
+use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
+use jointplay::sensitivity::sensitivity;
+use jointplay::spatial::Tilt;
+use jointplay::study::{Order, Raster, check_bounds, compare, simulate, summarize};
+use jointplay::virtualization::{Planar, SolveOptions, Virtualization, built_in};
+use pyo3::prelude::*;
+
+use crate::gpr::{PyGpr, axis_height};
+use crate::model::{self, Model, ModelNames, with_model};
+use crate::numbers::one_triple;
+use crate::skin::{self, fields};
+use crate::{analyses, arrays, errors};
+
+/// The most poses that a study may have: every one is kept in memory.
+const MOST_POSES: usize = 5_000_000;
+
+#[pymethods]
+impl PyGpr {
+    /// What can move: counted, to first order, and for real.
+    ///
+    /// Parameters
+    /// ----------
+    /// rods_m : array of shape (3,), optional
+    ///     Rod lengths [m]; level at the working height if left out.
+    /// virtualization : str or Virtualization, optional
+    ///     Also the mobility with these virtual joints free.
+    ///
+    /// Returns
+    /// -------
+    /// Mobility
+    ///     With singular values and threshold, motions and self-stresses; coordinates in the order q_1, q_2, q_3, P_1, P_2, P_3.
+    #[pyo3(signature = (rods_m=None, virtualization=None))]
+    fn mobility<'py>(
+        &self,
+        py: Python<'py>,
+        rods_m: Option<&Bound<'py, PyAny>>,
+        virtualization: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (gpr, options) = (&self.gpr, SolveOptions::default());
+        let failed = |error: jointplay::Error| errors::core(py, &error);
+        let rods = match rods_m {
+            Some(rods) => one_triple(rods)?,
+            None => gpr.inverse(Tilt::LEVEL, axis_height(None, gpr)).map_err(failed)?,
+        };
+        // The rigid robot is the one whose virtual joints are held; which virtualization holds them makes no difference.
+        let rigid = gpr.system(&Planar);
+        let pose = gpr.forward(rods, &Planar, &options).map_err(failed)?;
+        let at = rigid.configuration(&pose);
+        let finite = py.detach(|| finite_mobility(&rigid, &at, RANK_THRESHOLD)).map_err(failed)?;
+        let model = virtualization.map(|given| Model::of(Some(given), gpr)).transpose()?;
+        let augmented = model.as_ref().map(|model| {
+            let found = with_model!(model, v => gpr.forward(rods, v, &options).and_then(|pose| {
+                let relieved = gpr.system(v);
+                augmented_mobility(&relieved, &relieved.configuration(&pose), RANK_THRESHOLD)
+            }));
+            Ok::<_, PyErr>((model.virtualization().name(), model.checked(py, found)?))
+        });
+        let augmented = augmented.transpose()?;
+        let augmented = augmented.as_ref().map(|(name, found)| (*name, found));
+        analyses::mobility(py, gpr.kutzbach_mobility(), &finite, augmented)
+    }
+
+    /// How far the virtual joints move for a small motion of the robot: ∂X/∂P with its singular values.
+    ///
+    /// Parameters
+    /// ----------
+    /// rods_m : array of shape (3,)
+    ///     Rod lengths [m].
+    /// virtualization, solver, metric
+    ///     Those of `forward`.
+    #[pyo3(signature = (rods_m, virtualization=None, *, solver=None, metric=None))]
+    fn sensitivity<'py>(
+        &self,
+        py: Python<'py>,
+        rods_m: &Bound<'py, PyAny>,
+        virtualization: Option<&Bound<'py, PyAny>>,
+        solver: Option<&str>,
+        metric: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (gpr, rods) = (&self.gpr, one_triple(rods_m)?);
+        let model = Model::of(virtualization, gpr)?;
+        let options = model::options(py, solver, metric)?;
+        let found = with_model!(&model, v => gpr.forward(rods, v, &options).and_then(|pose| {
+            let system = gpr.system(v);
+            let rho = pose.solution.characteristic_length;
+            sensitivity(&system, &system.configuration(&pose), rho, RANK_THRESHOLD)
+        }));
+        let found = model.checked(py, found)?;
+        analyses::sensitivity(py, &found, ModelNames::of_model(&model))
+    }
+
+    /// How far the virtual joints move from level to a tilt at the same axis height, beside the paper's first-order bounds.
+    ///
+    /// Parameters
+    /// ----------
+    /// yaw_rad, pitch_rad : float
+    ///     The tilt [rad].
+    /// height_m : float, optional
+    ///     Axis height [m]; the working height if left out.
+    /// virtualization, solver, metric
+    ///     Those of `forward`.
+    #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None, virtualization=None, *, solver=None, metric=None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+    fn tilt_play<'py>(
+        &self,
+        py: Python<'py>,
+        yaw_rad: f64,
+        pitch_rad: f64,
+        height_m: Option<f64>,
+        virtualization: Option<&Bound<'py, PyAny>>,
+        solver: Option<&str>,
+        metric: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let gpr = &self.gpr;
+        let model = Model::of(virtualization, gpr)?;
+        let options = model::options(py, solver, metric)?;
+        let tilt = Tilt { yaw: yaw_rad, pitch: pitch_rad };
+        let height = axis_height(height_m, gpr);
+        let found = with_model!(&model, v => gpr.tilt_play(tilt, height, v, &options));
+        let found = model.checked(py, found)?;
+        analyses::tilt_play(py, &found, ModelNames::of_model(&model))
+    }
+
+    /// All models side by side over a range of tilts.
+    ///
+    /// Parameters
+    /// ----------
+    /// pitch_rad : array of shape (n,)
+    ///     Pitch angles [rad].
+    /// yaw_rad : float, optional
+    ///     Azimuth of all tilts [rad].
+    /// height_m : float, optional
+    ///     Axis height [m]; the working height if left out.
+    /// virtualizations : sequence of str or Virtualization, optional
+    ///     Which; all of the library's if left out.
+    /// solver, metric
+    ///     Those of `forward`.
+    #[pyo3(signature = (pitch_rad, yaw_rad=0.0, height_m=None, *, virtualizations=None, solver=None, metric=None))]
+    #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
+    fn compare<'py>(
+        &self,
+        py: Python<'py>,
+        pitch_rad: &Bound<'py, PyAny>,
+        yaw_rad: f64,
+        height_m: Option<f64>,
+        virtualizations: Option<Vec<Bound<'py, PyAny>>>,
+        solver: Option<&str>,
+        metric: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let gpr = &self.gpr;
+        let options = model::options(py, solver, metric)?;
+        let pitches = arrays::row(pitch_rad, "pitch_rad")?;
+        let models = match virtualizations {
+            Some(given) => given
+                .iter()
+                .map(|one| Model::of(Some(one), gpr))
+                .collect::<PyResult<Vec<Model>>>()?,
+            None => Vec::new(),
+        };
+        let chosen: Vec<&dyn Virtualization> = if models.is_empty() {
+            built_in().to_vec()
+        } else {
+            models.iter().map(|model| model.virtualization() as &dyn Virtualization).collect()
+        };
+        let height = axis_height(height_m, gpr);
+        let found = compare(gpr, &chosen, yaw_rad, &pitches, height, &options);
+        if let Some(raised) = models.iter().find_map(Model::raised) {
+            return Err(raised);
+        }
+        analyses::comparison(py, &found.map_err(|error| errors::study(py, &error))?)
+    }
+
+    /// A raster of tilts under one virtualization, every pose from the nominal virtual joints; see `jointplay.study`.
+    #[pyo3(signature = (virtualization, yaw_rad, pitch_rad, height_m, serpentine, solver, metric))]
+    #[expect(clippy::too_many_arguments, reason = "called by the package alone")]
+    fn _simulate<'py>(
+        &self,
+        py: Python<'py>,
+        virtualization: Option<&Bound<'py, PyAny>>,
+        yaw_rad: Option<&Bound<'py, PyAny>>,
+        pitch_rad: Option<&Bound<'py, PyAny>>,
+        height_m: Option<f64>,
+        serpentine: bool,
+        solver: Option<&str>,
+        metric: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let model = Model::of(virtualization, &self.gpr)?;
+        let options = model::options(py, solver, metric)?;
+        let raster = self.raster(py, yaw_rad, pitch_rad, height_m, serpentine)?;
+        let found =
+            with_model!(&model, v => simulate(&self.gpr, &raster, v, &options, &mut |_| ()));
+        if let Some(raised) = model.raised() {
+            return Err(raised);
+        }
+        let samples = found.map_err(|error| errors::study(py, &error))?;
+        let summary = summarize(&self.gpr, &samples);
+        analyses::study(py, &samples, &summary, ModelNames::of_model(&model))
+    }
+
+    /// The first-order bounds over a raster; see `jointplay.study`.
+    #[pyo3(signature = (virtualization, yaw_rad, pitch_rad, height_m, solver, metric))]
+    #[expect(clippy::too_many_arguments, reason = "called by the package alone")]
+    fn _check_bounds<'py>(
+        &self,
+        py: Python<'py>,
+        virtualization: Option<&Bound<'py, PyAny>>,
+        yaw_rad: Option<&Bound<'py, PyAny>>,
+        pitch_rad: Option<&Bound<'py, PyAny>>,
+        height_m: Option<f64>,
+        solver: Option<&str>,
+        metric: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let model = Model::of(virtualization, &self.gpr)?;
+        let options = model::options(py, solver, metric)?;
+        let raster = self.raster(py, yaw_rad, pitch_rad, height_m, false)?;
+        let found =
+            with_model!(&model, v => check_bounds(&self.gpr, &raster, v, &options, &mut |_| ()));
+        if let Some(raised) = model.raised() {
+            return Err(raised);
+        }
+        let found = found.map_err(|error| errors::study(py, &error))?;
+        let fields = fields!(py;
+            poses = found.poses,
+            held_at_start = found.held_at_start,
+            held_at_midpoint = found.held_at_midpoint,
+            held_at_end = found.held_at_end,
+        );
+        skin::result(py, "BoundsCheck", &fields)
+    }
+}
+
+impl PyGpr {
+    /// The paper's raster, with what is given in place of its own.
+    fn raster(
+        &self,
+        py: Python<'_>,
+        yaw_rad: Option<&Bound<'_, PyAny>>,
+        pitch_rad: Option<&Bound<'_, PyAny>>,
+        height_m: Option<f64>,
+        serpentine: bool,
+    ) -> PyResult<Raster> {
+        let paper = Raster::paper();
+        let yaws = yaw_rad.map(|given| arrays::row(given, "yaw_rad")).transpose()?;
+        let pitches = pitch_rad.map(|given| arrays::row(given, "pitch_rad")).transpose()?;
+        let raster = Raster {
+            yaws: yaws.unwrap_or(paper.yaws),
+            pitches: pitches.unwrap_or(paper.pitches),
+            height: height_m.map_or_else(|| AxisHeight(self.gpr.working_height()), AxisHeight),
+            order: if serpentine { Order::Serpentine } else { Order::Raster },
+        };
+        if raster.len() > MOST_POSES {
+            let message = format!(
+                "the study has {} poses, but at most {MOST_POSES} are taken: forward and inverse take arrays of any length",
+                raster.len()
+            );
+            return Err(errors::input(py, &message));
+        }
+        Ok(raster)
+    }
+}

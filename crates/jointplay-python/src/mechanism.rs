@@ -1,0 +1,358 @@
+//! Any mechanism: its file, its loops, its motions.
+
+use std::path::PathBuf;
+
+use jointplay::format::catalogue;
+use jointplay::format::coordinates::{self, Coordinates};
+use jointplay::format::import;
+use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
+use jointplay::mechanism::joint::Coordinate;
+use jointplay::mobility::kutzbach_mobility;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::{errors, files};
+
+/// Values for coordinates by name, `{"crank": 0.5}`.
+pub(crate) type Commands = Vec<(usize, f64)>;
+
+/// Text, parameters, and text of the joints that close loops, for pickling.
+type Parts<'a> = (&'a str, &'a [(String, f64)], Option<&'a str>);
+
+/// A mechanism of rigid links and joints, with any number of loops.
+///
+/// Lengths are in metres and angles in radians, whatever the units of its file; only `parameters` are in those.
+/// Made by `from_file`, `from_toml` or `from_catalogue`; a mechanism never changes.
+#[pyclass(name = "Mechanism", module = "jointplay", frozen, eq, hash)]
+pub(crate) struct PyMechanism {
+    pub(crate) file: MechanismFile,
+    pub(crate) coordinates: Coordinates,
+    text: String,
+    parameters: Vec<(String, f64)>,
+    /// Text of the file of joints that close the loops of a model.
+    closing: Option<String>,
+    ignored: Vec<String>,
+}
+
+impl PartialEq for PyMechanism {
+    fn eq(&self, other: &Self) -> bool {
+        self.file.mechanism == other.file.mechanism
+    }
+}
+
+impl std::hash::Hash for PyMechanism {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        self.file.mechanism.name().hash(state);
+        self.file.mechanism.links().hash(state);
+    }
+}
+
+#[pymethods]
+impl PyMechanism {
+    /// The mechanism of a file: TOML, or a model of MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF).
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path-like
+    ///     The file.
+    /// parameters : dict of str to float, optional
+    ///     Other values for parameters of the file, in its units.
+    /// loops : path-like, optional
+    ///     For a model, a file with joints that close loops, which URDF cannot write.
+    ///
+    /// Raises
+    /// ------
+    /// FileError
+    ///     With line and column, for a file that is no mechanism.
+    /// OSError
+    ///     For a file that cannot be read.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, parameters=None, loops=None))]
+    fn from_file(
+        py: Python<'_>,
+        path: PathBuf,
+        parameters: Option<Bound<'_, PyDict>>,
+        loops: Option<PathBuf>,
+    ) -> PyResult<Self> {
+        let text = files::read_text(py, &path, MAX_BYTES as u64)?;
+        let label = path.display().to_string();
+        if import::is_model(&text) {
+            if parameters.is_some_and(|given| !given.is_empty()) {
+                return Err(errors::input(py, "a model has no parameters"));
+            }
+            let closing = loops.map(|path| {
+                let text = files::read_text(py, &path, MAX_BYTES as u64)?;
+                Ok::<_, PyErr>((path.display().to_string(), text))
+            });
+            return Self::model(py, text, &label, closing.transpose()?);
+        }
+        if loops.is_some() {
+            let message = "loops are for models; a mechanism file writes its own";
+            return Err(errors::input(py, message));
+        }
+        Self::parse(py, text, &label, replaced(parameters)?)
+    }
+
+    /// The mechanism of the text of a TOML file; see `from_file`.
+    #[staticmethod]
+    #[pyo3(signature = (text, *, parameters=None))]
+    fn from_toml(
+        py: Python<'_>,
+        text: String,
+        parameters: Option<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        Self::parse(py, text, "text", replaced(parameters)?)
+    }
+
+    /// A mechanism that comes along, by its name; `jointplay.catalogue()` has all.
+    #[staticmethod]
+    #[pyo3(signature = (name, *, parameters=None))]
+    fn from_catalogue(
+        py: Python<'_>,
+        name: &str,
+        parameters: Option<Bound<'_, PyDict>>,
+    ) -> PyResult<Self> {
+        let Some(entry) = catalogue::find(name).filter(|entry| is_mechanism(entry.text)) else {
+            return Err(errors::unknown_name(py, "mechanism", name, &names_of_catalogue()));
+        };
+        Self::parse(py, entry.text.to_owned(), name, replaced(parameters)?)
+    }
+
+    /// What it calls itself.
+    #[getter]
+    fn name(&self) -> &str {
+        self.file.mechanism.name()
+    }
+
+    /// Names of its links, the base first.
+    #[getter]
+    fn links<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.file.mechanism.links())
+    }
+
+    /// Names of its joints.
+    #[getter]
+    fn joints<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.file.mechanism.joints().iter().map(|joint| &joint.name))
+    }
+
+    /// Names of the joint coordinates: that of the joint, with `[k]` where it has several freedoms.
+    #[getter]
+    pub(crate) fn coordinate_names<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.names(0..self.coordinates.joints()))
+    }
+
+    /// Unit of each joint coordinate, `'m'` or `'rad'`.
+    #[getter]
+    fn coordinate_units<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.units(0..self.coordinates.joints()))
+    }
+
+    /// Names of the virtual joints.
+    #[getter]
+    pub(crate) fn virtual_joint_names<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.names(self.coordinates.joints()..self.coordinates.all().len()))
+    }
+
+    /// Unit of each virtual joint, `'m'` or `'rad'`.
+    #[getter]
+    pub(crate) fn virtual_joint_units<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, self.units(self.coordinates.joints()..self.coordinates.all().len()))
+    }
+
+    /// Names of the coordinates of its motors.
+    #[getter]
+    fn actuated<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let all = self.coordinates.all();
+        PyTuple::new(py, self.motors().into_iter().map(|k| &all[k].name))
+    }
+
+    /// Parameters of its file by name, in the units of the file.
+    #[getter]
+    fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let told = PyDict::new(py);
+        for (name, value) in &self.file.parameters {
+            told.set_item(name, value)?;
+        }
+        Ok(told)
+    }
+
+    /// What of a model has no place in a mechanism and was left out.
+    #[getter]
+    fn ignored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        PyTuple::new(py, &self.ignored)
+    }
+
+    /// Freedoms of all joints together.
+    #[getter]
+    fn joint_freedoms(&self) -> usize {
+        self.file.mechanism.joint_freedoms()
+    }
+
+    /// Number of independent loops.
+    #[getter]
+    fn loops(&self) -> usize {
+        self.file.mechanism.loops()
+    }
+
+    fn __repr__(&self) -> String {
+        format!(
+            "Mechanism(name={:?}, links={}, joints={}, loops={})",
+            self.name(),
+            self.file.mechanism.links().len(),
+            self.file.mechanism.joints().len(),
+            self.loops()
+        )
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, Parts<'_>)> {
+        let again = py.get_type::<Self>().getattr("_again")?;
+        Ok((again, (&self.text, &self.parameters, self.closing.as_deref())))
+    }
+
+    /// The mechanism of `__reduce__`.
+    #[staticmethod]
+    fn _again(
+        py: Python<'_>,
+        text: String,
+        parameters: Vec<(String, f64)>,
+        closing: Option<String>,
+    ) -> PyResult<Self> {
+        if import::is_model(&text) {
+            Self::model(py, text, "pickle", closing.map(|text| ("pickle".to_owned(), text)))
+        } else {
+            Self::parse(py, text, "pickle", parameters)
+        }
+    }
+}
+
+impl PyMechanism {
+    fn parse(
+        py: Python<'_>,
+        text: String,
+        label: &str,
+        parameters: Vec<(String, f64)>,
+    ) -> PyResult<Self> {
+        let file = mechanism::parse_with(&text, &parameters)
+            .map_err(|error| errors::file(py, label, &error))?;
+        let coordinates = Coordinates::of(&file);
+        Ok(Self { file, coordinates, text, parameters, closing: None, ignored: Vec::new() })
+    }
+
+    /// A model, with the name and the text of a file of joints that close its loops.
+    fn model(
+        py: Python<'_>,
+        text: String,
+        label: &str,
+        closing: Option<(String, String)>,
+    ) -> PyResult<Self> {
+        let model = import::parse(&text).map_err(|error| errors::file(py, label, &error))?;
+        let ignored = model.ignored.clone();
+        let mut file = model.into_file();
+        if let Some((label, text)) = &closing {
+            file.mechanism = mechanism::with_loops(&file.mechanism, text)
+                .map_err(|error| errors::file(py, label, &error))?;
+        }
+        let coordinates = Coordinates::of(&file);
+        let closing = closing.map(|(_, text)| text);
+        Ok(Self { file, coordinates, text, parameters: Vec::new(), closing, ignored })
+    }
+
+    pub(crate) fn names(&self, range: std::ops::Range<usize>) -> Vec<&str> {
+        self.coordinates.all()[range].iter().map(|one| one.name.as_str()).collect()
+    }
+
+    pub(crate) fn units(&self, range: std::ops::Range<usize>) -> Vec<&'static str> {
+        let unit = |quantity| match quantity {
+            Coordinate::Slide => "m",
+            Coordinate::Turn => "rad",
+        };
+        self.coordinates.all()[range].iter().map(|one| unit(one.quantity)).collect()
+    }
+
+    pub(crate) fn find(&self, py: Python<'_>, name: &str) -> PyResult<usize> {
+        self.coordinates.find(&self.file.mechanism, name).map_err(|error| match error {
+            coordinates::Error::Unknown { ref known, .. } => {
+                errors::unknown_name(py, "joint", name, known)
+            }
+            other => errors::input(py, &other.to_string()),
+        })
+    }
+
+    pub(crate) fn commands(
+        &self,
+        py: Python<'_>,
+        at: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Commands> {
+        let mut commands = Vec::new();
+        for (name, value) in at.iter().copied().flatten() {
+            commands.push((self.find(py, &name.extract::<String>()?)?, value.extract()?));
+        }
+        Ok(commands)
+    }
+
+    pub(crate) fn kutzbach(&self) -> i64 {
+        let mechanism = &self.file.mechanism;
+        let freedoms: Vec<usize> =
+            mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
+        kutzbach_mobility(mechanism.links().len(), &freedoms)
+    }
+
+    /// Coordinates of the motors.
+    fn motors(&self) -> Vec<usize> {
+        let joints = self.file.mechanism.joints().iter();
+        let actuated =
+            joints.flat_map(|joint| std::iter::repeat_n(joint.actuated, joint.kind.freedoms()));
+        actuated.enumerate().filter_map(|(k, actuated)| actuated.then_some(k)).collect()
+    }
+
+    /// Motors that are not driven; none where something is driven that has no motor.
+    pub(crate) fn held(&self, driven: &[usize]) -> Vec<usize> {
+        let motors = self.motors();
+        if driven.iter().all(|k| motors.contains(k)) {
+            motors.into_iter().filter(|k| !driven.contains(k)).collect()
+        } else {
+            Vec::new()
+        }
+    }
+}
+
+/// Values for parameters, as given.
+fn replaced(parameters: Option<Bound<'_, PyDict>>) -> PyResult<Vec<(String, f64)>> {
+    let items = parameters.iter().flatten();
+    items.map(|(name, value)| Ok((name.extract()?, value.extract()?))).collect()
+}
+
+fn is_mechanism(text: &str) -> bool {
+    mechanism::kind_of(text).is_none_or(|kind| kind != "gpr")
+}
+
+fn names_of_catalogue() -> Vec<String> {
+    let mechanisms = catalogue::entries().iter().filter(|entry| is_mechanism(entry.text));
+    mechanisms.map(|entry| entry.name.to_owned()).collect()
+}
+
+/// The mechanisms that come along: what each is called, by the name to ask for it with.
+#[pyfunction]
+#[pyo3(name = "catalogue")]
+pub(crate) fn catalogue_of_names(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
+    let told = PyDict::new(py);
+    for entry in catalogue::entries().iter().filter(|entry| is_mechanism(entry.text)) {
+        told.set_item(entry.name, entry.title())?;
+    }
+    Ok(told)
+}

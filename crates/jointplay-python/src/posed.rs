@@ -1,0 +1,121 @@
+//! Closed configurations of a mechanism for commanded coordinates.
+
+use jointplay::Error;
+use jointplay::mechanism::{
+    Closure, Drive, MechanismSystem, Motion, Relief, ReliefSolver, SparseSystem, assemble, drive,
+    drive_relieved, guess, relieve,
+};
+use jointplay::nalgebra::DVector;
+
+use crate::mechanism::PyMechanism;
+
+/// Other starts tried where the guess of a file does not close.
+pub(crate) const STARTS: usize = 30;
+/// Corrections at most of a mechanism with many loops, which is closed from its guess or not at all.
+const CORRECTIONS: usize = 200;
+
+/// A closed configuration, virtual joints displaced where they had to be.
+pub(crate) struct Posed {
+    /// (f + M) [m, rad].
+    pub(crate) values: DVector<f64>,
+    pub(crate) residual: f64,
+    pub(crate) iterations: usize,
+}
+
+impl PyMechanism {
+    /// Whether the mechanism is small enough for dense algebra.
+    pub(crate) fn is_dense(&self) -> bool {
+        MechanismSystem::fits(&self.file.mechanism)
+    }
+
+    /// The guesses of the file, with these coordinates at their values.
+    pub(crate) fn start(&self, commands: &[(usize, f64)]) -> DVector<f64> {
+        let mut start = guess(&self.file.mechanism);
+        commands.iter().for_each(|&(k, value)| start[k] = value);
+        start
+    }
+
+    /// The closed configuration nearest the guesses, with these coordinates held.
+    pub(crate) fn assembled(
+        &self,
+        commands: &[(usize, f64)],
+        tolerance: Option<f64>,
+    ) -> Result<Closure, Error> {
+        if !self.is_dense() && tolerance.is_none() {
+            return self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
+        }
+        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+        match assemble(&self.file.mechanism, &self.start(commands), &held, STARTS) {
+            Err(Error::NotAssembled(found)) => {
+                match tolerance.and_then(|tolerance| found.within(tolerance)) {
+                    Some(closure) => Ok(closure.clone()),
+                    None => Err(Error::NotAssembled(found)),
+                }
+            }
+            other => other,
+        }
+    }
+
+    /// The same by sparse algebra, and the corrections done.
+    pub(crate) fn sparse(
+        &self,
+        commands: &[(usize, f64)],
+    ) -> Result<(SparseSystem<'_>, usize), Error> {
+        let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+        let mut system = SparseSystem::new(&self.file.mechanism, self.start(commands))?;
+        let iterations = system.close(&held, CORRECTIONS)?;
+        Ok((system, iterations))
+    }
+
+    /// The closed configuration with these coordinates held, by virtual joints where it takes them.
+    pub(crate) fn posed(
+        &self,
+        commands: &[(usize, f64)],
+        tolerance: Option<f64>,
+    ) -> Result<Posed, Error> {
+        let has_play = !self.file.mechanism.virtual_joints().is_empty();
+        match self.assembled(commands, tolerance) {
+            Err(Error::NotAssembled(_)) if has_play && !commands.is_empty() => {
+                let Relief { coordinates, residual, iterations, .. } = self.relieved(commands)?;
+                Ok(Posed { values: coordinates, residual, iterations })
+            }
+            closed => closed.map(|closed| Posed {
+                values: closed.coordinates,
+                residual: closed.residual,
+                iterations: closed.iterations,
+            }),
+        }
+    }
+
+    /// The least displacement of the virtual joints that lets these coordinates be where they are asked to be.
+    pub(crate) fn relieved(&self, commands: &[(usize, f64)]) -> Result<Relief, Error> {
+        let mut start = self.assembled(&[], None)?.coordinates;
+        commands.iter().for_each(|&(k, value)| start[k] = value);
+        let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
+        let system = MechanismSystem::new(&self.file.mechanism, start)?;
+        relieve(&system, &commanded, ReliefSolver::LeastNorm)
+    }
+
+    /// Drives along a way: virtual joints give way where there are any, and many loops are left to sparse algebra.
+    pub(crate) fn along(
+        &self,
+        from: &DVector<f64>,
+        drives: &[Drive],
+        held: &[usize],
+        steps: usize,
+    ) -> Result<Motion, Error> {
+        let mechanism = &self.file.mechanism;
+        if !self.is_dense() {
+            return SparseSystem::new(mechanism, from.clone())?.drive(drives, held, steps);
+        }
+        let driven = |k: &usize| drives.iter().any(|drive| drive.coordinate == *k);
+        let free: Vec<usize> =
+            (0..mechanism.joint_freedoms()).filter(|k| !driven(k) && !held.contains(k)).collect();
+        let system = MechanismSystem::new(mechanism, from.clone())?;
+        if mechanism.virtual_joints().is_empty() {
+            drive(&system, drives, &free, steps)
+        } else {
+            drive_relieved(&system, drives, &free, steps, &mut |_| ())
+        }
+    }
+}

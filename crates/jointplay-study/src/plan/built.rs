@@ -1,0 +1,118 @@
+//! Robots that are not built as they were designed.
+
+use jointplay_core::Error;
+use jointplay_core::gpr::{Gpr, Limb};
+
+use super::Spread;
+use super::inputs::DIMENSION_STREAMS;
+use super::random::Stream;
+
+/// A dimension of a limb.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// r_k [m].
+    SocketRadius,
+    /// β_k [rad].
+    SocketAngle,
+    /// e_b1 coordinate of B_k [m].
+    BaseX,
+    /// e_b2 coordinate of B_k [m].
+    BaseY,
+}
+
+impl Dimension {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::SocketRadius, Self::SocketAngle, Self::BaseX, Self::BaseY];
+}
+
+/// Whose dimensions the rods of a commanded pose are computed from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RodsFrom {
+    /// The design's: the robot is commanded as if it were built right.
+    #[default]
+    Nominal,
+    /// Its own: the robot was measured.
+    AsBuilt,
+}
+
+/// By how much each dimension of each limb differs from the design, drawn for every limb by itself ([m], [rad]).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Tolerances {
+    /// Of r_k [m].
+    pub socket_radius: Option<Spread>,
+    /// Of β_k [rad].
+    pub socket_angle: Option<Spread>,
+    /// Of the e_b1 coordinate of B_k [m].
+    pub base_x: Option<Spread>,
+    /// Of the e_b2 coordinate of B_k [m].
+    pub base_y: Option<Spread>,
+}
+
+impl Tolerances {
+    /// Of one dimension.
+    #[must_use]
+    pub fn of(&self, dimension: Dimension) -> Option<&Spread> {
+        match dimension {
+            Dimension::SocketRadius => self.socket_radius.as_ref(),
+            Dimension::SocketAngle => self.socket_angle.as_ref(),
+            Dimension::BaseX => self.base_x.as_ref(),
+            Dimension::BaseY => self.base_y.as_ref(),
+        }
+    }
+
+    /// Whether any dimension differs.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        Dimension::ALL.iter().any(|&dimension| self.of(dimension).is_some())
+    }
+}
+
+/// A dimension of a limb, to read or to change.
+fn entry(limb: &mut Limb, dimension: Dimension) -> &mut f64 {
+    match dimension {
+        Dimension::SocketRadius => &mut limb.socket_radius,
+        Dimension::SocketAngle => &mut limb.socket_angle,
+        Dimension::BaseX => &mut limb.base_point.x,
+        Dimension::BaseY => &mut limb.base_point.y,
+    }
+}
+
+/// The value of a dimension, in its SI unit.
+pub(super) fn value(mut limb: Limb, dimension: Dimension) -> f64 {
+    *entry(&mut limb, dimension)
+}
+
+/// Draws robots.
+pub(super) struct Workshop<'a> {
+    design: &'a Gpr,
+    /// What differs: limb, dimension, by how much, and its random numbers.
+    errors: Vec<(usize, Dimension, &'a Spread, Stream)>,
+}
+
+impl<'a> Workshop<'a> {
+    pub(super) fn new(design: &'a Gpr, tolerances: &'a Tolerances, seed: u64) -> Self {
+        let errors = (0..3)
+            .flat_map(|limb| (0..).zip(Dimension::ALL).map(move |(k, d)| (limb, k, d)))
+            .filter_map(|(limb, k, dimension)| {
+                let stream = DIMENSION_STREAMS + 4 * limb as u64 + k;
+                let spread = tolerances.of(dimension)?;
+                Some((limb, dimension, spread, Stream::new(seed, stream)))
+            })
+            .collect();
+        Self { design, errors }
+    }
+
+    /// The limbs of a draw.
+    pub(super) fn limbs(&mut self, draw: u64) -> [Limb; 3] {
+        let mut limbs = self.design.limbs();
+        for (limb, dimension, spread, stream) in &mut self.errors {
+            *entry(&mut limbs[*limb], *dimension) += spread.at(stream, 0, draw);
+        }
+        limbs
+    }
+
+    /// The robot of such limbs.
+    pub(super) fn robot(&self, limbs: [Limb; 3]) -> Result<Gpr, Error> {
+        Gpr::new(limbs, *self.design.limits(), self.design.working_height())
+    }
+}

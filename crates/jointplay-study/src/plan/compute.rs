@@ -1,0 +1,228 @@
+//! Some samples of a plan, on one core.
+
+use std::ops::Range;
+
+use jointplay_core::bulk::{Column, Quantity, Status};
+use jointplay_core::gpr::{BrokenLimit, Gpr, ball_sides};
+
+use super::built::{Workshop, value};
+use super::inputs::Inputs;
+use super::{Moments, Plan, RodsFrom, Wanted, wanted};
+use crate::Error;
+
+/// What became of a sample under a virtualization.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// There is a robot, and its pose ended so.
+    Pose(Status),
+    /// The dimensions drawn make no robot.
+    NoRobot,
+}
+
+impl Outcome {
+    /// The words that people read.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Pose(status) => status.name(),
+            Self::NoRobot => "dimensions that make no robot",
+        }
+    }
+}
+
+/// Some samples of a plan: a column for all that is wanted, NaN where a sample has no answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Block {
+    /// Which samples.
+    pub samples: Vec<u64>,
+    /// Draw of each.
+    pub draws: Vec<u64>,
+    /// What is wanted, in the order of the plan, in SI units.
+    pub columns: Vec<Vec<f64>>,
+    /// For each virtualization what became of each sample.
+    pub outcomes: Vec<Vec<Outcome>>,
+    /// The columns summed up.
+    pub moments: Vec<Moments>,
+    /// Samples with a rod beyond its limits.
+    pub beyond_rods: u64,
+    /// Samples that are commanded beyond the limit of the tilt.
+    pub beyond_tilt: u64,
+}
+
+/// Computes samples of a plan.
+///
+/// # Arguments
+/// * `samples` – their numbers, fastest where they ascend by one
+///
+/// # Errors
+/// As [`Plan::samples`]; [`Error::NoSuchSample`]; [`Error::NoSuchModel`] for what is wanted; [`Error::Core`] for what concerns all samples alike, such as a metric.
+pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
+    let count = plan.samples()?;
+    if let Some(&found) = samples.iter().find(|&&sample| sample >= count) {
+        return Err(Error::NoSuchSample { found, count });
+    }
+    let inputs = Inputs::of(plan, samples)?;
+    let all = 0..samples.len();
+    let mut work = Work {
+        plan,
+        inputs: &inputs,
+        rods: [(); 3].map(|()| vec![f64::NAN; samples.len()]),
+        sides: [(); 3].map(|()| vec![f64::NAN; samples.len()]),
+        unreached: vec![Status::Solved; samples.len()],
+        models: models(plan, samples.len())?,
+    };
+    let mut built = Vec::new();
+    if plan.tolerances.any() {
+        if plan.rods_from == RodsFrom::Nominal {
+            work.inverse(&plan.gpr, all)?;
+        }
+        let mut workshop = Workshop::new(&plan.gpr, &plan.tolerances, plan.seed);
+        let mut first = 0;
+        for same in inputs.draw.chunk_by(|a, b| a == b) {
+            let part = first..first + same.len();
+            first = part.end;
+            let limbs = workshop.limbs(same[0]);
+            built.extend(std::iter::repeat_n(limbs, same.len()));
+            let Ok(robot) = workshop.robot(limbs) else {
+                work.no_robot(part);
+                continue;
+            };
+            if plan.rods_from == RodsFrom::AsBuilt {
+                work.inverse(&robot, part.clone())?;
+            }
+            work.forward(&robot, part)?;
+        }
+    } else {
+        work.inverse(&plan.gpr, all.clone())?;
+        work.forward(&plan.gpr, all)?;
+    }
+    let Work { rods, sides, models, .. } = work;
+    let columns: Vec<Vec<f64>> = plan
+        .wanted
+        .iter()
+        .map(|wanted| match *wanted {
+            Wanted::Height => inputs.height.clone(),
+            Wanted::FirstAngle => inputs.angles[0].clone(),
+            Wanted::SecondAngle => inputs.angles[1].clone(),
+            Wanted::Rod(k) => rods[k].clone(),
+            Wanted::Side(k) => sides[k].clone(),
+            Wanted::Built { limb, dimension } if built.is_empty() => {
+                vec![value(plan.gpr.limbs()[limb], dimension); samples.len()]
+            }
+            Wanted::Built { limb, dimension } => {
+                built.iter().map(|limbs| value(limbs[limb], dimension)).collect()
+            }
+            Wanted::Model { model, measure } => {
+                measure.values(&models[model].columns, |i| inputs.tilt(i))
+            }
+        })
+        .collect();
+    let broken: Vec<Vec<BrokenLimit>> = (0..samples.len())
+        .map(|i| plan.gpr.limits().broken(&[0, 1, 2].map(|k| rods[k][i]), inputs.tilt(i)))
+        .collect();
+    let beyond = |breaks: fn(&BrokenLimit) -> bool| {
+        broken.iter().filter(|broken| broken.iter().any(breaks)).count() as u64
+    };
+    Ok(Block {
+        beyond_rods: beyond(
+            |limit| matches!(limit, BrokenLimit::Rod { length, .. } if !length.is_nan()),
+        ),
+        beyond_tilt: beyond(|limit| matches!(limit, BrokenLimit::Tilt { .. })),
+        moments: columns.iter().map(|column| Moments::of(column)).collect(),
+        samples: samples.to_vec(),
+        draws: inputs.draw,
+        columns,
+        outcomes: models.into_iter().map(|model| model.outcomes).collect(),
+    })
+}
+
+/// Columns on their way for one virtualization.
+struct Model {
+    columns: wanted::Columns,
+    outcomes: Vec<Outcome>,
+}
+
+fn models(plan: &Plan, len: usize) -> Result<Vec<Model>, Error> {
+    for wanted in &plan.wanted {
+        if let Wanted::Model { model, measure } = *wanted {
+            let count = plan.models.len();
+            let virtualization =
+                plan.models.get(model).ok_or(Error::NoSuchModel { found: model, count })?;
+            measure.check(*virtualization)?;
+        }
+    }
+    let of = |wanted: usize| {
+        let measures = plan.wanted.iter().filter_map(move |entry| match *entry {
+            Wanted::Model { model, measure } if model == wanted => Some(measure),
+            _ => None,
+        });
+        let outcomes = vec![Outcome::NoRobot; len];
+        Model { columns: wanted::columns(measures, len), outcomes }
+    };
+    Ok((0..plan.models.len()).map(of).collect())
+}
+
+/// Samples on their way.
+struct Work<'a> {
+    plan: &'a Plan,
+    inputs: &'a Inputs,
+    /// [m].
+    rods: [Vec<f64>; 3],
+    /// [m].
+    sides: [Vec<f64>; 3],
+    /// What became of the search for rods.
+    unreached: Vec<Status>,
+    models: Vec<Model>,
+}
+
+impl Work<'_> {
+    /// The rods of some samples.
+    fn inverse(&mut self, robot: &Gpr, part: Range<usize>) -> Result<(), Error> {
+        let Inputs { yaw, pitch, height, .. } = self.inputs;
+        let [yaw, pitch, height] =
+            [yaw, pitch, height].map(|column| Column::from(&column[part.clone()]));
+        robot.inverse_many(
+            yaw,
+            pitch,
+            height,
+            &mut self.unreached[part.clone()],
+            self.rods.each_mut().map(|rods| &mut rods[part.clone()]),
+        )?;
+        Ok(())
+    }
+
+    /// The poses of some samples.
+    fn forward(&mut self, robot: &Gpr, part: Range<usize>) -> Result<(), Error> {
+        for i in part.clone() {
+            let sides = ball_sides(&robot.ball_centers(&[0, 1, 2].map(|k| self.rods[k][i])));
+            for (column, side) in self.sides.iter_mut().zip(sides) {
+                column[i] = side;
+            }
+        }
+        let rods = self.rods.each_ref().map(|rods| Column::from(&rods[part.clone()]));
+        let mut statuses = vec![Status::Solved; part.len()];
+        for (model, virtualization) in self.models.iter_mut().zip(&self.plan.models) {
+            let mut wanted: Vec<(Quantity, &mut [f64])> = model
+                .columns
+                .iter_mut()
+                .map(|(quantity, column)| (*quantity, &mut column[part.clone()]))
+                .collect();
+            let options = &self.plan.options;
+            robot.forward_many(rods, *virtualization, options, &mut statuses, &mut wanted)?;
+            for (i, status) in part.clone().zip(&statuses) {
+                // Without rods there is no pose: the reason is the one for which there are none.
+                let first = self.unreached[i];
+                let ended = if first == Status::Solved { *status } else { first };
+                model.outcomes[i] = Outcome::Pose(ended);
+            }
+        }
+        Ok(())
+    }
+
+    /// Some samples of a robot that cannot be.
+    fn no_robot(&mut self, part: Range<usize>) {
+        for rods in &mut self.rods {
+            rods[part.clone()].fill(f64::NAN);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+"""What all results have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from jointplay import _jointplay
+
+if TYPE_CHECKING:
+    import pandas
+
+Floats = NDArray[np.float64]
+
+
+def _equal(a: Any, b: Any) -> bool:
+    """Whether two fields are alike; NaN is like NaN, as rows without an answer are."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        kind = getattr(a, "dtype", None)
+        floats = kind is not None and kind.kind == "f"
+        return bool(np.array_equal(a, b, equal_nan=floats))
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return a.keys() == b.keys() and all(_equal(a[key], b[key]) for key in a)
+    if isinstance(a, tuple) and isinstance(b, tuple):
+        return len(a) == len(b) and all(map(_equal, a, b))
+    return bool(a == b)
+
+
+def _brief(value: Any) -> str:
+    """A value in a few characters: of a larger array only what it is."""
+    if isinstance(value, np.ndarray) and value.size > 6:
+        return f"<{value.dtype} {value.shape}>"
+    if isinstance(value, np.ndarray):
+        return np.array2string(value, separator=", ").replace("\n", "")
+    if isinstance(value, tuple) and len(value) > 6:
+        return f"<{len(value)} entries>"
+    return repr(value)
+
+
+class Result:
+    """What all results have in common: equality by value, a short ``repr``, pickling."""
+
+    __slots__ = ()
+    __hash__ = None  # type: ignore[assignment]
+
+    def _told(self) -> Iterator[tuple[str, Any]]:
+        for field in fields(self):  # type: ignore[arg-type]
+            yield field.name, getattr(self, field.name)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        mine, theirs = dict(self._told()), dict(other._told())
+        return _equal(mine, theirs)
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{name}={_brief(value)}" for name, value in self._told())
+        return f"{type(self).__name__}({told})"
+
+
+class Table(Result):
+    """A result that reads as a table: pandas, Polars and PyArrow take it as it is."""
+
+    __slots__ = ()
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Every number of every row by name, each of shape (n,); poses of several axes in C order."""
+        raise NotImplementedError
+
+    def to_dataframe(self) -> pandas.DataFrame:
+        """The columns as a pandas ``DataFrame``.
+
+        Needs pandas, which ``pip install jointplay[dataframe]`` installs too.
+        """
+        try:
+            import pandas
+        except ModuleNotFoundError as error:
+            raise ModuleNotFoundError(
+                "to_dataframe needs pandas: pip install 'jointplay[dataframe]'", name="pandas"
+            ) from error
+        return pandas.DataFrame(self.columns())
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        """The columns as an Arrow stream, by the Arrow PyCapsule interface; they are copied."""
+        columns = [(name, np.ascontiguousarray(values)) for name, values in self.columns().items()]
+        return _jointplay.arrow_stream(columns)
+
+
+def spread(name: str, values: NDArray[Any], axes: tuple[str, ...]) -> dict[str, NDArray[Any]]:
+    """An array as columns: each entry of its last axis by its name, or all of it where there are no names."""
+    if not axes:
+        return {name: values.reshape(-1)}
+    return {axis: values[..., k].reshape(-1) for k, axis in enumerate(axes)}
+
+
+AXES: dict[str, tuple[str, ...]] = {
+    "origin_m": ("origin_x_m", "origin_y_m", "origin_z_m"),
+    "normal": ("normal_x", "normal_y", "normal_z"),
+    "sides_m": ("side_12_m", "side_23_m", "side_31_m"),
+    "sensitivity": ("sensitivity_1", "sensitivity_2", "sensitivity_3"),
+    "rods_m": ("rod_1_m", "rod_2_m", "rod_3_m"),
+}
+"""Names of the columns of arrays with a last axis of their own."""

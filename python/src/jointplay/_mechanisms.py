@@ -1,0 +1,273 @@
+"""Results of what any mechanism is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._analyses import Freedoms
+from ._base import Floats, Result, Table
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Configuration(Result, Mapping[str, float]):
+    """A closed configuration: a mapping from names of coordinates to their values [m, rad]."""
+
+    names: tuple[str, ...]
+    """Names of the coordinates: joints, then virtual joints."""
+    units: tuple[str, ...]
+    """Unit of each, ``'m'`` or ``'rad'``."""
+    coordinates: Floats
+    """Their values, shape (f + M,) [m, rad]."""
+    residual: float
+    """Largest mismatch of a loop, in radians and characteristic lengths."""
+    iterations: int
+    """Corrections done."""
+
+    __hash__ = None  # type: ignore[assignment]
+    __eq__ = Result.__eq__
+
+    def __getitem__(self, name: str) -> float:
+        if name not in self.names:
+            raise KeyError(name)
+        return float(self.coordinates[self.names.index(name)])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.names)
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CarriedTwice(Result):
+    """A constraint that says nothing new, as the wrench that the mechanism can carry in itself."""
+
+    what: str
+    """In words, such as ``'moment about x'``."""
+    joints: tuple[str, ...]
+    """The joints that carry it."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LinkMotion(Result):
+    """How a link moves to first order."""
+
+    dimension: int
+    """In how many independent ways."""
+    translations: int
+    """How many of them are translations."""
+    twists: Floats
+    """Its independent twists as columns, angular, then linear, shape (6, dimension)."""
+    pitch_m_per_rad: float | None
+    """For one way that is no translation: advance for a radian [m/rad]."""
+    axis_point_m: Floats | None
+    """And a point of its axis in the base frame, shape (3,) [m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NearMobility(Result):
+    """What moves if dimensions are true only to a tolerance, in radians and characteristic lengths."""
+
+    tolerance: float
+    """Tolerance that was given."""
+    mobility: int
+    """Freedoms within it."""
+    needed: float
+    """The tolerance that they need."""
+    next: float | None
+    """About the tolerance for one more; ``None`` where none is near."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class MechanismMobility(Freedoms):
+    """What of a mechanism can move.
+
+    Coordinates are those of its joints, in the order of the file.
+    """
+
+    name: str
+    """Name of the mechanism."""
+    configuration: Configuration
+    """Where it was looked at."""
+    singular_values: Floats | None
+    """Of the scaled constraint Jacobian, the largest first; ``None`` where sparse algebra had to do."""
+    self_stress: Floats | None
+    """Orthonormal self-stresses, shape (c, r), for each loop three moments and three forces; ``None`` as above."""
+    classification: str
+    """What class of mechanism this makes it, in words."""
+    branch_dimensions: tuple[int, ...] | None
+    """Freedoms of the branches found to meet there, where not all motions to first order are motions for real."""
+    carried_twice: tuple[CarriedTwice, ...]
+    """What is carried twice: one entry for each redundant constraint."""
+    link_motions: Mapping[str, LinkMotion]
+    """How each link but the base moves to first order."""
+    near: NearMobility | None
+    """What moves within a tolerance, if one was given."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SingularConfiguration(Result):
+    """A singular configuration on the way."""
+
+    share: float
+    """How much of the way is done there, 0 to 1."""
+    coordinates: Floats
+    """All coordinates there, shape (f + M,) [m, rad]."""
+    instantaneous_mobility: int
+    """Freedoms to first order there, drives free."""
+    least_singular_value: float
+    """The least singular value found there, as a share of the largest."""
+    branches: int | None
+    """How many branches of the motion meet there; ``None`` where second order does not tell."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Table):
+    """A mechanism on its way: n configurations, the start first."""
+
+    name: str
+    """Name of the mechanism."""
+    names: tuple[str, ...]
+    """Names of the coordinates: joints, then virtual joints."""
+    units: tuple[str, ...]
+    """Unit of each, ``'m'`` or ``'rad'``."""
+    driven: tuple[str, ...]
+    """Coordinates that were driven."""
+    held: tuple[str, ...]
+    """Coordinates of other motors, which held still."""
+    coordinates: Floats
+    """All coordinates along the way, shape (n, f + M) [m, rad]."""
+    share: Floats
+    """How much of the way is done, 0 to 1, shape (n,)."""
+    residual: Floats
+    """Largest mismatch of a loop, in radians and characteristic lengths, shape (n,)."""
+    least_singular_value: Floats
+    """As a share of the largest, shape (n,): goes to zero at a singular configuration."""
+    free_mobility: NDArray[np.int64]
+    """Freedoms to first order with the drives held, shape (n,)."""
+    singular: tuple[SingularConfiguration, ...]
+    """Singular configurations on the way."""
+    limits_broken: tuple[str, ...]
+    """Coordinates that went beyond their limits or clearance."""
+    stopped: Literal["locked", "singular_start", "incompatible"] | None
+    """Why it stopped, if it did not come to the end."""
+    message: str | None
+    """The same in words, and where, in the units of the file."""
+
+    def __getitem__(self, name: str) -> Floats:
+        """One coordinate along the way, shape (n,) [m or rad]."""
+        if name not in self.names:
+            raise KeyError(name)
+        return self.coordinates[:, self.names.index(name)]
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Every coordinate along the way by name and unit, such as ``crank_rad``."""
+        return _by_name_and_unit(self.names, self.units, self.coordinates)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Positions(Table):
+    """All joints for n commands; a row that cannot be closed is NaN."""
+
+    names: tuple[str, ...]
+    """Names of the coordinates: joints, then virtual joints."""
+    units: tuple[str, ...]
+    """Unit of each, ``'m'`` or ``'rad'``."""
+    coordinates: Floats
+    """Their values, shape (n, f + M) [m, rad]."""
+    residual: Floats
+    """Largest mismatch of a loop, in radians and characteristic lengths, shape (n,)."""
+
+    def __getitem__(self, name: str) -> Floats:
+        """One coordinate for all commands, shape (n,) [m or rad]."""
+        if name not in self.names:
+            raise KeyError(name)
+        return self.coordinates[:, self.names.index(name)]
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Every coordinate by name and unit, such as ``crank_rad``."""
+        return _by_name_and_unit(self.names, self.units, self.coordinates)
+
+
+def _by_name_and_unit(
+    names: tuple[str, ...], units: tuple[str, ...], coordinates: Floats
+) -> dict[str, NDArray[Any]]:
+    return {
+        f"{name}_{unit}": coordinates[:, k]
+        for k, (name, unit) in enumerate(zip(names, units, strict=True))
+    }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SuggestedJoint(Result):
+    """One virtual joint of a suggestion."""
+
+    name: str
+    """What it is, in words."""
+    joint: str
+    """The joint that would have it."""
+    motion: Literal["slide", "turn"]
+    """Whether it slides or turns."""
+    direction: Floats
+    """Along or about what, in the frame of the link that carries it, shape (3,)."""
+    largest: float
+    """How far it goes at most over the commands, in ``unit``."""
+    unit: str
+    """``'m'`` or ``'rad'``."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Suggestion(Result):
+    """A set of virtual joints that makes the commands possible."""
+
+    size_m: float
+    """Largest displacement over the commands, turns weighed by the characteristic length [m]."""
+    symmetric: bool
+    """Whether the same motion stands at every joint of the same kind and place."""
+    virtual_joints: tuple[SuggestedJoint, ...]
+    """Its virtual joints."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Suggestions(Result):
+    """Where a mechanism would have to have play."""
+
+    needed: bool
+    """Whether any play is needed at all."""
+    sets: tuple[Suggestion, ...]
+    """Sets of virtual joints, least displacement first; none holds another that is enough."""
+    candidates: int
+    """Places and directions that were considered."""
+    compared: int
+    """Sets that were compared."""
+    cut_short: bool
+    """Whether the search stopped at its limit."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Relief(Result):
+    """How virtual joints give way for a command."""
+
+    configuration: Configuration
+    """The closed configuration."""
+    virtual_joint_names: tuple[str, ...]
+    """Names of the virtual joints."""
+    virtual_joint_units: tuple[str, ...]
+    """Unit of each, ``'m'`` or ``'rad'``."""
+    virtual_joints: Floats
+    """Their displacements, shape (M,) [m, rad]."""
+    clearances: Floats
+    """How far each can go either way, shape (M,) [m, rad]; NaN where not known."""
+    size: float
+    """Size of the displacement, in ``size_unit``."""
+    size_unit: str
+    """``'m'``, turns being multiplied by the characteristic length; ``'sqrt(J)'`` where every virtual joint has a stiffness."""
+    singular_values: Floats
+    """Of the displacement per displacement of the commanded coordinates, the largest first."""
+    characteristic_length_m: float
+    """Length by which turns are multiplied [m]."""

@@ -1,0 +1,75 @@
+"""Studies over rasters of tilts, as in the paper."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from numpy.typing import ArrayLike
+
+from ._jointplay import Gpr
+
+if TYPE_CHECKING:
+    from ._analyses import BoundsCheck, Study
+    from ._virtualization import Virtualization
+
+__all__ = ["check_bounds", "simulate"]
+
+
+def simulate(
+    gpr: Gpr | None = None,
+    virtualization: Literal["planar", "radial", "polar", "offset"] | Virtualization = "polar",
+    *,
+    yaw_rad: ArrayLike | None = None,
+    pitch_rad: ArrayLike | None = None,
+    height_m: float | None = None,
+    order: Literal["raster", "serpentine"] = "raster",
+    solver: Literal["closed-form", "least-norm", "newton"] = "newton",
+    metric: Literal["paper", "radius"] | float = "paper",
+) -> Study:
+    """All poses of a raster, every one from the nominal virtual joints.
+
+    What is left out is the paper's: its robot, pitch from -2° to 2° by 0.2° for each yaw from 0° to 360°, here by 10°.
+
+    Parameters
+    ----------
+    gpr
+        The robot.
+    virtualization
+        Which virtual joints stand for the play.
+    yaw_rad, pitch_rad
+        Arrays of shape (n,): the slow and the fast direction of the raster [rad].
+    height_m
+        Axis height [m]; the robot's working height if left out.
+    order
+        ``'raster'``: every yaw from the first pitch to the last; ``'serpentine'``: every other yaw backwards.
+    solver, metric
+        Those of ``Gpr.forward``; the paper's iteration if left out.
+    """
+    if order not in ("raster", "serpentine"):
+        from ._errors import UnknownNameError
+
+        known = ["raster", "serpentine"]
+        message = f"order `{order}` is not known; known: {', '.join(known)}"
+        raise UnknownNameError(message, what="order", name=order, known=known)
+    robot = Gpr.paper() if gpr is None else gpr
+    return robot._simulate(
+        virtualization, yaw_rad, pitch_rad, height_m, order == "serpentine", solver, metric
+    )
+
+
+def check_bounds(
+    gpr: Gpr | None = None,
+    virtualization: Literal["planar", "radial", "polar", "offset"] | Virtualization = "polar",
+    *,
+    yaw_rad: ArrayLike | None = None,
+    pitch_rad: ArrayLike | None = None,
+    height_m: float | None = None,
+    solver: Literal["closed-form", "least-norm", "newton"] = "newton",
+    metric: Literal["paper", "radius"] | float = "paper",
+) -> BoundsCheck:
+    """Sets the true displacement of every tilted pose, from level at the same height, beside the paper's bounds.
+
+    Parameters are those of ``simulate``.
+    """
+    robot = Gpr.paper() if gpr is None else gpr
+    return robot._check_bounds(virtualization, yaw_rad, pitch_rad, height_m, solver, metric)

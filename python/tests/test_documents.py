@@ -1,0 +1,49 @@
+"""The Python that documents show runs, block after block."""
+
+from __future__ import annotations
+
+import doctest
+import re
+
+import pytest
+from conftest import ROOT
+
+import jointplay as jp
+
+
+@pytest.mark.parametrize("name", ["README.md", "python/README.md"])
+def test_code_of_documents_runs(name):
+    blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(encoding="utf-8"), re.M | re.S)
+    assert blocks
+    names: dict = {}
+    for block in blocks:
+        exec(compile(block, name, "exec"), names)
+
+
+@pytest.mark.parametrize("documented", [jp, jp.Gpr])
+def test_examples_of_docstrings_are_right(documented):
+    found = [test for test in doctest.DocTestFinder().find(documented) if test.examples]
+    assert found
+    for test in found:
+        assert doctest.DocTestRunner().run(test).failed == 0
+
+
+def public_parts():
+    for name in jp.__all__:
+        thing = getattr(jp, name)
+        if isinstance(thing, type):
+            yield name, thing
+            if issubclass(thing, BaseException):
+                continue
+            for attribute, value in vars(thing).items():
+                if not attribute.startswith("_") and (callable(value) or hasattr(value, "__get__")):
+                    yield f"{name}.{attribute}", value
+        elif callable(thing):
+            yield name, thing
+
+
+@pytest.mark.parametrize(("name", "part"), list(public_parts()))
+def test_everything_public_is_documented(name, part):
+    if type(part).__name__ == "member_descriptor":  # a slot, whose annotation is documented in the source
+        return
+    assert (part.__doc__ or "").strip(), name

@@ -1,0 +1,238 @@
+"""Any mechanism: the same numbers as the command's, in SI."""
+
+from __future__ import annotations
+
+import copy
+import math
+import pickle
+
+import numpy as np
+import pandas
+import polars
+import pytest
+from conftest import ROOT
+from test_analyses import same
+
+import jointplay as jp
+
+DEG = math.pi / 180
+
+
+@pytest.fixture
+def four_bar():
+    return jp.Mechanism.from_catalogue("four-bar")
+
+
+def test_the_catalogue():
+    names = jp.catalogue()
+    assert names["bennett"] == "Bennett's linkage" and "gpr" not in names and len(names) > 20
+    with pytest.raises(jp.UnknownNameError, match="did you mean `bennett`"):
+        jp.Mechanism.from_catalogue("benet")
+
+
+def test_what_a_mechanism_says_of_itself(four_bar):
+    assert four_bar.coordinate_names == ("A", "B", "C", "D") and four_bar.coordinate_units == ("rad",) * 4
+    assert (four_bar.joint_freedoms, four_bar.loops, len(four_bar.links)) == (4, 1, 4)
+    assert four_bar.actuated == ("A",) and four_bar.virtual_joint_names == ()
+    longer = jp.Mechanism.from_catalogue("four-bar", parameters={"coupler": 0.25})
+    assert longer.parameters["coupler"] == 0.25 and longer != four_bar
+    for value in (four_bar, longer):
+        assert pickle.loads(pickle.dumps(value)) == value == copy.deepcopy(value)
+    assert len({four_bar, jp.Mechanism.from_catalogue("four-bar")}) == 1
+    assert repr(four_bar) == 'Mechanism(name="Planar four-bar linkage", links=4, joints=4, loops=1)'
+
+
+def test_files(tmp_path, four_bar):
+    path = ROOT / "robots" / "four-bar.toml"
+    assert jp.Mechanism.from_file(path) == jp.Mechanism.from_toml(path.read_text()) == four_bar
+    with pytest.raises(jp.FileError, match="coupler") as caught:
+        jp.Mechanism.from_toml(path.read_text(), parameters={"couplr": 1})
+    assert caught.value.line >= 1
+    with pytest.raises(jp.FileError, match="unknown key `joints`"):
+        jp.Mechanism.from_toml('kind = "mechanism"\nname = "x"\n[[joints]]\nname = "a"\n')
+    with pytest.raises(FileNotFoundError):
+        jp.Mechanism.from_file(tmp_path / "none.toml")
+
+
+def test_models_of_other_programs():
+    models = ROOT / "validation" / "golden" / "models"
+    read = 0
+    for path in sorted(models.iterdir()):
+        if path.suffix in (".xml", ".sdf", ".urdf"):
+            mechanism = jp.Mechanism.from_file(path)
+            assert mechanism.joint_freedoms > 0 and isinstance(mechanism.ignored, tuple)
+            assert pickle.loads(pickle.dumps(mechanism)) == mechanism
+            read += 1
+    assert read > 0
+
+
+def test_loops_beside_a_model(tmp_path):
+    joint = (
+        '<joint name="{0}" type="continuous"><parent link="base"/><child link="{1}"/><axis xyz="0 0 1"/></joint>'
+    ).format
+    chain = tmp_path / "pair.urdf"
+    chain.write_text(
+        '<robot name="pair"><link name="base"/><link name="left"/><link name="right"/>'
+        f'{joint("a", "left")}{joint("b", "right")}</robot>'
+    )
+    loops = tmp_path / "loops.toml"
+    text = 'kind = "loops"\nunits = { length = "mm", angle = "deg" }\n[[joint]]\nname = "tips"\n'
+    text += 'kind = "spherical"\nlinks = ["left", "right"]\nin = "left"\npoint = [0, 100, 0]\n'
+    loops.write_text(text)
+    closed = jp.Mechanism.from_file(chain, loops=loops)
+    assert (jp.Mechanism.from_file(chain).loops, closed.loops) == (0, 1)
+    assert pickle.loads(pickle.dumps(closed)) == closed
+    assert closed.drive({"a": 0.2}, steps=2)["b"][-1] == pytest.approx(0.2)
+    loops.write_text(text.replace('"right"]', '"wrong"]'))
+    with pytest.raises(jp.FileError, match="loops.toml:6"):
+        jp.Mechanism.from_file(chain, loops=loops)
+    with pytest.raises(jp.InputError, match="loops are for models"):
+        jp.Mechanism.from_file(loops, loops=loops)
+
+
+def test_assemble(four_bar, ask):
+    told = ask("assemble", "four-bar", "--at", "A=30")
+    found = same(four_bar.assemble({"A": 30 * DEG}))
+    for name, degrees in told["coordinates"].items():
+        assert found[name] == pytest.approx(degrees * DEG, abs=1e-13)
+    assert list(found) == list(told["coordinates"]) and len(found) == 4 and "E" not in found
+    branches = four_bar.branches({"A": 30 * DEG}, starts=30)
+    assert len(branches) == 2 and branches[0] == found
+    assert branches[1]["B"] != pytest.approx(found["B"]) and branches[1].residual < 1e-12
+    with pytest.raises(jp.NotAssembledError) as caught:
+        four_bar.assemble({"D": 2.5})
+    assert [branch[3] for branch in caught.value.branches] == [2.5, 2.5]
+    assert isinstance(caught.value, jp.NoAnswerError)
+    with pytest.raises(jp.UnknownNameError, match="joint `a` is not known"):
+        four_bar.assemble({"a": 0})
+
+
+@pytest.mark.parametrize("name", ["bennett", "sarrus", "four-bar", "hexapod", "gpr-mechanism"])
+def test_mobility(ask, name):
+    told = ask("mobility", name)
+    found = same(jp.Mechanism.from_catalogue(name).mobility())
+    for field in ("kutzbach_mobility", "instantaneous_mobility", "finite_mobility", "rank", "redundancy"):
+        assert getattr(found, field) == told[field]
+    np.testing.assert_allclose(found.singular_values, told["singular_values"], rtol=1e-9, atol=1e-14)
+    carried = [{"what": one.what, "joints": list(one.joints)} for one in found.carried_twice]
+    assert carried == told["carried_twice"]
+    for link, motion in told["link_motions"].items():
+        mine = found.link_motions[link]
+        assert (mine.dimension, mine.translations) == (motion["dimension"], motion["translations"])
+        assert mine.twists.shape == (6, mine.dimension)
+        if "axis_point_mm" in motion:
+            np.testing.assert_allclose(mine.axis_point_m * 1e3, motion["axis_point_mm"], atol=1e-6)
+    for coordinate, value in told["coordinates"].items():
+        unit = dict(zip(found.configuration.names, found.configuration.units, strict=True))[coordinate]
+        factor = DEG if unit == "rad" else {"m": 1, "mm": 1e-3}[told["units"]["length"]]
+        assert found.configuration[coordinate] == pytest.approx(value * factor, abs=1e-12)
+
+
+def test_mobility_within_a_tolerance(ask):
+    told = ask("mobility", "bennett", "--set", "b=0.1101", "--tolerance", "1e-3")
+    found = jp.Mechanism.from_catalogue("bennett", parameters={"b": 0.1101}).mobility(tolerance=1e-3)
+    assert found.near.mobility == told["near_mobility"] == 1
+    assert found.near.needed == pytest.approx(told["near_tolerance_needed"], rel=1e-9)
+    with pytest.raises(jp.OutOfRangeError):
+        jp.Mechanism.from_catalogue("bennett").mobility(tolerance=1)
+
+
+def test_drive(four_bar, ask):
+    told = ask("move", "four-bar", "--drive", "A=0:90:30")
+    way = same(four_bar.drive({"A": (0, 90 * DEG)}, steps=3))
+    assert way.driven == ("A",) and way.held == () and way.stopped is None and way.message is None
+    for name, values in told["series"].items():
+        np.testing.assert_allclose(way.columns()[name.replace("_deg", "_rad")], np.radians(values), atol=1e-12)
+    np.testing.assert_allclose(way["A"], np.radians([0, 30, 60, 90]))
+    assert isinstance(way.to_dataframe(), pandas.DataFrame) and polars.DataFrame(way).shape == (4, 4)
+    with pytest.raises(KeyError):
+        way["E"]
+    here = four_bar.assemble()["A"]
+    assert four_bar.drive({"A": here + 0.1}, steps=1)["A"] == pytest.approx([here, here + 0.1])
+    for ways, steps in (({}, 3), ({"A": 1}, 0)):
+        with pytest.raises(jp.InputError):
+            four_bar.drive(ways, steps=steps)
+
+
+def test_a_dead_point_stops_the_way(ask):
+    crossed = jp.Mechanism.from_catalogue("four-bar").drive({"D": (0, 2.5)})
+    assert crossed.stopped == "locked" and "dead point" in crossed.message
+    assert len(crossed.singular) == 1 and crossed.singular[0].instantaneous_mobility >= 1
+    assert crossed.share[-1] < 1 and (crossed.residual < 1e-12).all()
+    with pytest.raises(jp.StoppedError, match="on the way to the beginning") as caught:
+        jp.Mechanism.from_catalogue("four-bar").drive({"D": (2.5, 0)})
+    assert caught.value.motion.stopped == "locked"
+
+
+def test_suggest(ask):
+    told = ask("suggest", "gpr-mechanism", "--command", "rod 1=5,rod 2=0,rod 3=0")
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    found = same(mechanism.suggest([{"rod 1": 0.005, "rod 2": 0, "rod 3": 0}]))
+    assert found.needed and found.candidates == told["candidates"] and len(found.sets) == len(told["sets"])
+    for mine, theirs in zip(found.sets, told["sets"], strict=True):
+        assert mine.size_m * 1e3 == pytest.approx(theirs["size_mm"], rel=1e-9)
+        assert [joint.name for joint in mine.virtual_joints] == [joint["name"] for joint in theirs["virtual_joints"]]
+    with pytest.raises(jp.InputError, match="the same joints"):
+        mechanism.suggest([{"rod 1": 0.005}, {"rod 2": 0.005}])
+
+
+def test_relieve(ask):
+    told = ask("sensitivity", "gpr-mechanism", "--command", "S1[1]=0.1")
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    found = same(mechanism.relieve({"S1[1]": 0.1 * DEG}))
+    assert found.size * 1e6 == pytest.approx(told["size"], rel=1e-9) and found.size_unit == "m"
+    displacements = [joint["displacement"] for joint in told["virtual_joints"]]
+    np.testing.assert_allclose(found.virtual_joints * 1e6, displacements, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(found.singular_values, told["singular_values"], rtol=1e-9)
+    assert found.configuration["S1[1]"] == 0.1 * DEG and np.isnan(found.clearances).all()
+    with pytest.raises(jp.InputError, match="no virtual joints"):
+        jp.Mechanism.from_catalogue("four-bar").relieve({"A": 1})
+    with pytest.raises(jp.InputError, match="freedoms: say which"):
+        mechanism.relieve({"S1": 0})
+
+
+def test_positions(four_bar):
+    angles = np.linspace(0.2, 1.4, 200)
+    found = same(four_bar.positions({"A": angles}))
+    np.testing.assert_array_equal(found["A"], angles)
+    assert (found.residual < 1e-12).all() and found.to_dataframe().shape == (200, 4)
+    way = four_bar.drive({"A": (0.2, 1.4)}, steps=199)
+    np.testing.assert_allclose(found.coordinates, way.coordinates, atol=1e-11)
+    gap = four_bar.positions({"A": [0.2, np.nan, 0.3]})
+    assert np.isnan(gap.coordinates[1]).all() and np.isfinite(gap.coordinates[[0, 2]]).all()
+    assert four_bar.positions({"A": []}).coordinates.shape == (0, 4)
+    with pytest.raises(jp.UnknownNameError):
+        four_bar.positions({"A": [0.2]}, solver="best")
+
+
+def test_positions_with_play_are_those_of_the_robot(gpr):
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    rods = np.random.default_rng(2).uniform(-0.001, 0.001, (20, 3))
+    found = mechanism.positions({f"rod {k + 1}": rods[:, k] for k in range(3)})
+    assert (found.residual < 1e-12).all()
+    radial = gpr.forward(rods + 0.5, "radial")
+    slides = np.stack([found[name] for name in mechanism.virtual_joint_names], axis=1)
+    np.testing.assert_allclose(slides, radial.virtual_joints - gpr.socket_radius_m, atol=1e-9)
+
+
+
+def test_many_loops_by_sparse_algebra():
+    """Seventy parallelograms side by side: too many for dense algebra, and easy to count."""
+    points = {"a": (0, 0), "b": (1, 0), "c": (1, 2), "d": (0, 2)}
+    text = 'kind = "mechanism"\nname = "parallelograms"\nunits = { length = "m", angle = "rad" }\nbase = "base"\n'
+    for i in range(70):
+        links = {"a": ("base", "left"), "b": ("base", "right"), "c": ("right", "top"), "d": ("left", "top")}
+        for joint, ends in links.items():
+            ends = [link if link == "base" else f"{link} {i}" for link in ends]
+            x, y = points[joint]
+            text += f'[[joint]]\nname = "{joint}{i}"\nkind = "revolute"\nlinks = {ends}\n'
+            text += f"point = [{x + 3 * i}, {y}, 0]\naxis = [0, 0, 1]\n"
+    many = jp.Mechanism.from_toml(text)
+    found = same(many.mobility())
+    assert (found.kutzbach_mobility, found.instantaneous_mobility, found.redundancy) == (-140, 70, 210)
+    assert found.singular_values is None and found.null_space.shape == (280, 70)
+    way = many.drive({"a3": 0.3}, steps=3)
+    assert way.stopped is None and way["b3"][-1] == pytest.approx(0.3, abs=1e-9)
+    with pytest.raises(jp.TooLargeError) as caught:
+        many.positions({"a3": [0.1]})
+    assert caught.value.found > caught.value.allowed
