@@ -4,7 +4,7 @@
 
 mod doc_links;
 
-use crate::{deps, python, tidy};
+use crate::{deps, python, studio, tidy};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -51,6 +51,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask tidy" => tidy::run(root),
         "xtask deps" => deps::run(root),
         "xtask python" => python::run(root),
+        "xtask studio" => studio::run(root),
         DOC => doc_links::run(cargo(step, root), root),
         _ => run_cargo(step, root),
     })
@@ -84,6 +85,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
     steps.push(Step::new(
         "xtask python",
         "run the failing test alone, as CONTRIBUTING.md says under \"Python\"",
+    ));
+    steps.push(Step::new(
+        "xtask studio",
+        "run the failing test alone, as CONTRIBUTING.md says under \"The studio's page\"",
     ));
     steps
 }
@@ -175,6 +180,7 @@ mod tests {
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
             "cargo xtask python",
+            "cargo xtask studio",
         ];
         assert_eq!(lines(&["01_a"]), expect);
         assert_eq!(lines(&[]).len(), expect.len() - 1);
