@@ -1,6 +1,6 @@
 // Builds the studio's page and tests it: types, logic, and in a real browser against the real server.
 //
-// Run by `cargo xtask studio`. Everything it makes is in `studio/node_modules`, `studio/dist` and `target`;
+// Run by `cargo xtask page`. Everything it makes is in `studio/node_modules`, `studio/dist` and `target`;
 // where this machine has no Chromium, Debian's is installed.
 
 import { spawnSync } from 'node:child_process';
@@ -10,7 +10,7 @@ import { resolve } from 'node:path';
 
 const STUDIO = import.meta.dirname;
 const ROOT = resolve(STUDIO, '..');
-const HOME = resolve(ROOT, 'target/studio');
+const HOME = resolve(ROOT, 'target/page');
 const CHROMIUMS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 
 const say = (text) => console.log(`--- ${text}`);

@@ -1,28 +1,30 @@
-//! `cargo xtask studio`: build the studio's page, and test it in a browser.
+//! `cargo xtask studio`: the studio's server against its own description.
 //!
-//! The work is done by `studio/test.mjs`; here is only the search for a Node that runs it.
+//! The work is done by `studio/test_api.py`; here the command is built, and a Python found that runs it.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-/// Fails on a Node that is too old for the page's tools.
-const NEW_ENOUGH: &str = "const [major, minor] = process.versions.node.split('.').map(Number); \
-                          process.exit(major > 20 || (major === 20 && minor >= 19) ? 0 : 1)";
+use crate::python;
 
-/// Builds and tests the page at `root`; true if all passed.
+/// Builds the command of the workspace at `root` and tests its server; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
-    let mut probe = Command::new("node");
-    probe.args(["--eval", NEW_ENOUGH]).stdout(Stdio::null()).stderr(Stdio::null());
-    if !probe.status().is_ok_and(|status| status.success()) {
-        eprintln!(
-            "studio: no Node 20.19 or newer on the path; install one with npm, from https://nodejs.org or your system"
-        );
+    let Some(python) = python::find() else { return false };
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let built = Command::new(cargo).arg("build").current_dir(root).status();
+    if !built.is_ok_and(|status| status.success()) {
+        eprintln!("studio: the command cannot be built");
         return false;
     }
-    match Command::new("node").arg("studio/test.mjs").current_dir(root).status() {
+    let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    let name = format!("jointplay{}", std::env::consts::EXE_SUFFIX);
+    let command = root.join(target).join("debug").join(name);
+    let run =
+        Command::new(python).arg("studio/test_api.py").arg(command).current_dir(root).status();
+    match run {
         Ok(status) => status.success(),
         Err(error) => {
-            eprintln!("studio: cannot start node: {error}");
+            eprintln!("studio: cannot start {python}: {error}");
             false
         }
     }

@@ -4,7 +4,7 @@
 
 mod doc_links;
 
-use crate::{deps, python, studio, tidy};
+use crate::{deps, page, python, studio, tidy};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -52,6 +52,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask deps" => deps::run(root),
         "xtask python" => python::run(root),
         "xtask studio" => studio::run(root),
+        "xtask page" => page::run(root),
         DOC => doc_links::run(cargo(step, root), root),
         _ => run_cargo(step, root),
     })
@@ -83,12 +84,16 @@ fn steps(examples: &[String]) -> Vec<Step> {
     let docs = Step::new(DOC, "mend the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", doc_links::FLAGS)), ..docs });
     steps.push(Step::new(
-        "xtask python",
-        "run the failing test alone, as CONTRIBUTING.md says under \"Python\"",
+        "xtask studio",
+        "send the request that failed by the `curl` line shown, to `jointplay studio`",
     ));
     steps.push(Step::new(
-        "xtask studio",
+        "xtask page",
         "run the failing test alone, as CONTRIBUTING.md says under \"The studio's page\"",
+    ));
+    steps.push(Step::new(
+        "xtask python",
+        "run the failing test alone, as CONTRIBUTING.md says under \"Python\"",
     ));
     steps
 }
@@ -179,8 +184,9 @@ mod tests {
             "cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
-            "cargo xtask python",
             "cargo xtask studio",
+            "cargo xtask page",
+            "cargo xtask python",
         ];
         assert_eq!(lines(&["01_a"]), expect);
         assert_eq!(lines(&[]).len(), expect.len() - 1);

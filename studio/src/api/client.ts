@@ -83,9 +83,9 @@ export async function study(motion: Motion, model: ModelChoice, signal: AbortSig
   return response.body;
 }
 
-/** The same as text for spreadsheets. */
-export async function studyFile(motion: Motion, model: ModelChoice): Promise<Blob> {
-  return (await ask('study.csv', { motion: apiMotion(motion), model })).blob();
+/** The same as a file; as Parquet only where the server was built with it. */
+export async function studyFile(motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
+  return (await ask(`study.${kind}`, { motion: apiMotion(motion), model })).blob();
 }
 
 /** What `jointplay forward --format json` prints of these rods. */

@@ -23,10 +23,10 @@ export async function forwardDocument(studio: Studio): Promise<Blob> {
   return api.forward(studio.pose.rods_m, api.modelChoice(model, solver, metric));
 }
 
-export async function seriesFile(studio: Studio): Promise<Blob> {
+export async function seriesFile(studio: Studio, kind: 'csv' | 'parquet'): Promise<Blob> {
   const { motion, model, solver, metric } = studio.document;
   if (!motion) throw new Error('there is no motion to take series of');
-  return api.studyFile(motion, api.modelChoice(model, solver, metric));
+  return api.studyFile(motion, api.modelChoice(model, solver, metric), kind);
 }
 
 /** Points of one line of a printed plot, at most. */
