@@ -66,6 +66,9 @@ pub(crate) enum Failure {
     Parquet(String),
     #[error("cannot draw {figure}: {source}")]
     Figure { figure: String, source: plot::Error },
+    #[cfg(feature = "studio")]
+    #[error(transparent)]
+    Serve(#[from] jointplay_studio::Error),
     #[error("cannot print: {0}")]
     Print(#[from] io::Error),
 }

@@ -16,6 +16,8 @@ mod relief;
 mod sensitivity;
 mod simulate;
 mod simulate_text;
+#[cfg(feature = "studio")]
+mod studio;
 mod study;
 mod study_file;
 mod study_text;
@@ -38,6 +40,8 @@ pub(crate) enum Command {
     Move(motion::Move),
     Draw(draw::Draw),
     Suggest(suggest::Suggest),
+    #[cfg(feature = "studio")]
+    Studio(studio::Studio),
     Import(import::Import),
     Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
@@ -58,6 +62,8 @@ impl Command {
             Self::Move(command) => command.run(),
             Self::Draw(command) => command.run(),
             Self::Suggest(command) => command.run(),
+            #[cfg(feature = "studio")]
+            Self::Studio(command) => command.run(),
             Self::Import(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
@@ -83,6 +89,8 @@ impl Command {
             | Self::Catalogue(_)
             | Self::Completions(_)
             | Self::Manual(_) => false,
+            #[cfg(feature = "studio")]
+            Self::Studio(_) => false,
         }
     }
 }

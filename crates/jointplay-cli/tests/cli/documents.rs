@@ -14,9 +14,10 @@ pub(crate) fn commands(text: &str) -> Vec<String> {
         found.extend(pieces.into_iter().filter_map(|piece| piece.strip_prefix("jointplay ")));
     }
     let bare = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
-    // Words in capitals stand for something else, and completions are for some shell.
+    // Words in capitals stand for something else, completions are for some shell, and the studio serves until it is ended.
     let whole = |line: &String| {
         line != "completions"
+            && !line.starts_with("studio")
             && !line.split(' ').any(|word| word.chars().all(|c| c.is_ascii_uppercase()))
     };
     found.into_iter().map(bare).filter(whole).collect()

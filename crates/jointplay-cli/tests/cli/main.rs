@@ -10,6 +10,8 @@ mod import;
 mod mechanism;
 mod refusals;
 mod simulate;
+#[cfg(all(feature = "studio", unix))]
+mod studio;
 mod study;
 #[cfg(unix)]
 mod study_interrupted;

@@ -14,7 +14,7 @@ use crate::Error;
 use crate::gpr::{Forward, Gpr};
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
-use crate::virtualization::{Kernel, SolveOptions, Solver, VirtualJoints, Virtualization};
+use crate::virtualization::{Kernel, SolveOptions, Solver, Virtualization};
 
 impl Gpr {
     /// Where the platform is for each of many rods; see [`Self::forward`].
@@ -311,17 +311,7 @@ fn value(
         Quantity::Pitch => pose.tilt().pitch,
         Quantity::Twist => pose.twist_about_normal(),
         Quantity::AxisHeight => pose.axis_height().0,
-        Quantity::Displacement => {
-            let x = &pose.solution.virtual_joints;
-            let mut nominal = VirtualJoints::zeros(x.len());
-            virtualization.nominal(gpr.platform(), &mut nominal);
-            let rho = pose.solution.characteristic_length;
-            let moved = x.iter().zip(nominal.iter()).zip(virtualization.joints());
-            moved
-                .map(|((x, start), joint)| ((x - start) * joint.motion.weight(rho)).powi(2))
-                .sum::<f64>()
-                .sqrt()
-        }
+        Quantity::Displacement => gpr.displacement(pose, virtualization),
         Quantity::Sensitivity(index) => {
             let system = gpr.system(virtualization);
             let at = system.configuration(pose);

@@ -6,7 +6,9 @@ use super::{AxisHeight, Gpr, ball_sides};
 use crate::Error;
 use crate::error::finite;
 use crate::spatial::{Pose, Tilt, fit_in_plane};
-use crate::virtualization::{Sides, Solution, SolveOptions, Virtualization, signed_area, solve};
+use crate::virtualization::{
+    Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
+};
 
 /// A pose of the platform, with everything that led to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -76,6 +78,35 @@ impl Gpr {
         let normal = (balls[1] - balls[0]).cross(&(balls[2] - balls[0]));
         Tilt::from_normal(&(normal * normal.z.signum()))
     }
+
+    /// Where the plane through the ball centres crosses the base axis [m].
+    ///
+    /// # Arguments
+    /// * `rods` – (3) lengths q_k [m]
+    #[must_use]
+    pub fn plane_height(&self, rods: &[f64; 3]) -> AxisHeight {
+        let balls = self.ball_centers(rods);
+        let normal = (balls[1] - balls[0]).cross(&(balls[2] - balls[0]));
+        AxisHeight(normal.dot(&balls[0]) / normal.z)
+    }
+
+    /// How far the virtual joints of a pose are from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
+    #[must_use]
+    pub fn displacement<V: Virtualization + ?Sized>(
+        &self,
+        pose: &Forward,
+        virtualization: &V,
+    ) -> f64 {
+        let x = &pose.solution.virtual_joints;
+        let mut nominal = VirtualJoints::zeros(x.len());
+        virtualization.nominal(self.platform(), &mut nominal);
+        let rho = pose.solution.characteristic_length;
+        let moved = x.iter().zip(nominal.iter()).zip(virtualization.joints());
+        moved
+            .map(|((x, start), joint)| ((x - start) * joint.motion.weight(rho)).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    }
 }
 
 impl Forward {
@@ -141,6 +172,19 @@ mod tests {
             pose.base_from_platform.rotation =
                 lean * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
             assert!((pose.twist_about_normal() - twist).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_plane_of_the_rods_is_the_platform_s() {
+        let gpr = Gpr::paper();
+        for (yaw, pitch, height) in [(0.0, 0.0, 0.5), (0.3, 0.02, 0.4), (-2.0, 1.0, 0.3)] {
+            let tilt = Tilt { yaw, pitch };
+            let rods = gpr.inverse(tilt, AxisHeight(height)).unwrap();
+            let pose = gpr.forward(rods, &Planar, &SolveOptions::default()).unwrap();
+            assert!((gpr.plane_height(&rods).0 - height).abs() < 1e-15);
+            assert!((gpr.plane_height(&rods).0 - pose.axis_height().0).abs() < 1e-15);
+            assert!((gpr.plane_tilt(&rods).normal() - pose.normal()).norm() < 1e-15);
         }
     }
 

@@ -9,6 +9,7 @@ use crate::units::{deg, mm, um};
 
 /// What `compare` answers.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CompareReport {
     /// Azimuth of all tilts [deg].
     pub yaw_deg: f64,
@@ -26,6 +27,7 @@ pub struct CompareReport {
 
 /// What one model says.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ModelReport {
     /// Name of the virtualization.
     pub virtualization: String,

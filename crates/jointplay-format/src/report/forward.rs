@@ -8,6 +8,7 @@ use crate::units::{deg, mm};
 
 /// What `forward` and `inverse` answer.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `Forward`")]
 pub struct ForwardReport {
     pub q_mm: [f64; 3],
@@ -25,6 +26,7 @@ pub struct ForwardReport {
 
 /// Where the platform is.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 #[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `Forward`")]
 pub struct PlatformReport {
     pub origin_mm: [f64; 3],

@@ -9,6 +9,7 @@ use crate::units::mm;
 
 /// Freedoms counted, to first order and for real, of the robot and of any mechanism alike.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct FreedomsReport {
     /// Freedoms by the Kutzbach–Grübler count.
     pub kutzbach_mobility: i64,
@@ -39,6 +40,7 @@ impl FreedomsReport {
 
 /// What `mobility` answers.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct MobilityReport {
     /// Rods of the configuration [mm].
     pub q_mm: [f64; 3],
@@ -64,6 +66,7 @@ pub struct MobilityReport {
 
 /// Mobility with the virtual joints free.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct AugmentedReport {
     /// Name of the virtualization.
     pub virtualization: String,

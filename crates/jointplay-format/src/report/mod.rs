@@ -35,6 +35,8 @@ pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};
 
 /// Displacements of virtual joints grouped by symbol, such as `l_mm` → three lengths; written as a map.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+#[cfg_attr(feature = "schema", schema(value_type = std::collections::BTreeMap<String, Vec<f64>>))]
 pub struct VirtualJointGroups(pub Vec<(String, Vec<f64>)>);
 
 impl VirtualJointGroups {
@@ -69,6 +71,7 @@ impl Serialize for VirtualJointGroups {
 
 /// A broken limit for a program to read.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct LimitReport {
     /// `rod 1`, `rod 2`, `rod 3` or `tilt`.
     pub limit: String,

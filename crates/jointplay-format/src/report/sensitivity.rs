@@ -8,6 +8,7 @@ use crate::units::{deg, mm};
 
 /// What `sensitivity` answers.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct SensitivityReport {
     /// Rods of the configuration [mm].
     pub q_mm: [f64; 3],
@@ -45,6 +46,7 @@ pub struct SensitivityReport {
 
 /// First-order bounds of ‖ΔX‖.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct BoundsReport {
     /// `start`, `midpoint` or `end` of the motion.
     pub derivatives_at: &'static str,

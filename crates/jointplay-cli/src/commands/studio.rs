@@ -1,0 +1,48 @@
+//! `jointplay studio`: the robot in a browser.
+
+use std::io::Write as _;
+
+use clap::Args;
+use jointplay_studio::Server;
+
+use crate::arguments::RobotArgs;
+use crate::failure::Failure;
+use crate::output;
+
+/// Show the robot in a browser: move it, watch its play, compare the models
+///
+/// Serves a page on this machine, for this machine only, until Ctrl-C.
+/// Programs can ask the same server: /api/v1/openapi.json describes how.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay studio
+  jointplay studio --robot my-robot.toml --port 8080 --no-open")]
+pub(crate) struct Studio {
+    #[command(flatten)]
+    robot: RobotArgs,
+    /// Port of 127.0.0.1 to serve on; without it, 4816, or a free one where that is taken
+    #[arg(long, value_name = "N")]
+    port: Option<u16>,
+    /// Do not open the page in the browser
+    #[arg(long)]
+    no_open: bool,
+}
+
+impl Studio {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let server = Server::bind(self.robot.load()?, self.port)?;
+        let url = server.url();
+        output::text(&format!("the studio is at {url}\n  Ctrl-C ends it\n"))?;
+        if !self.no_open
+            && let Err(error) = open::that_detached(&url)
+        {
+            // Where standard error is gone too, nobody is left to be told.
+            let _ = writeln!(
+                anstream::stderr(),
+                "no browser could be started ({error}): open {url} in one"
+            );
+        }
+        Ok(server.run()?)
+    }
+}

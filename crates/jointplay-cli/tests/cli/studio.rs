@@ -1,0 +1,166 @@
+//! The studio's server: started, asked, and ended as a person would.
+
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
+use std::net::{TcpListener, TcpStream};
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+use crate::desk::Desk;
+
+/// A running server; killed where a test fails before it is ended.
+struct Studio {
+    child: Child,
+    output: BufReader<ChildStdout>,
+    address: String,
+}
+
+impl Studio {
+    fn start(desk: &Desk, flags: &str) -> Self {
+        let mut command = desk.command(&format!("studio --no-open {flags}"));
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut output = BufReader::new(child.stdout.take().unwrap());
+        let mut line = String::new();
+        output.read_line(&mut line).unwrap();
+        let address = line.trim().strip_prefix("the studio is at http://").unwrap_or_else(|| {
+            let mut error = String::new();
+            child.stderr.take().unwrap().read_to_string(&mut error).unwrap();
+            panic!("{line}{error}")
+        });
+        let address = address.trim_end_matches('/').to_owned();
+        Self { child, output, address }
+    }
+
+    /// The whole answer to a request.
+    fn ask(&self, request: &str) -> String {
+        self.exchange(request, "")
+    }
+
+    fn exchange(&self, head: &str, body: &str) -> String {
+        let mut stream = TcpStream::connect(&self.address).unwrap();
+        let head = format!("{head}Host: {}\r\nConnection: close\r\n\r\n{body}", self.address);
+        stream.write_all(head.as_bytes()).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    }
+
+    /// The JSON that a question with a body is answered with.
+    fn post(&self, path: &str, body: &str) -> serde_json::Value {
+        let length = body.len();
+        let head = format!(
+            "POST /api/v1/{path} HTTP/1.1\r\nContent-Type: application/json\r\nContent-Length: {length}\r\n"
+        );
+        let answer = self.exchange(&head, body);
+        let (_, json) = answer.split_once("\r\n\r\n").unwrap();
+        serde_json::from_str(json).unwrap_or_else(|_| panic!("{answer}"))
+    }
+
+    /// Presses Ctrl-C; how the server then ended, and what else it had printed.
+    fn interrupt(mut self) -> (Option<i32>, String) {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        let code = self.child.wait().unwrap().code();
+        let mut rest = String::new();
+        self.output.read_to_string(&mut rest).unwrap();
+        (code, rest)
+    }
+}
+
+impl Drop for Studio {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+    }
+}
+
+#[test]
+fn it_serves_until_it_is_interrupted() {
+    let desk = Desk::new();
+    let studio = Studio::start(&desk, "--port 0");
+    assert!(studio.address.starts_with("127.0.0.1:"), "{}", studio.address);
+    let robot = studio.ask("GET /api/v1/robot HTTP/1.1\r\n");
+    assert!(robot.starts_with("HTTP/1.1 200 OK\r\n"), "{robot}");
+    assert!(robot.contains("GPR of the paper"), "{robot}");
+    assert!(studio.ask("GET / HTTP/1.1\r\n").contains("<title>"));
+    // A browser keeps its connections open; that must not keep the server.
+    let _idle = TcpStream::connect(&studio.address).unwrap();
+    let (code, rest) = studio.interrupt();
+    assert_eq!((code, rest.as_str()), (Some(0), "  Ctrl-C ends it\n"));
+    assert_eq!(desk.names(""), [""; 0]);
+}
+
+#[test]
+fn a_port_that_is_taken() {
+    let desk = Desk::new();
+    let taken = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port();
+    let run = desk.run(&format!("studio --no-open --port {port}"));
+    assert_eq!(run.code, 2);
+    let message = format!("cannot serve on port {port} of 127.0.0.1");
+    assert!(run.stderr.contains(&message) && run.stderr.contains("--port"), "{}", run.stderr);
+    // Two servers without a port to insist on go side by side.
+    let (first, second) = (Studio::start(&desk, ""), Studio::start(&desk, ""));
+    assert_ne!(first.address, second.address);
+    assert!(second.ask("GET /api/v1/robot HTTP/1.1\r\n").contains("200 OK"));
+    assert_eq!((first.interrupt().0, second.interrupt().0), (Some(0), Some(0)));
+}
+
+#[test]
+fn another_robot() {
+    let desk = Desk::new();
+    let own = jointplay::format::robot::PAPER.replace("GPR of the paper", "My robot");
+    desk.write("mine.toml", &own);
+    let studio = Studio::start(&desk, "--port 0 --robot mine.toml");
+    assert!(studio.ask("GET /api/v1/robot HTTP/1.1\r\n").contains("\"name\":\"My robot\""));
+    assert_eq!(studio.interrupt().0, Some(0));
+    desk.write("bad.toml", &own.replace("tilt_deg = 1.5", "tilt_deg = 95"));
+    let run = desk.run("studio --no-open --robot bad.toml");
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    assert!(run.stderr.contains("bad.toml:28:12: the largest tilt is 95°"), "{}", run.stderr);
+}
+
+/// The same question by the command line and by the server.
+#[track_caller]
+fn same(desk: &Desk, studio: &Studio, line: &str, path: &str, body: &str) {
+    let run = desk.run(&format!("{line} --format json"));
+    assert_eq!(run.code, 0, "{line}: {}", run.stderr);
+    let told: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(studio.post(path, body), told, "{line}");
+}
+
+#[test]
+fn the_server_answers_what_the_command_line_answers() {
+    let desk = Desk::new();
+    let studio = Studio::start(&desk, "--port 0");
+    let same = |line: &str, path: &str, body: &str| same(&desk, &studio, line, path, body);
+    same("forward --q-mm 500,501,502", "forward", r#"{"rods_m": [0.5, 0.501, 0.502]}"#);
+    same(
+        "forward --q-mm 500,501,502 --virtualization polar --solver newton --metric radius",
+        "forward",
+        r#"{"rods_m": [0.5, 0.501, 0.502], "model": {"virtualization": "polar", "solver": "newton", "metric": "radius"}}"#,
+    );
+    let (yaw, pitch) = (17.0_f64.to_radians(), 1.5_f64.to_radians());
+    let tilt = |height: &str| {
+        format!(
+            r#"{{"command": {{"kind": "tilt", "yaw_rad": {yaw}, "pitch_rad": {pitch}, "height": {{"kind": "{height}", "value_m": 0.5}}}}}}"#
+        )
+    };
+    same("inverse --yaw-deg 17 --pitch-deg 1.5", "inverse", &tilt("axis"));
+    same("inverse --yaw-deg 17 --pitch-deg 1.5 --height-of center", "inverse", &tilt("center"));
+    same("sensitivity --yaw-deg 17 --pitch-deg 1.5", "sensitivity", &tilt("axis"));
+    same("mobility", "mobility", "{}");
+    same(
+        "mobility --q-mm 500,501,502 --virtualization polar",
+        "mobility",
+        r#"{"rods_m": [0.5, 0.501, 0.502], "virtualization": "polar"}"#,
+    );
+    let pitches: Vec<String> =
+        [0.0_f64, 0.5, 1.0, 1.5].iter().map(|pitch| pitch.to_radians().to_string()).collect();
+    same(
+        "compare --pitch-deg 0:1.5:0.5 --metric 2",
+        "compare",
+        &format!(
+            r#"{{"pitches_rad": [{}], "characteristic_length_m": 0.002}}"#,
+            pitches.join(", ")
+        ),
+    );
+    assert_eq!(studio.interrupt().0, Some(0));
+}

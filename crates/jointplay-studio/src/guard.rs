@@ -1,0 +1,90 @@
+//! Who may ask: requests from this machine's own page and programs, and no other page that a browser shows.
+
+use std::time::Duration;
+
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, header};
+use axum::middleware::Next;
+use axum::response::{IntoResponse, Response};
+
+use crate::problem::Problem;
+
+/// How long a request may take until its answer begins.
+const LONGEST: Duration = Duration::from_secs(60);
+
+/// Scripts and data come from this server alone; styles may also stand in the page, as three-dimensional views set them.
+const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
+    img-src 'self' data: blob:; font-src 'self'; connect-src 'self' blob: data:; media-src 'self' blob:; \
+    worker-src 'self' blob:; manifest-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
+
+const HEADERS: [(HeaderName, &str); 6] = [
+    (header::CONTENT_SECURITY_POLICY, POLICY),
+    (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+    (header::X_FRAME_OPTIONS, "DENY"),
+    (header::REFERRER_POLICY, "no-referrer"),
+    (HeaderName::from_static("cross-origin-opener-policy"), "same-origin"),
+    (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
+];
+
+/// The names under which this server may be asked.
+#[derive(Clone)]
+pub(crate) struct Guard {
+    hosts: [String; 3],
+}
+
+impl Guard {
+    pub(crate) fn new(port: u16) -> Self {
+        Self { hosts: ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}")) }
+    }
+
+    /// Why a request is refused, if it is.
+    ///
+    /// A page elsewhere can make a browser send requests here: its `Origin` tells, and where a name of its own leads here (DNS rebinding), its `Host`.
+    fn refusal(&self, method: &Method, headers: &HeaderMap) -> Option<String> {
+        let known = |host: &str| self.hosts.iter().any(|known| known.eq_ignore_ascii_case(host));
+        let text = |name: &HeaderName| headers.get(name).map(|value| value.to_str().unwrap_or("?"));
+        let hosts = self.hosts.join(", ");
+        match text(&header::HOST) {
+            Some(host) if known(host) => {}
+            Some(host) => return Some(format!("host {host:?} is not served; served are {hosts}")),
+            None => return Some(format!("the request names no host; served are {hosts}")),
+        }
+        if let Some(origin) = text(&header::ORIGIN) {
+            let own = origin.strip_prefix("http://").is_some_and(known);
+            if !own {
+                return Some(format!("pages from {origin:?} may not ask this server"));
+            }
+        }
+        // Links from elsewhere may lead to the page; images, scripts and the like may not.
+        let site = text(&HeaderName::from_static("sec-fetch-site"));
+        let mode = text(&HeaderName::from_static("sec-fetch-mode"));
+        let followed_link = mode == Some("navigate") && method == Method::GET;
+        if matches!(site, Some("cross-site" | "same-site")) && !followed_link {
+            return Some("pages from elsewhere may not ask this server".to_owned());
+        }
+        None
+    }
+}
+
+/// Refuses what is not ours, ends what takes too long, and adds the headers of security.
+pub(crate) async fn check(State(guard): State<Guard>, request: Request, next: Next) -> Response {
+    let api = request.uri().path().starts_with("/api/");
+    let mut response = match guard.refusal(request.method(), request.headers()) {
+        Some(why) => Problem::refused(why).into_response(),
+        None => match tokio::time::timeout(LONGEST, next.run(request)).await {
+            Ok(response) => response,
+            Err(_) => {
+                let detail = format!("the request took longer than {} s", LONGEST.as_secs());
+                Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail).into_response()
+            }
+        },
+    };
+    let headers = response.headers_mut();
+    for (name, value) in HEADERS {
+        headers.insert(name, HeaderValue::from_static(value));
+    }
+    if api {
+        headers.insert(header::CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    }
+    response
+}

@@ -1,0 +1,44 @@
+//! `POST /api/v1/forward`: what `jointplay forward --format json` answers.
+
+use axum::Json;
+use axum::extract::State;
+use jointplay::format::report::{self, ForwardReport};
+use jointplay::gpr::Gpr;
+
+use super::allowed;
+use crate::app::App;
+use crate::body::Body;
+use crate::problem::Problem;
+use crate::wire::question::ForwardRequest;
+use crate::wire::rods;
+
+/// Where the platform is for given rods
+///
+/// The same document as `jointplay forward --format json`, in mm and degrees.
+#[utoipa::path(
+    post,
+    path = "/api/v1/forward",
+    operation_id = "forward",
+    request_body = ForwardRequest,
+    responses(
+        (status = 200, description = "The pose", body = ForwardReport),
+        (status = 409, description = "The answer is no: beyond a limit, or unsolved", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn forward(
+    State(app): State<App>,
+    Body(request): Body<ForwardRequest>,
+) -> Result<Json<ForwardReport>, Problem> {
+    let robot = app.robot.clone();
+    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+}
+
+fn compute(gpr: &Gpr, request: ForwardRequest) -> Result<ForwardReport, Problem> {
+    let rods = rods(request.rods_m.0, "rods_m")?;
+    let (model, options) = (request.model.model(), request.model.options("model")?);
+    let broken = allowed(gpr, &rods, gpr.plane_tilt(&rods), request.ignore_limits)?;
+    let pose = gpr.forward(rods, model, &options)?;
+    Ok(report::forward(&pose, model, &broken))
+}

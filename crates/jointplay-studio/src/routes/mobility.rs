@@ -1,0 +1,62 @@
+//! `POST /api/v1/mobility`: what `jointplay mobility --format json` answers.
+
+use axum::Json;
+use axum::extract::State;
+use jointplay::format::report::{self, MobilityReport};
+use jointplay::gpr::Gpr;
+use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
+use jointplay::virtualization::{Planar, SolveOptions};
+
+use super::allowed;
+use crate::app::App;
+use crate::body::Body;
+use crate::problem::Problem;
+use crate::wire::question::MobilityRequest;
+use crate::wire::rods;
+
+/// What can move: counted, to first order, and for real
+///
+/// The same document as `jointplay mobility --format json`, in mm and degrees.
+#[utoipa::path(
+    post,
+    path = "/api/v1/mobility",
+    operation_id = "mobility",
+    request_body = MobilityRequest,
+    responses(
+        (status = 200, description = "The mobility", body = MobilityReport),
+        (status = 409, description = "The answer is no: beyond a limit, or unsolved", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn mobility(
+    State(app): State<App>,
+    Body(request): Body<MobilityRequest>,
+) -> Result<Json<MobilityReport>, Problem> {
+    let robot = app.robot.clone();
+    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+}
+
+fn compute(gpr: &Gpr, request: MobilityRequest) -> Result<MobilityReport, Problem> {
+    let rods = match request.rods_m {
+        Some(given) => rods(given.0, "rods_m")?,
+        None => [gpr.working_height(); 3],
+    };
+    let broken = allowed(gpr, &rods, gpr.plane_tilt(&rods), request.ignore_limits)?;
+    // The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
+    let options = SolveOptions::default();
+    let pose = gpr.forward(rods, &Planar, &options)?;
+    let rigid = gpr.system(&Planar);
+    let finite = finite_mobility(&rigid, &rigid.configuration(&pose), RANK_THRESHOLD)?;
+    let augmented = match request.virtualization {
+        None => None,
+        Some(name) => {
+            let model = name.model();
+            let relieved = gpr.system(model);
+            let at = relieved.configuration(&gpr.forward(rods, model, &options)?);
+            Some((model.name(), augmented_mobility(&relieved, &at, RANK_THRESHOLD)?))
+        }
+    };
+    let augmented = augmented.as_ref().map(|(name, found)| (*name, found));
+    Ok(report::mobility(&pose, gpr.kutzbach_mobility(), &finite, augmented, &broken))
+}

@@ -1,0 +1,49 @@
+//! One file an endpoint, and what several of them do.
+
+pub(crate) mod compare;
+pub(crate) mod forward;
+pub(crate) mod inverse;
+pub(crate) mod mobility;
+pub(crate) mod pose;
+pub(crate) mod robot;
+pub(crate) mod sensitivity;
+
+use jointplay::gpr::{AxisHeight, BrokenLimit, CenterHeight, Gpr};
+use jointplay::spatial::Tilt;
+use jointplay::virtualization::{SolveOptions, Virtualization};
+
+use crate::problem::Problem;
+use crate::wire::{HeightKind, Target};
+
+/// The rods that do what is commanded, and the tilt that limits are held against.
+fn reached(
+    gpr: &Gpr,
+    target: Target,
+    model: &(dyn Virtualization + Sync),
+    options: &SolveOptions,
+) -> Result<([f64; 3], Tilt), Problem> {
+    match target {
+        Target::Rods(rods) => Ok((rods, gpr.plane_tilt(&rods))),
+        Target::Tilt { tilt, height } => {
+            let rods = match height.kind {
+                HeightKind::Axis => gpr.inverse(tilt, AxisHeight(height.value_m))?,
+                HeightKind::Center => {
+                    let height = CenterHeight(height.value_m);
+                    gpr.inverse_for_center(tilt, height, model, options)?.rods
+                }
+            };
+            Ok((rods, tilt))
+        }
+    }
+}
+
+/// The limits that a pose breaks: a problem unless they are to be ignored.
+fn allowed(
+    gpr: &Gpr,
+    rods: &[f64; 3],
+    tilt: Tilt,
+    ignore: bool,
+) -> Result<Vec<BrokenLimit>, Problem> {
+    let broken = gpr.limits().broken(rods, tilt);
+    if broken.is_empty() || ignore { Ok(broken) } else { Err(Problem::limits(&broken)) }
+}

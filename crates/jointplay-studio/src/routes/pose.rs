@@ -1,0 +1,106 @@
+//! `POST /api/v1/pose`: all that one picture of the robot needs.
+
+use axum::Json;
+use axum::extract::State;
+use jointplay::format::explain::explain;
+use jointplay::gpr::Gpr;
+use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
+use jointplay::spatial::Tilt;
+use jointplay::virtualization::{Planar, SolveOptions, Virtualization};
+
+use super::reached;
+use crate::app::App;
+use crate::body::Body;
+use crate::problem::Problem;
+use crate::wire::ModelChoice;
+use crate::wire::pose::{
+    AnswerDocument, MOST_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
+};
+
+/// One pose, with all that one picture of it needs
+///
+/// A pose beyond the robot's limits is computed all the same, and the limits that it breaks are listed.
+/// A model without an answer says why; the others answer.
+#[utoipa::path(
+    post,
+    path = "/api/v1/pose",
+    operation_id = "pose",
+    request_body = PoseRequest,
+    responses(
+        (status = 200, description = "The pose", body = PoseDocument),
+        (status = 409, description = "There is no such pose", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn pose(
+    State(app): State<App>,
+    Body(request): Body<PoseRequest>,
+) -> Result<Json<PoseDocument>, Problem> {
+    let robot = app.robot.clone();
+    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+}
+
+fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
+    let PoseRequest { command, models: choices, mobility: with_mobility, bounds } = request;
+    let asked = choices.len();
+    if !(1..=MOST_MODELS).contains(&asked) {
+        let detail = format!("{asked} models are asked, from 1 to {MOST_MODELS} may be");
+        return Err(Problem::field("models", detail));
+    }
+    let models: Vec<(&ModelChoice, SolveOptions)> = choices
+        .iter()
+        .enumerate()
+        .map(|(i, choice)| Ok((choice, choice.options(&format!("models[{i}]"))?)))
+        .collect::<Result<_, Problem>>()?;
+    let (first, options) = &models[0];
+    let target = command.read(gpr, "command")?;
+    let (rods, tilt) = reached(gpr, target, first.model(), options)?;
+    let broken = gpr.limits().broken(&rods, tilt);
+    let approximate = gpr.approximate(gpr.plane_tilt(&rods), gpr.plane_height(&rods))?;
+    let mut document = PoseDocument::new(gpr, rods, &broken, &approximate);
+    for (choice, options) in models {
+        let found = answer(gpr, rods, choice.model(), &options, bounds, with_mobility);
+        let (answer, problem) = match found {
+            Ok(answer) => (Some(answer), None),
+            Err(error) => (None, Some(explain(&error))),
+        };
+        document.models.push(ModelDocument { model: *choice, answer, problem });
+    }
+    if with_mobility {
+        document.mobility = Some(mobility(gpr, rods)?);
+    }
+    Ok(document)
+}
+
+fn answer(
+    gpr: &Gpr,
+    rods: [f64; 3],
+    model: &(dyn Virtualization + Sync),
+    options: &SolveOptions,
+    bounds: bool,
+    with_mobility: bool,
+) -> Result<AnswerDocument, jointplay::Error> {
+    let pose = gpr.forward(rods, model, options)?;
+    let play = if bounds {
+        let level = gpr.forward(gpr.inverse(Tilt::LEVEL, pose.axis_height())?, model, options)?;
+        Some(gpr.play_between(level, pose, model)?)
+    } else {
+        None
+    };
+    let augmented = if with_mobility {
+        let system = gpr.system(model);
+        Some(augmented_mobility(&system, &system.configuration(&pose), RANK_THRESHOLD)?)
+    } else {
+        None
+    };
+    Ok(AnswerDocument::new(gpr, &pose, model, play.as_ref(), augmented.as_ref()))
+}
+
+/// The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
+fn mobility(gpr: &Gpr, rods: [f64; 3]) -> Result<MobilityDocument, Problem> {
+    let system = gpr.system(&Planar);
+    let at = system.configuration(&gpr.forward(rods, &Planar, &SolveOptions::default())?);
+    let found = finite_mobility(&system, &at, RANK_THRESHOLD)?;
+    Ok(MobilityDocument::new(gpr.kutzbach_mobility(), &found))
+}

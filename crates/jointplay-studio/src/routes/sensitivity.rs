@@ -1,0 +1,48 @@
+//! `POST /api/v1/sensitivity`: what `jointplay sensitivity --format json` answers.
+
+use axum::Json;
+use axum::extract::State;
+use jointplay::format::report::{self, SensitivityReport};
+use jointplay::gpr::Gpr;
+use jointplay::spatial::Tilt;
+
+use super::{allowed, reached};
+use crate::app::App;
+use crate::body::Body;
+use crate::problem::Problem;
+use crate::wire::question::CommandRequest;
+
+/// How far the virtual joints move for a tilt, and what first order says of it
+///
+/// The same document as `jointplay sensitivity --format json`, in mm and degrees.
+/// The motion starts level at the same axis height.
+#[utoipa::path(
+    post,
+    path = "/api/v1/sensitivity",
+    operation_id = "sensitivity",
+    request_body = CommandRequest,
+    responses(
+        (status = 200, description = "The sensitivity", body = SensitivityReport),
+        (status = 409, description = "The answer is no: beyond a limit, or unsolved", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn sensitivity(
+    State(app): State<App>,
+    Body(request): Body<CommandRequest>,
+) -> Result<Json<SensitivityReport>, Problem> {
+    let robot = app.robot.clone();
+    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+}
+
+fn compute(gpr: &Gpr, request: CommandRequest) -> Result<SensitivityReport, Problem> {
+    let (model, options) = (request.model.model(), request.model.options("model")?);
+    let target = request.command.read(gpr, "command")?;
+    let (rods, tilt) = reached(gpr, target, model, &options)?;
+    let broken = allowed(gpr, &rods, tilt, request.ignore_limits)?;
+    let end = gpr.forward(rods, model, &options)?;
+    let level = gpr.inverse(Tilt::LEVEL, end.axis_height())?;
+    let start = gpr.forward(level, model, &options)?;
+    Ok(report::sensitivity(&gpr.play_between(start, end, model)?, model, &broken))
+}

@@ -1,0 +1,95 @@
+//! From a robot to a running server.
+
+use std::io;
+use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::time::Duration;
+
+use jointplay::format::robot::Robot;
+use tokio::runtime::{Builder, Runtime};
+
+use crate::app::{self, App};
+
+/// The port that is taken where none is asked for, if it is free.
+pub const DEFAULT_PORT: u16 = 4816;
+
+/// How long requests may go on after Ctrl-C.
+const LONGEST_GOODBYE: Duration = Duration::from_secs(3);
+
+/// Why there is no server.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The port asked for is taken, or may not be used.
+    #[error(
+        "cannot serve on port {port} of 127.0.0.1: {source}; choose another --port, or leave it out for a free one"
+    )]
+    Port {
+        /// The port asked for.
+        port: u16,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// The system refuses to serve at all.
+    #[error("cannot serve: {0}")]
+    System(#[from] io::Error),
+}
+
+/// A server that has its port, and waits to be run.
+pub struct Server {
+    listener: TcpListener,
+    address: SocketAddr,
+    runtime: Runtime,
+    app: App,
+}
+
+impl Server {
+    /// Takes a port of this machine, reachable from this machine only.
+    ///
+    /// # Arguments
+    /// * `port` – the port to take; without it [`DEFAULT_PORT`], or any free one where that is taken
+    ///
+    /// # Errors
+    /// [`Error::Port`] if the port asked for cannot be had, [`Error::System`] if none can.
+    pub fn bind(robot: Robot, port: Option<u16>) -> Result<Self, Error> {
+        let bind = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
+        let listener = match port {
+            Some(port) => bind(port).map_err(|source| Error::Port { port, source })?,
+            None => bind(DEFAULT_PORT).or_else(|_| bind(0))?,
+        };
+        listener.set_nonblocking(true)?;
+        let address = listener.local_addr()?;
+        let runtime = Builder::new_current_thread().enable_all().build()?;
+        let app = App::new(robot);
+        Ok(Self { listener, address, runtime, app })
+    }
+
+    /// Where a browser finds the page.
+    #[must_use]
+    pub fn url(&self) -> String {
+        format!("http://{}/", self.address)
+    }
+
+    /// Serves until Ctrl-C.
+    ///
+    /// # Errors
+    /// [`Error::System`] if the port or Ctrl-C cannot be listened to.
+    pub fn run(self) -> Result<(), Error> {
+        let Self { listener, address, runtime, app } = self;
+        let served = runtime.block_on(async {
+            let listener = tokio::net::TcpListener::from_std(listener)?;
+            let router = app::router(app, address.port());
+            let (goodbye, asked) = tokio::sync::oneshot::channel::<()>();
+            let serve = axum::serve(listener, router).with_graceful_shutdown(async {
+                let _ = asked.await;
+            });
+            let serving = tokio::spawn(serve.into_future());
+            tokio::signal::ctrl_c().await?;
+            let _ = goodbye.send(());
+            // Whoever keeps a connection open beyond that is cut off.
+            let _ = tokio::time::timeout(LONGEST_GOODBYE, serving).await;
+            Ok(())
+        });
+        runtime.shutdown_timeout(LONGEST_GOODBYE);
+        served
+    }
+}

@@ -1,0 +1,124 @@
+//! The server from outside: what it answers, what it refuses.
+
+mod pose;
+mod questions;
+mod refusals;
+
+use axum::Router;
+use axum::body::Body;
+use axum::http::{HeaderMap, Request, StatusCode, header};
+use http_body_util::BodyExt as _;
+use jointplay::format::robot;
+use serde_json::Value;
+use tower::ServiceExt as _;
+
+use crate::app;
+
+const PORT: u16 = 4816;
+const HOST: &str = "127.0.0.1:4816";
+
+/// What came back.
+struct Answer {
+    status: StatusCode,
+    headers: HeaderMap,
+    bytes: Vec<u8>,
+}
+
+impl Answer {
+    #[track_caller]
+    fn json(&self) -> Value {
+        serde_json::from_slice(&self.bytes).unwrap()
+    }
+
+    #[track_caller]
+    fn header(&self, name: &str) -> &str {
+        self.headers.get(name).map_or("", |value| value.to_str().unwrap())
+    }
+}
+
+fn server() -> Router {
+    app::router(app::App::new(robot::paper()), PORT)
+}
+
+/// Sends one request to a server of the paper's robot.
+fn send(request: Request<Body>) -> Answer {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let response = server().oneshot(request).await.unwrap();
+        let (head, body) = response.into_parts();
+        let bytes = body.collect().await.unwrap().to_bytes().to_vec();
+        Answer { status: head.status, headers: head.headers, bytes }
+    })
+}
+
+fn get(path: &str) -> Answer {
+    send(Request::get(path).header(header::HOST, HOST).body(Body::empty()).unwrap())
+}
+
+fn post(path: &str, body: &str) -> Answer {
+    let request = Request::post(path)
+        .header(header::HOST, HOST)
+        .header(header::CONTENT_TYPE, "application/json")
+        .body(Body::from(body.to_owned()));
+    send(request.unwrap())
+}
+
+/// The document that a question is answered with.
+#[track_caller]
+fn answered(path: &str, body: &str) -> Value {
+    let answer = post(path, body);
+    assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
+    answer.json()
+}
+
+/// A question that gets a problem document.
+#[track_caller]
+fn refused(path: &str, body: &str, status: u16, field: Option<&str>, detail: &str) {
+    let answer = post(path, body);
+    let text = String::from_utf8_lossy(&answer.bytes);
+    assert_eq!(answer.status.as_u16(), status, "{body}: {text}");
+    assert_eq!(answer.header("content-type"), "application/problem+json", "{body}");
+    let problem = answer.json();
+    assert_eq!(problem["status"], status, "{body}");
+    assert_eq!(problem["field"].as_str(), field, "{body}: {text}");
+    assert!(problem["detail"].as_str().unwrap().contains(detail), "{body}: {text}");
+}
+
+#[test]
+fn the_robot_is_told() {
+    let answer = get("/api/v1/robot");
+    assert_eq!(answer.status, StatusCode::OK);
+    let robot = answer.json();
+    assert_eq!(robot["name"], "GPR of the paper");
+    assert_eq!(robot["limbs"][2]["socket_radius_m"], 0.093218);
+    assert_eq!(robot["limits"]["rod_max_m"], 0.754);
+    let names: Vec<&str> = robot["virtualizations"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|virtualization| virtualization["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names, ["radial", "polar", "offset", "planar"]);
+    let slide = &robot["virtualizations"][1]["joints"][0];
+    assert_eq!((&slide["symbol"], &slide["motion"]), (&"l".into(), &"linear".into()));
+    assert_eq!(slide["nominal"], 0.093218, "a polar slide starts at the socket radius");
+}
+
+#[test]
+fn the_description_is_served() {
+    let answer = get("/api/v1/openapi.json");
+    assert_eq!(answer.header("content-type"), "application/json");
+    assert_eq!(answer.bytes, app::description().into_bytes());
+}
+
+#[test]
+fn the_page_or_how_to_build_it() {
+    let answer = get("/");
+    assert_eq!(answer.status, StatusCode::OK);
+    assert_eq!(answer.header("content-type"), "text/html; charset=utf-8");
+    let text = String::from_utf8(answer.bytes.clone()).unwrap();
+    assert!(text.contains("npm run build") || text.contains("<script"), "{text}");
+    assert!(answer.header("content-security-policy").starts_with("default-src 'none'"));
+    assert_eq!(get("/assets/none.js").status, StatusCode::NOT_FOUND);
+    assert_eq!(get("/../Cargo.toml").status, StatusCode::NOT_FOUND);
+}

@@ -1,0 +1,169 @@
+//! One pose, against the library asked directly.
+
+use jointplay::format::robot;
+use jointplay::gpr::{AxisHeight, CenterHeight};
+use jointplay::spatial::Tilt;
+use jointplay::virtualization::{Metric, Offset, Planar, Polar, SolveOptions, Solver};
+use serde_json::Value;
+
+use super::{answered, refused};
+
+const POSE: &str = "/api/v1/pose";
+
+#[track_caller]
+fn numbers(value: &Value) -> Vec<f64> {
+    value.as_array().unwrap().iter().map(|number| number.as_f64().unwrap()).collect()
+}
+
+#[test]
+fn a_pose_is_the_library_s() {
+    let gpr = robot::paper().gpr;
+    let tilt = Tilt { yaw: 0.3, pitch: 0.026 };
+    let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
+    let document = answered(
+        POSE,
+        r#"{"command": {"kind": "tilt", "yaw_rad": 0.3, "pitch_rad": 0.026},
+            "models": [{"virtualization": "polar", "solver": "newton", "metric": "radius"}, {}]}"#,
+    );
+    assert_eq!(numbers(&document["rods_m"]), rods);
+    assert!((document["tilt"]["pitch_rad"].as_f64().unwrap() - 0.026).abs() < 1e-15);
+    assert!((document["axis_height_m"].as_f64().unwrap() - 0.5).abs() < 1e-15);
+    assert_eq!(document["limits_broken"], Value::Array(vec![]));
+
+    let options = SolveOptions {
+        solver: Solver::Newton,
+        metric: Metric::PlatformRadius,
+        ..SolveOptions::default()
+    };
+    let pose = gpr.forward(rods, &Polar, &options).unwrap();
+    let answer = &document["models"][0]["answer"];
+    assert_eq!(numbers(&answer["virtual_joints"]), pose.solution.virtual_joints.to_vec());
+    assert_eq!(numbers(&answer["center_shift_m"]), pose.center_shift().as_slice());
+    assert_eq!(answer["characteristic_length_m"], 0.093218);
+    let play = gpr.tilt_play(tilt, AxisHeight(0.5), &Polar, &options).unwrap();
+    let found = answer["play"]["bounds"][1]["upper_m"].as_f64().unwrap();
+    assert!((found / play.at_midpoint.bounds.upper - 1.0).abs() < 1e-9);
+    assert_eq!(answer["augmented"]["rank"], 12);
+
+    let pose = gpr.forward(rods, &Planar, &SolveOptions::default()).unwrap();
+    let answer = &document["models"][1]["answer"];
+    assert_eq!(numbers(&answer["virtual_joints"]), pose.solution.virtual_joints.to_vec());
+    assert_eq!(answer["solver"], "closed-form");
+    assert_eq!(document["mobility"]["instantaneous"], 1, "up and down");
+}
+
+#[test]
+fn three_ways_to_command_one_pose() {
+    let tilt = Tilt { yaw: -2.0, pitch: 0.02 };
+    let (about_x, about_y) = tilt.about_x_and_y();
+    let first = answered(
+        POSE,
+        r#"{"command": {"kind": "tilt", "yaw_rad": -2, "pitch_rad": 0.02, "height": {"kind": "axis", "value_m": 0.4}}}"#,
+    );
+    let by_turns = format!(
+        r#"{{"command": {{"kind": "tilt_xy", "about_x_rad": {about_x}, "about_y_rad": {about_y}, "height": {{"kind": "axis", "value_m": 0.4}}}}}}"#
+    );
+    let by_rods = format!(r#"{{"command": {{"kind": "rods", "rods_m": {}}}}}"#, first["rods_m"]);
+    for body in [by_turns, by_rods] {
+        let document = answered(POSE, &body);
+        for (a, b) in numbers(&document["rods_m"]).iter().zip(numbers(&first["rods_m"])) {
+            assert!((a - b).abs() < 1e-15, "{body}");
+        }
+        assert!((document["axis_height_m"].as_f64().unwrap() - 0.4).abs() < 1e-15, "{body}");
+    }
+}
+
+#[test]
+fn a_centre_height_is_that_of_the_first_model() {
+    let gpr = robot::paper().gpr;
+    let tilt = Tilt { yaw: 0.0, pitch: 0.026 };
+    let options = SolveOptions { solver: Solver::Newton, ..SolveOptions::default() };
+    let pose = gpr.inverse_for_center(tilt, CenterHeight(0.5), &Offset, &options).unwrap();
+    let document = answered(
+        POSE,
+        r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.026, "height": {"kind": "center", "value_m": 0.5}},
+            "models": [{"virtualization": "offset", "solver": "newton"}, {}]}"#,
+    );
+    assert_eq!(numbers(&document["rods_m"]), pose.rods);
+    let origin = numbers(&document["models"][0]["answer"]["pose"]["origin_m"]);
+    assert!((origin[2] - 0.5).abs() < 1e-15);
+}
+
+#[test]
+fn only_what_is_asked_for() {
+    let body = r#"{"command": {"kind": "rods", "rods_m": [0.5, 0.5, 0.5]}, "mobility": false, "bounds": false}"#;
+    let document = answered(POSE, body);
+    assert_eq!(document["mobility"], Value::Null);
+    assert_eq!(document["models"][0]["answer"]["play"], Value::Null);
+    let document = answered(POSE, r#"{"command": {"kind": "rods", "rods_m": [0.5, 0.5, 0.5]}}"#);
+    let mobility = &document["mobility"];
+    let found = ["counted", "instantaneous", "finite"].map(|key| mobility[key].as_i64().unwrap());
+    assert_eq!(found, [0, 3, 1], "level is shaky");
+}
+
+#[test]
+fn beyond_the_limits_is_computed_and_said() {
+    let document =
+        answered(POSE, r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.03}}"#);
+    let broken = &document["limits_broken"][0];
+    assert_eq!(broken["limb"], Value::Null);
+    assert_eq!(broken["found"], 0.03);
+    assert!(broken["message"].as_str().unwrap().starts_with("the tilt is 1.718873°"));
+    let document = answered(POSE, r#"{"command": {"kind": "rods", "rods_m": [0.2, 0.2, 0.2]}}"#);
+    assert_eq!(document["limits_broken"][2]["limb"], 2);
+}
+
+#[test]
+fn a_model_without_an_answer_says_why() {
+    let document = answered(
+        POSE,
+        r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 1.2},
+            "models": [{"virtualization": "polar"}, {}]}"#,
+    );
+    assert_eq!(document["models"][0]["answer"], Value::Null);
+    let why = document["models"][0]["problem"].as_str().unwrap();
+    assert!(why.contains("turn the platform over"), "{why}");
+    assert!(document["models"][1]["answer"].is_object());
+}
+
+#[test]
+fn bad_questions_name_their_field() {
+    let bad =
+        |body: &str, field: Option<&str>, detail: &str| refused(POSE, body, 422, field, detail);
+    bad("[]", None, "expected an object");
+    bad("{}", None, "missing field `command`");
+    bad(r#"{"command": 3}"#, Some("command"), "an object is needed");
+    bad(r#"{"command": {}}"#, Some("command"), r#"known: "tilt", "tilt_xy", "rods""#);
+    bad(r#"{"command": {"kind": "tolt"}}"#, Some("command.kind"), r#""tolt" is not known"#);
+    let tilt = |fields: &str| format!(r#"{{"command": {{"kind": "tilt", {fields}}}}}"#);
+    bad(&tilt(r#""yaw_rad": 1"#), Some("command"), "missing field `pitch_rad`");
+    bad(&tilt(r#""yaw_rad": "a", "pitch_rad": 0"#), Some("command.yaw_rad"), "expected f64");
+    bad(&tilt(r#""yaw_rad": 1e9, "pitch_rad": 0"#), Some("command.yaw_rad"), "within ±1000 rad");
+    bad(&tilt(r#""yaw_rad": 0, "pitch_rad": 1.6"#), Some("command.pitch_rad"), "too steep");
+    let high = r#""yaw_rad": 0, "pitch_rad": 0, "height": {"kind": "axis", "value_m": 1e4}"#;
+    bad(&tilt(high), Some("command.height.value_m"), "within ±1000 m");
+    let array = r#""yaw_rad": 0, "pitch_rad": 0, "height": ["axis", 0.5]"#;
+    bad(&tilt(array), Some("command.height"), "expected an object");
+    let turns = r#"{"command": {"kind": "tilt_xy", "about_x_rad": 1.5, "about_y_rad": 1.5}}"#;
+    bad(turns, Some("command"), "too steep");
+    let rods = |rods: &str| format!(r#"{{"command": {{"kind": "rods", "rods_m": {rods}}}}}"#);
+    bad(&rods("[0.5, 0.5]"), Some("command.rods_m"), "length 3");
+    bad(&rods("[0.5, 0.5, 2000]"), Some("command.rods_m[2]"), "2e3 m is too long");
+    let model = |model: &str| {
+        format!(r#"{{"command": {{"kind": "rods", "rods_m": [1, 1, 1]}}, "models": {model}}}"#)
+    };
+    bad(&model("[]"), Some("models"), "from 1 to 16");
+    bad(&model("[[]]"), Some("models[0]"), "expected an object");
+    bad(&model(r#"[{}, {"solver": "x"}]"#), Some("models[1].solver"), "`closed-form`");
+    bad(&model(r#"[{"colour": 1}]"#), Some("models[0].colour"), "unknown field");
+    let length = r#"[{}, {"characteristic_length_m": 0}]"#;
+    bad(&model(length), Some("models[1].characteristic_length_m"), "not within");
+    refused(POSE, "{", 400, None, "no JSON");
+    refused(
+        POSE,
+        r#"{"command": {"kind": "rods", "rods_m": [1e999, 1, 1]}}"#,
+        400,
+        None,
+        "no JSON",
+    );
+}

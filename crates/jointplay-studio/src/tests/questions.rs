@@ -1,0 +1,65 @@
+//! The questions that the command line can be asked too; that the answers are the same is tested there.
+
+use super::{answered, refused};
+
+const FORWARD: &str = "/api/v1/forward";
+
+#[test]
+fn beyond_a_limit_the_answer_is_no() {
+    let rods = r#"{"rods_m": [0.5, 0.501, 0.8]}"#;
+    refused(FORWARD, rods, 409, None, "rod 3 is 800.000000 mm long, allowed are 246 to 754 mm");
+    let tilt = r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 0.03}}"#;
+    refused("/api/v1/inverse", tilt, 409, None, "\"ignore_limits\": true computes past them");
+    refused("/api/v1/sensitivity", tilt, 409, None, "the tilt is 1.718873°");
+    let rods = r#"{"rods_m": [0.5, 0.51, 0.5]}"#;
+    refused("/api/v1/mobility", rods, 409, None, "the tilt is");
+    let tilts = r#"{"pitches_rad": [0, -0.03, 0.01]}"#;
+    refused("/api/v1/compare", tilts, 409, None, "the tilt is 1.718873°");
+    let tilts = r#"{"pitches_rad": [0, -0.03, 0.01], "ignore_limits": true}"#;
+    let document = answered("/api/v1/compare", tilts);
+    assert_eq!(document["limits_broken"].as_array().unwrap().len(), 1);
+    assert_eq!(document["models"].as_array().unwrap().len(), 4);
+}
+
+#[test]
+fn a_problem_lists_the_limits() {
+    let answer = super::post(FORWARD, r#"{"rods_m": [0.2, 0.2, 0.2]}"#);
+    let problem = answer.json();
+    assert_eq!(problem["kind"], "limits");
+    assert_eq!(problem["limits_broken"][1]["limit"], "rod 2");
+    assert_eq!(problem["limits_broken"][1]["min"], 246.0);
+}
+
+#[test]
+fn no_answer_is_no_too() {
+    let body = r#"{"command": {"kind": "tilt", "yaw_rad": 0, "pitch_rad": 1.2}, "ignore_limits": true, "model": {"virtualization": "polar"}}"#;
+    let answer = super::post("/api/v1/inverse", body);
+    assert_eq!(answer.status.as_u16(), 409);
+    assert_eq!(answer.json()["kind"], "unsolved");
+}
+
+#[test]
+fn bad_questions_name_their_field() {
+    let bad = |path: &str, body: &str, field: &str, detail: &str| {
+        refused(&format!("/api/v1/{path}"), body, 422, Some(field), detail);
+    };
+    bad("forward", r#"{"rods_m": [0.5, 0.5, 1e9]}"#, "rods_m[2]", "too long");
+    bad("forward", r#"{"rods_m": [1, 1, 1], "model": []}"#, "model", "expected an object");
+    bad(
+        "forward",
+        r#"{"rods_m": [1, 1, 1], "model": {"metric": "mm"}}"#,
+        "model.metric",
+        "`radius`",
+    );
+    let length = r#"{"rods_m": [1, 1, 1], "model": {"characteristic_length_m": -1}}"#;
+    bad("forward", length, "model.characteristic_length_m", "not within");
+    bad("inverse", r#"{"command": {"kind": "level"}}"#, "command.kind", "\"level\" is not known");
+    bad("mobility", r#"{"virtualization": "cubic"}"#, "virtualization", "`radial`");
+    bad("mobility", r#"{"rods_m": [1, 1]}"#, "rods_m", "length 3");
+    bad("compare", r#"{"pitches_rad": []}"#, "pitches_rad", "from 1 to 10000");
+    bad("compare", r#"{"pitches_rad": [0, 2]}"#, "pitches_rad[1]", "too steep");
+    bad("compare", r#"{"pitches_rad": [0], "axis_height_m": 1e9}"#, "axis_height_m", "too long");
+    let length = r#"{"pitches_rad": [0], "characteristic_length_m": 0}"#;
+    bad("compare", length, "characteristic_length_m", "not within");
+    refused("/api/v1/sensitivity", "{}", 422, None, "missing field `command`");
+}

@@ -1,0 +1,91 @@
+//! Who may not ask, and what is too much.
+
+use axum::body::Body;
+use axum::http::{Method, Request, StatusCode};
+
+use super::{HOST, PORT, get, refused, send};
+
+/// Sends a request with these headers and returns its status.
+#[track_caller]
+fn status(method: Method, path: &str, headers: &[(&str, &str)]) -> StatusCode {
+    let mut request = Request::builder().method(method).uri(path);
+    for (name, value) in headers {
+        request = request.header(*name, *value);
+    }
+    let answer = send(request.body(Body::empty()).unwrap());
+    if !answer.status.is_success() {
+        assert_eq!(answer.header("content-type"), "application/problem+json");
+    }
+    // Whatever comes back, the browser is told to be careful with it.
+    assert!(answer.header("content-security-policy").contains("frame-ancestors 'none'"));
+    assert_eq!(answer.header("x-content-type-options"), "nosniff");
+    answer.status
+}
+
+#[test]
+fn other_hosts_are_refused() {
+    let host = |host: &str| status(Method::GET, "/api/v1/robot", &[("host", host)]);
+    for known in ["127.0.0.1", "localhost", "LOCALHOST", "[::1]"] {
+        assert_eq!(host(&format!("{known}:{PORT}")), StatusCode::OK, "{known}");
+    }
+    for other in
+        ["evil.example", "evil.example:4816", "127.0.0.1", "127.0.0.1:1", "localhost:48160", ""]
+    {
+        assert_eq!(host(other), StatusCode::FORBIDDEN, "{other:?}");
+    }
+    assert_eq!(status(Method::GET, "/", &[("host", "evil.example:4816")]), StatusCode::FORBIDDEN);
+    assert_eq!(status(Method::GET, "/", &[]), StatusCode::FORBIDDEN, "no host");
+}
+
+#[test]
+fn other_origins_are_refused() {
+    let origin =
+        |origin: &str| status(Method::GET, "/api/v1/robot", &[("host", HOST), ("origin", origin)]);
+    assert_eq!(origin("http://127.0.0.1:4816"), StatusCode::OK);
+    assert_eq!(origin("http://localhost:4816"), StatusCode::OK);
+    for other in
+        ["http://evil.example", "null", "https://127.0.0.1:4816", "http://127.0.0.1:4817", ""]
+    {
+        assert_eq!(origin(other), StatusCode::FORBIDDEN, "{other:?}");
+    }
+}
+
+#[test]
+fn pages_elsewhere_may_lead_here_but_not_ask() {
+    let from = |site: &str, mode: &str| {
+        let headers = [("host", HOST), ("sec-fetch-site", site), ("sec-fetch-mode", mode)];
+        status(Method::GET, "/", &headers)
+    };
+    assert_eq!(from("none", "navigate"), StatusCode::OK);
+    assert_eq!(from("same-origin", "cors"), StatusCode::OK);
+    assert_eq!(from("cross-site", "navigate"), StatusCode::OK);
+    assert_eq!(from("cross-site", "no-cors"), StatusCode::FORBIDDEN);
+    assert_eq!(from("same-site", "no-cors"), StatusCode::FORBIDDEN, "another port of this machine");
+}
+
+#[test]
+fn what_a_form_could_send_is_refused() {
+    for kind in ["text/plain", "application/x-www-form-urlencoded", "multipart/form-data", ""] {
+        let request = Request::post("/api/v1/pose")
+            .header("host", HOST)
+            .header("content-type", kind)
+            .body(Body::from("{}"));
+        let answer = send(request.unwrap());
+        assert_eq!(answer.status, StatusCode::UNSUPPORTED_MEDIA_TYPE, "{kind}");
+    }
+}
+
+#[test]
+fn what_is_not_there() {
+    assert_eq!(get("/api/v1/nothing").status, StatusCode::NOT_FOUND);
+    assert_eq!(get("/api/v1/pose").status, StatusCode::METHOD_NOT_ALLOWED);
+    assert_eq!(status(Method::DELETE, "/", &[("host", HOST)]), StatusCode::METHOD_NOT_ALLOWED);
+    let wrong = status(Method::DELETE, "/api/v1/robot", &[("host", HOST)]);
+    assert_eq!(wrong, StatusCode::METHOD_NOT_ALLOWED);
+}
+
+#[test]
+fn a_body_that_is_too_long() {
+    let long = format!("{{\"command\": \"{}\"}}", "x".repeat(crate::body::LARGEST_BODY));
+    refused("/api/v1/pose", &long, 413, None, "longer than 1000000 bytes");
+}

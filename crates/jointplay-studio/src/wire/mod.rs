@@ -1,0 +1,61 @@
+//! What requests and answers look like: SI units, each named with its field.
+
+#[expect(clippy::approx_constant, reason = "attributes take literals only")]
+mod command;
+mod model;
+pub(crate) mod pose;
+pub(crate) mod question;
+pub(crate) mod robot;
+
+pub(crate) use command::{CommandFields, HeightKind, Target, rods};
+pub(crate) use model::{ModelChoice, VirtualizationName};
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::problem::Problem;
+
+/// Two numbers: x and y.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(value_type = Vec<f64>, min_items = 2, max_items = 2)]
+pub(crate) struct Pair(pub(crate) [f64; 2]);
+
+/// Three numbers: x, y and z, or one for each limb.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
+#[schema(value_type = Vec<f64>, min_items = 3, max_items = 3)]
+pub(crate) struct Triple(pub(crate) [f64; 3]);
+
+/// The longest length that a request may name [m]: a kilometre, far from where squares overflow.
+pub(crate) const LONGEST: f64 = 1000.0;
+/// The largest angle that a request may name, but for pitches [rad].
+pub(crate) const LARGEST_ANGLE: f64 = 1000.0;
+/// Pitches have to be smaller [rad].
+pub(crate) const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
+
+/// A length that a robot could have [m].
+pub(crate) fn length(value: f64, field: &str) -> Result<f64, Problem> {
+    if value.abs() <= LONGEST {
+        return Ok(value);
+    }
+    let detail = format!("{value:e} m is too long, lengths have to lie within ±{LONGEST} m");
+    Err(Problem::field(field, detail))
+}
+
+/// An angle that is not absurd [rad].
+pub(crate) fn angle(value: f64, field: &str) -> Result<f64, Problem> {
+    if value.abs() <= LARGEST_ANGLE {
+        return Ok(value);
+    }
+    let detail =
+        format!("{value:e} rad is too large, angles have to lie within ±{LARGEST_ANGLE} rad");
+    Err(Problem::field(field, detail))
+}
+
+/// A pitch below a right angle [rad].
+pub(crate) fn pitch(value: f64, field: &str) -> Result<f64, Problem> {
+    if value.abs() < RIGHT_ANGLE {
+        return Ok(value);
+    }
+    let detail = format!("{value} rad is too steep, it has to lie between -π/2 and π/2");
+    Err(Problem::field(field, detail))
+}

@@ -1,0 +1,123 @@
+//! Which model answers: virtualization, solver, metric.
+
+use jointplay::virtualization::{
+    Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
+};
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use crate::problem::Problem;
+
+/// Which virtual joints stand for the play.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum VirtualizationName {
+    /// Three radial slides.
+    Radial,
+    /// Three radial slides and three turns about the platform centre.
+    Polar,
+    /// A displacement of each socket in polar coordinates.
+    Offset,
+    /// A displacement of each socket in Cartesian coordinates.
+    #[default]
+    Planar,
+}
+
+impl VirtualizationName {
+    pub(crate) fn model(self) -> &'static (dyn Virtualization + Sync) {
+        match self {
+            Self::Radial => &Radial,
+            Self::Polar => &Polar,
+            Self::Offset => &Offset,
+            Self::Planar => &Planar,
+        }
+    }
+}
+
+/// How the displacements of the virtual joints are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum SolverName {
+    /// The paper's iteration: near the least displacement.
+    Newton,
+    /// The exact least displacement, by iteration.
+    LeastNorm,
+    /// The exact least displacement in closed form; where there is none, `least-norm`.
+    #[default]
+    ClosedForm,
+}
+
+impl From<SolverName> for Solver {
+    fn from(name: SolverName) -> Self {
+        match name {
+            SolverName::Newton => Self::Newton,
+            SolverName::LeastNorm => Self::LeastNorm,
+            SolverName::ClosedForm => Self::ClosedForm,
+        }
+    }
+}
+
+impl From<Solver> for SolverName {
+    fn from(solver: Solver) -> Self {
+        match solver {
+            Solver::Newton => Self::Newton,
+            Solver::LeastNorm => Self::LeastNorm,
+            Solver::ClosedForm => Self::ClosedForm,
+        }
+    }
+}
+
+/// How angles weigh against lengths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum MetricName {
+    /// A characteristic length of 1 mm, as in the paper.
+    #[default]
+    Paper,
+    /// The mean socket radius.
+    Radius,
+}
+
+/// Which model answers.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields, default)]
+pub(crate) struct ModelChoice {
+    /// Which virtual joints stand for the play.
+    #[schema(required = false)]
+    pub(crate) virtualization: VirtualizationName,
+    /// How their displacements are found.
+    #[schema(required = false)]
+    pub(crate) solver: SolverName,
+    /// How angles weigh against lengths.
+    #[schema(required = false)]
+    pub(crate) metric: MetricName,
+    /// A characteristic length instead of the metric's [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schema(minimum = 1e-12, maximum = 1e6)]
+    pub(crate) characteristic_length_m: Option<f64>,
+}
+
+impl ModelChoice {
+    pub(crate) fn model(&self) -> &'static (dyn Virtualization + Sync) {
+        self.virtualization.model()
+    }
+
+    /// Solver and metric of the choice that stands at `field`.
+    pub(crate) fn options(&self, field: &str) -> Result<SolveOptions, Problem> {
+        let metric = match (self.characteristic_length_m, self.metric) {
+            (None, MetricName::Paper) => Metric::Paper,
+            (None, MetricName::Radius) => Metric::PlatformRadius,
+            (Some(length), _) if (1e-12..=1e6).contains(&length) => Metric::Length(length),
+            (Some(length), _) => {
+                let detail =
+                    format!("a characteristic length of {length:e} m is not within 1e-12 to 1e6 m");
+                let field = match field {
+                    "" => "characteristic_length_m".to_owned(),
+                    field => format!("{field}.characteristic_length_m"),
+                };
+                return Err(Problem::field(field, detail));
+            }
+        };
+        Ok(SolveOptions { solver: self.solver.into(), metric, ..SolveOptions::default() })
+    }
+}

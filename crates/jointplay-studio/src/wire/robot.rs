@@ -1,0 +1,141 @@
+//! The robot, as told.
+
+use jointplay::format::robot::Robot;
+use jointplay::gpr::Gpr;
+use jointplay::virtualization::{MAX_VIRTUAL_JOINTS, Motion, Virtualization, built_in};
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{ModelChoice, Pair};
+
+/// The robot that this server serves, and what may be asked of it.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct RobotDocument {
+    /// What its file calls it.
+    pub(crate) name: String,
+    /// Version of jointplay.
+    pub(crate) version: &'static str,
+    /// The three limbs.
+    #[schema(min_items = 3, max_items = 3)]
+    pub(crate) limbs: Vec<LimbDocument>,
+    /// Limits of rods and tilt.
+    pub(crate) limits: LimitsDocument,
+    /// The axis height at which the robot usually works [m].
+    pub(crate) working_height_m: f64,
+    /// Mean of the socket radii [m].
+    pub(crate) mean_socket_radius_m: f64,
+    /// Freedoms by the Kutzbach count.
+    pub(crate) kutzbach_mobility: i64,
+    /// The virtualizations that there are.
+    pub(crate) virtualizations: Vec<VirtualizationDocument>,
+    /// The model where a request names none.
+    pub(crate) default_model: ModelChoice,
+}
+
+/// One limb.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct LimbDocument {
+    /// Where the rod's axis crosses the base plane, in the base frame [m].
+    pub(crate) base_point_m: Pair,
+    /// Distance of the nominal socket from the platform centre [m].
+    pub(crate) socket_radius_m: f64,
+    /// Direction of the nominal socket, from x toward y of the platform [rad].
+    pub(crate) socket_angle_rad: f64,
+    /// The nominal socket in the platform frame [m].
+    pub(crate) socket_m: Pair,
+}
+
+/// Limits of rods and tilt.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct LimitsDocument {
+    /// Shortest rod [m].
+    pub(crate) rod_min_m: f64,
+    /// Longest rod [m].
+    pub(crate) rod_max_m: f64,
+    /// Largest tilt toward any azimuth [rad].
+    pub(crate) tilt_max_rad: f64,
+}
+
+/// One virtualization.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct VirtualizationDocument {
+    /// Its name.
+    pub(crate) name: String,
+    /// Its virtual joints, in the order of their displacements everywhere.
+    pub(crate) joints: Vec<JointDocument>,
+}
+
+/// One virtual joint.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct JointDocument {
+    /// The symbol that joints of this kind share, such as `phi`.
+    pub(crate) symbol: &'static str,
+    /// The limb it belongs to, counted from 0.
+    pub(crate) limb: usize,
+    /// Whether it slides, in m, or turns, in rad.
+    pub(crate) motion: MotionName,
+    /// Its coordinate where every socket is at its nominal place, in m or rad.
+    pub(crate) nominal: f64,
+}
+
+/// Whether a virtual joint slides or turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum MotionName {
+    /// Its coordinate is a length.
+    Linear,
+    /// Its coordinate is an angle.
+    Angular,
+}
+
+impl RobotDocument {
+    pub(crate) fn new(robot: &Robot) -> Self {
+        let gpr = &robot.gpr;
+        let limbs = gpr.limbs().into_iter().zip(gpr.platform().sockets());
+        let limits = gpr.limits();
+        Self {
+            name: robot.name.clone(),
+            version: env!("CARGO_PKG_VERSION"),
+            limbs: limbs
+                .map(|(limb, socket)| LimbDocument {
+                    base_point_m: Pair(limb.base_point.into()),
+                    socket_radius_m: limb.socket_radius,
+                    socket_angle_rad: limb.socket_angle,
+                    socket_m: Pair((*socket).into()),
+                })
+                .collect(),
+            limits: LimitsDocument {
+                rod_min_m: limits.rod_min,
+                rod_max_m: limits.rod_max,
+                tilt_max_rad: limits.tilt_max,
+            },
+            working_height_m: gpr.working_height(),
+            mean_socket_radius_m: gpr.platform().mean_radius(),
+            kutzbach_mobility: gpr.kutzbach_mobility(),
+            virtualizations: built_in()
+                .into_iter()
+                .map(|virtualization| VirtualizationDocument {
+                    name: virtualization.name().to_owned(),
+                    joints: joints(gpr, virtualization),
+                })
+                .collect(),
+            default_model: ModelChoice::default(),
+        }
+    }
+}
+
+fn joints(gpr: &Gpr, virtualization: &dyn Virtualization) -> Vec<JointDocument> {
+    let joints = virtualization.joints();
+    let mut nominal = [0.0; MAX_VIRTUAL_JOINTS];
+    virtualization.nominal(gpr.platform(), &mut nominal[..joints.len()]);
+    let documents = joints.iter().zip(nominal).map(|(joint, nominal)| JointDocument {
+        symbol: joint.symbol,
+        limb: joint.limb,
+        motion: match joint.motion {
+            Motion::Linear => MotionName::Linear,
+            Motion::Angular => MotionName::Angular,
+        },
+        nominal,
+    });
+    documents.collect()
+}
