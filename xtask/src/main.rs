@@ -6,6 +6,7 @@
 //! | `tidy`   | Do the documents and sources keep the house rules?  |
 //! | `deps`   | Does each crate import only what its ring may?      |
 //! | `python` | Does the Python package work where it is installed? |
+//! | `studio` | Does the studio's server keep its own description?   |
 
 #![allow(
     clippy::print_stdout,
@@ -19,6 +20,7 @@ mod markdown;
 mod python;
 mod root;
 mod rust_source;
+mod studio;
 mod test;
 mod tidy;
 mod tree;
@@ -31,7 +33,8 @@ usage: cargo xtask CHORE
   test     everything a change must pass, stopping at the first failure
   tidy     paths, links, source keys, sizes and unfinished code
   deps     who may import whom
-  python   the Python package: its wheel, tested in clean environments";
+  python   the Python package: its wheel, tested in clean environments
+  studio   the studio's server, held to its own description";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         ["tidy"] => tidy::run(&root),
         ["deps"] => deps::run(&root),
         ["python"] => python::run(&root),
+        ["studio"] => studio::run(&root),
         [] | ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             true

@@ -14,12 +14,7 @@ const NEW_ENOUGH: &str = "import sys; sys.exit(sys.version_info < (3, 10))";
 
 /// Runs the tests of the Python package at `root`; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
-    let Some(python) = NAMES.into_iter().find(|name| is_new_enough(name)) else {
-        eprintln!(
-            "python: no Python 3.10 or newer on the path; install one, from https://python.org or your system"
-        );
-        return false;
-    };
+    let Some(python) = find() else { return false };
     match Command::new(python).arg("python/test.py").current_dir(root).status() {
         Ok(status) => status.success(),
         Err(error) => {
@@ -27,6 +22,17 @@ pub(crate) fn run(root: &Path) -> bool {
             false
         }
     }
+}
+
+/// The name of a Python that is new enough; says so where there is none.
+pub(crate) fn find() -> Option<&'static str> {
+    let found = NAMES.into_iter().find(|name| is_new_enough(name));
+    if found.is_none() {
+        eprintln!(
+            "python: no Python 3.10 or newer on the path; install one, from https://python.org or your system"
+        );
+    }
+    found
 }
 
 fn is_new_enough(python: &str) -> bool {

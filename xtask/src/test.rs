@@ -4,7 +4,7 @@
 
 mod doc_links;
 
-use crate::{deps, python, tidy};
+use crate::{deps, python, studio, tidy};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -51,6 +51,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask tidy" => tidy::run(root),
         "xtask deps" => deps::run(root),
         "xtask python" => python::run(root),
+        "xtask studio" => studio::run(root),
         DOC => doc_links::run(cargo(step, root), root),
         _ => run_cargo(step, root),
     })
@@ -81,6 +82,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
     }
     let docs = Step::new(DOC, "mend the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", doc_links::FLAGS)), ..docs });
+    steps.push(Step::new(
+        "xtask studio",
+        "send the request that failed by the `curl` line shown, to `jointplay studio`",
+    ));
     steps.push(Step::new(
         "xtask python",
         "run the failing test alone, as CONTRIBUTING.md says under \"Python\"",
@@ -174,6 +179,7 @@ mod tests {
             "cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
+            "cargo xtask studio",
             "cargo xtask python",
         ];
         assert_eq!(lines(&["01_a"]), expect);

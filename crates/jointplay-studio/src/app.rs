@@ -17,7 +17,7 @@ use crate::body::LARGEST_BODY;
 use crate::guard::{self, Guard};
 use crate::page;
 use crate::problem::Problem;
-use crate::routes::{compare, forward, inverse, mobility, pose, robot, sensitivity};
+use crate::routes::{compare, forward, inverse, mobility, pose, robot, sensitivity, study};
 use crate::work::Work;
 
 /// What all requests share.
@@ -53,6 +53,9 @@ fn api() -> OpenApiRouter<App> {
         .routes(routes!(mobility::mobility))
         .routes(routes!(sensitivity::sensitivity))
         .routes(routes!(compare::compare))
+        .routes(routes!(study::study))
+        .routes(routes!(study::study_csv))
+        .routes(routes!(study::study_parquet))
 }
 
 /// The OpenAPI description of the server, as JSON text.

@@ -10,6 +10,7 @@
 //! | `body.rs` | JSON bodies read strictly, each error with its field |
 //! | `strict.rs` | objects of JSON read as objects only |
 //! | `problem.rs` | what went wrong, as RFC 9457 says it |
+//! | `study.rs` | studies, computed and sent batch by batch |
 //! | `work.rs` | computations kept off the thread that serves |
 //! | `page.rs` | the built page, embedded |
 //! | `wire/` | what requests and answers look like |
@@ -23,6 +24,7 @@ mod problem;
 mod routes;
 mod server;
 mod strict;
+mod study;
 #[cfg(test)]
 mod tests;
 mod wire;

@@ -83,6 +83,12 @@ impl Problem {
         Self::new(status, Kind::Unavailable, detail)
     }
 
+    /// A mistake of ours.
+    pub(crate) fn broken(what: &str) -> Self {
+        let detail = format!("{what}: a mistake of ours, please report it with this request");
+        Self::unavailable(StatusCode::INTERNAL_SERVER_ERROR, detail)
+    }
+
     /// The pose is beyond the robot's limits.
     pub(crate) fn limits(broken: &[BrokenLimit]) -> Self {
         let limits_broken = report::limits(broken);
@@ -98,12 +104,12 @@ impl Problem {
 impl From<jointplay::Error> for Problem {
     fn from(error: jointplay::Error) -> Self {
         use jointplay::Error as E;
-        let no =
-            matches!(error, E::NotConverged(_) | E::DependentSides { .. } | E::TurnedOver { .. });
-        if no {
-            Self::new(StatusCode::CONFLICT, Kind::Unsolved, explain(&error))
-        } else {
+        let wrong =
+            matches!(error, E::NotFinite { .. } | E::PitchTooLarge { .. } | E::OutOfRange { .. });
+        if wrong {
             Self::new(StatusCode::UNPROCESSABLE_ENTITY, Kind::Input, explain(&error))
+        } else {
+            Self::new(StatusCode::CONFLICT, Kind::Unsolved, explain(&error))
         }
     }
 }

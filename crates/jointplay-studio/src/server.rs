@@ -75,6 +75,7 @@ impl Server {
     /// [`Error::System`] if the port or Ctrl-C cannot be listened to.
     pub fn run(self) -> Result<(), Error> {
         let Self { listener, address, runtime, app } = self;
+        let work = app.work.clone();
         let served = runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
             let router = app::router(app, address.port());
@@ -84,6 +85,7 @@ impl Server {
             });
             let serving = tokio::spawn(serve.into_future());
             tokio::signal::ctrl_c().await?;
+            work.stop();
             let _ = goodbye.send(());
             // Whoever keeps a connection open beyond that is cut off.
             let _ = tokio::time::timeout(LONGEST_GOODBYE, serving).await;

@@ -1,6 +1,7 @@
 //! Computations kept off the thread that serves.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use axum::http::StatusCode;
@@ -11,28 +12,33 @@ use crate::problem::Problem;
 /// How long a request waits for its turn before it is turned away.
 const LONGEST_WAIT: Duration = Duration::from_secs(10);
 
-/// As many threads for computing as the machine has cores.
+/// The most studies that run at a time; apart from other questions, which need not wait for them.
+const STUDIES: usize = 4;
+
+/// As many threads for questions as the machine has cores, some for studies, and whether they are to stop.
 #[derive(Clone)]
 pub(crate) struct Work {
     turns: Arc<Semaphore>,
+    studies: Arc<Semaphore>,
+    stopping: Arc<AtomicBool>,
 }
 
 impl Work {
     pub(crate) fn new() -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        Self { turns: Arc::new(Semaphore::new(cores)) }
+        Self {
+            turns: Arc::new(Semaphore::new(cores)),
+            studies: Arc::new(Semaphore::new(STUDIES)),
+            stopping: Arc::new(AtomicBool::new(false)),
+        }
     }
 
-    /// A turn to compute; given back where it is dropped.
-    pub(crate) async fn turn(&self) -> Result<OwnedSemaphorePermit, Problem> {
-        let turn = tokio::time::timeout(LONGEST_WAIT, Arc::clone(&self.turns).acquire_owned());
-        match turn.await {
-            Ok(Ok(turn)) => Ok(turn),
-            _ => Err(Problem::unavailable(
-                StatusCode::SERVICE_UNAVAILABLE,
-                "all cores are busy with other requests; try again in a while",
-            )),
-        }
+    /// A turn to run a study; given back where it is dropped.
+    pub(crate) fn study(&self) -> Result<OwnedSemaphorePermit, Problem> {
+        Arc::clone(&self.studies).try_acquire_owned().map_err(|_| {
+            let detail = format!("{STUDIES} studies are running; end one, or wait for it");
+            Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail)
+        })
     }
 
     /// Computes an answer on a thread of its own.
@@ -40,17 +46,26 @@ impl Work {
         &self,
         compute: impl FnOnce() -> Result<T, Problem> + Send + 'static,
     ) -> Result<T, Problem> {
-        let turn = self.turn().await?;
+        let turn = Arc::clone(&self.turns).acquire_owned();
+        let Ok(Ok(turn)) = tokio::time::timeout(LONGEST_WAIT, turn).await else {
+            let detail = "all cores are busy with other requests; try again in a while";
+            return Err(Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail));
+        };
         let computed = tokio::task::spawn_blocking(move || {
             let answer = compute();
             drop(turn);
             answer
         });
-        computed.await.unwrap_or_else(|_| {
-            Err(Problem::unavailable(
-                StatusCode::INTERNAL_SERVER_ERROR,
-                "the computation broke down: a mistake of ours, please report it with this request",
-            ))
-        })
+        computed.await.unwrap_or_else(|_| Err(Problem::broken("the computation broke down")))
+    }
+
+    /// Tells long computations to end.
+    pub(crate) fn stop(&self) {
+        self.stopping.store(true, Ordering::Relaxed);
+    }
+
+    /// Whether a long computation is to end.
+    pub(crate) fn stopping(&self) -> bool {
+        self.stopping.load(Ordering::Relaxed)
     }
 }

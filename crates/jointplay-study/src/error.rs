@@ -16,6 +16,20 @@ pub enum Error {
         /// Number of pitch values.
         pitches: usize,
     },
+    /// A motion without a way to go.
+    #[error("the motion has {found} key poses, it needs at least two")]
+    FewKeyPoses {
+        /// How many there are.
+        found: usize,
+    },
+    /// A number that has to be positive and finite.
+    #[error("{what} is {value}, it has to be positive")]
+    NotPositive {
+        /// What it is of.
+        what: &'static str,
+        /// What was found.
+        value: f64,
+    },
     /// One pose cannot be computed.
     #[error("sample {sample} (yaw {}°, pitch {}°): {source}", yaw.to_degrees(), pitch.to_degrees())]
     Pose {

@@ -3,6 +3,7 @@
 //! | to… | use |
 //! | --- | --- |
 //! | lay out the paper's poses, or others | [`Raster`] |
+//! | move through key poses | [`KeyMotion`] |
 //! | compute all poses under one virtualization | [`simulate`] → [`Samples`] |
 //! | compute columns of poses on all cores | [`parallel`] |
 //! | sum them up | [`summarize`] → [`Summary`] |
@@ -22,6 +23,7 @@
 mod bounds_check;
 mod compare;
 mod error;
+mod key_motion;
 pub mod parallel;
 pub mod plan;
 mod raster;
@@ -31,6 +33,7 @@ mod summary;
 pub use bounds_check::{BoundsCheck, check_bounds};
 pub use compare::{Comparison, ModelCurve, compare};
 pub use error::Error;
+pub use key_motion::{KeyMotion, KeyPose};
 pub use raster::{Order, Raster};
 pub use samples::{Samples, Series, SeriesKind, simulate};
 pub use summary::{SeriesSummary, Summary, summarize};

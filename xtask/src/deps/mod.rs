@@ -217,7 +217,7 @@ mod tests {
         assert_eq!(
             message,
             "jointplay-study (ring 1) may not import build dependency serde; \
-             allowed of our crates: jointplay-core; from outside: rayon, nalgebra, thiserror"
+             allowed of our crates: jointplay-core; from outside: rayon, nalgebra, thiserror, chacha20"
         );
     }
 }

@@ -59,6 +59,7 @@ pub struct MobilityReport {
     pub self_stress: Vec<Vec<f64>>,
     /// Of the virtualization asked for.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schema(value_type = AugmentedReport))]
     pub augmented: Option<AugmentedReport>,
     /// Limits that the rods break; empty unless limits were ignored.
     pub limits_broken: Vec<LimitReport>,
@@ -69,12 +70,16 @@ pub struct MobilityReport {
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct AugmentedReport {
     /// Name of the virtualization.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub virtualization: String,
     /// Independent constraints.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub augmented_rank: usize,
     /// Freedoms.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub augmented_mobility: usize,
     /// Singular values of the scaled Jacobian [∂Φ/∂P ∂Φ/∂X], largest first.
+    #[cfg_attr(feature = "schema", schema(required = false))]
     pub augmented_singular_values: Vec<f64>,
 }
 

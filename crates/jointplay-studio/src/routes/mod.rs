@@ -7,6 +7,7 @@ pub(crate) mod mobility;
 pub(crate) mod pose;
 pub(crate) mod robot;
 pub(crate) mod sensitivity;
+pub(crate) mod study;
 
 use jointplay::gpr::{AxisHeight, BrokenLimit, CenterHeight, Gpr};
 use jointplay::spatial::Tilt;

@@ -3,6 +3,7 @@
 mod pose;
 mod questions;
 mod refusals;
+mod studies;
 
 use axum::Router;
 use axum::body::Body;

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use utoipa::ToSchema;
 
-use super::{Triple, angle, length, pitch};
+use super::{Rods, angle, length, pitch};
 use crate::body;
 use crate::problem::Problem;
 use crate::strict;
@@ -91,7 +91,7 @@ pub(crate) struct RodsCommand {
     #[expect(dead_code, reason = "known before it is read")]
     kind: RodsKind,
     /// q_1, q_2, q_3 [m].
-    pub(crate) rods_m: Triple,
+    pub(crate) rods_m: Rods,
 }
 
 /// A height, and what it is of.

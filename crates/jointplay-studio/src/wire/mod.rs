@@ -1,11 +1,13 @@
 //! What requests and answers look like: SI units, each named with its field.
 
-#[expect(clippy::approx_constant, reason = "attributes take literals only")]
+#![expect(clippy::approx_constant, reason = "attributes take literals only")]
+
 mod command;
 mod model;
 pub(crate) mod pose;
 pub(crate) mod question;
 pub(crate) mod robot;
+pub(crate) mod study;
 
 pub(crate) use command::{CommandFields, HeightKind, Target, rods};
 pub(crate) use model::{ModelChoice, VirtualizationName};
@@ -24,6 +26,23 @@ pub(crate) struct Pair(pub(crate) [f64; 2]);
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, ToSchema)]
 #[schema(value_type = Vec<f64>, min_items = 3, max_items = 3)]
 pub(crate) struct Triple(pub(crate) [f64; 3]);
+
+/// q_1, q_2, q_3 [m].
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, ToSchema)]
+#[schema(value_type = Vec<RodLength>, min_items = 3, max_items = 3)]
+pub(crate) struct Rods(pub(crate) [f64; 3]);
+
+/// A rod length [m].
+#[derive(ToSchema)]
+#[schema(minimum = -1000, maximum = 1000)]
+#[expect(dead_code, reason = "described, and read with the rods")]
+struct RodLength(f64);
+
+/// A pitch [rad].
+#[derive(ToSchema)]
+#[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
+#[expect(dead_code, reason = "described, and read with the others")]
+pub(crate) struct Pitch(f64);
 
 /// The longest length that a request may name [m]: a kilometre, far from where squares overflow.
 pub(crate) const LONGEST: f64 = 1000.0;

@@ -4,7 +4,7 @@ use serde::Deserialize;
 use utoipa::ToSchema;
 
 use super::model::{MetricName, SolverName};
-use super::{CommandFields, ModelChoice, Triple, VirtualizationName};
+use super::{CommandFields, ModelChoice, Pitch, Rods, VirtualizationName};
 use crate::strict;
 
 /// The most pitches that one comparison may have.
@@ -15,7 +15,7 @@ pub(crate) const MOST_PITCHES: usize = 10_000;
 #[serde(deny_unknown_fields)]
 pub(crate) struct ForwardRequest {
     /// q_1, q_2, q_3 [m].
-    pub(crate) rods_m: Triple,
+    pub(crate) rods_m: Rods,
     /// Which model is to answer.
     #[serde(default, deserialize_with = "strict::object")]
     #[schema(required = false)]
@@ -45,7 +45,7 @@ pub(crate) struct CommandRequest {
 #[serde(deny_unknown_fields)]
 pub(crate) struct MobilityRequest {
     /// q_1, q_2, q_3; without them, all at the robot's working height [m].
-    pub(crate) rods_m: Option<Triple>,
+    pub(crate) rods_m: Option<Rods>,
     /// Also the mobility with these virtual joints free.
     pub(crate) virtualization: Option<VirtualizationName>,
     /// Compute past the robot's limits, and say so.
@@ -62,7 +62,7 @@ pub(crate) struct CompareRequest {
     #[schema(minimum = -1000, maximum = 1000)]
     pub(crate) yaw_rad: f64,
     /// The tilts [rad].
-    #[schema(min_items = 1, max_items = 10000)]
+    #[schema(value_type = Vec<Pitch>, min_items = 1, max_items = 10000)]
     pub(crate) pitches_rad: Vec<f64>,
     /// Axis height of all tilts; without it, the robot's working height [m].
     #[schema(minimum = -1000, maximum = 1000)]

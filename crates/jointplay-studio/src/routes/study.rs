@@ -1,0 +1,89 @@
+//! `POST /api/v1/study`: a motion, sample by sample.
+
+use axum::extract::State;
+use axum::http::header;
+use axum::response::{IntoResponse, Response};
+
+use crate::app::App;
+use crate::body::Body;
+use crate::problem::Problem;
+use crate::study::{self, Study};
+use crate::wire::study::StudyRequest;
+
+/// A motion, sample by sample, as an Arrow stream
+///
+/// Record batches of 4096 samples, sent as they are computed; the schema's metadata holds `samples`, the number of them all.
+/// Columns are in SI units, their names end with the unit; `status` is an index into the metadata's `statuses`, 0 where there is an answer.
+/// Closing the connection ends the study.
+/// A study goes beyond the robot's limits where its motion does.
+#[utoipa::path(
+    post,
+    path = "/api/v1/study",
+    operation_id = "study",
+    request_body = StudyRequest,
+    responses(
+        (status = 200, description = "The samples", body = Vec<u8>, content_type = "application/vnd.apache.arrow.stream"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn study(
+    State(app): State<App>,
+    Body(request): Body<StudyRequest>,
+) -> Result<Response, Problem> {
+    let body = study::arrow(&app, Study::new(app.robot.clone(), request)?)?;
+    let kind = (header::CONTENT_TYPE, "application/vnd.apache.arrow.stream");
+    Ok(([kind], body).into_response())
+}
+
+/// A motion, sample by sample, as comma-separated values
+///
+/// The columns of `study`.
+#[utoipa::path(
+    post,
+    path = "/api/v1/study.csv",
+    operation_id = "study_csv",
+    request_body = StudyRequest,
+    responses(
+        (status = 200, description = "The samples", body = String, content_type = "text/csv"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn study_csv(
+    State(app): State<App>,
+    Body(request): Body<StudyRequest>,
+) -> Result<Response, Problem> {
+    let body = study::csv(&app, Study::new(app.robot.clone(), request)?)?;
+    let headers = [
+        (header::CONTENT_TYPE, "text/csv; charset=utf-8"),
+        (header::CONTENT_DISPOSITION, "attachment; filename=\"study.csv\""),
+    ];
+    Ok((headers, body).into_response())
+}
+
+/// A motion, sample by sample, as a Parquet file
+///
+/// The columns of `study`, of at most 500,000 samples; a build without Parquet answers 501.
+#[utoipa::path(
+    post,
+    path = "/api/v1/study.parquet",
+    operation_id = "study_parquet",
+    request_body = StudyRequest,
+    responses(
+        (status = 200, description = "The samples", body = Vec<u8>, content_type = "application/vnd.apache.parquet"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn study_parquet(
+    State(app): State<App>,
+    Body(request): Body<StudyRequest>,
+) -> Result<Response, Problem> {
+    let body = study::parquet(&app, Study::new(app.robot.clone(), request)?).await?;
+    let headers = [
+        (header::CONTENT_TYPE, "application/vnd.apache.parquet"),
+        (header::CONTENT_DISPOSITION, "attachment; filename=\"study.parquet\""),
+    ];
+    Ok((headers, body).into_response())
+}

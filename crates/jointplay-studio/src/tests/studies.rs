@@ -1,0 +1,208 @@
+//! Studies: sent whole, cut off cleanly, and refused where they are too much.
+
+use arrow_array::RecordBatch;
+use arrow_array::cast::AsArray as _;
+use arrow_array::types::{Float64Type, UInt8Type};
+use arrow_ipc::reader::StreamReader;
+use axum::body::Body;
+use axum::http::{Request, StatusCode, header};
+use http_body_util::BodyExt as _;
+use jointplay::format::robot;
+use jointplay::study::{Raster, simulate};
+use jointplay::virtualization::{Polar, SolveOptions, Solver};
+use tower::ServiceExt as _;
+
+use super::{HOST, PORT, post, refused};
+use crate::app::{self, App};
+
+const STUDY: &str = "/api/v1/study";
+const PAPER: &str =
+    r#"{"motion": {"kind": "raster"}, "model": {"virtualization": "polar", "solver": "newton"}}"#;
+
+/// The batches of an Arrow stream.
+#[track_caller]
+fn batches(body: &str) -> Vec<RecordBatch> {
+    let answer = post(STUDY, body);
+    assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
+    assert_eq!(answer.header("content-type"), "application/vnd.apache.arrow.stream");
+    let reader = StreamReader::try_new(answer.bytes.as_slice(), None).unwrap();
+    reader.map(Result::unwrap).collect()
+}
+
+/// A column of all batches.
+fn column(batches: &[RecordBatch], name: &str) -> Vec<f64> {
+    let of = |batch: &RecordBatch| {
+        batch.column_by_name(name).unwrap().as_primitive::<Float64Type>().values().to_vec()
+    };
+    batches.iter().flat_map(of).collect()
+}
+
+#[test]
+fn a_raster_is_the_library_s_study() {
+    let found = batches(PAPER);
+    let options = SolveOptions { solver: Solver::Newton, ..SolveOptions::default() };
+    let gpr = robot::paper().gpr;
+    let samples = simulate(&gpr, &Raster::paper(), &Polar, &options, &mut |_| ()).unwrap();
+    let schema = found[0].schema();
+    assert_eq!(schema.metadata()["samples"], "777");
+    assert_eq!(schema.metadata()["solver"], "newton");
+    assert_eq!(column(&found, "yaw_rad"), samples.yaw);
+    assert_eq!(column(&found, "pitch_rad"), samples.pitch);
+    let near = |name: &str, expected: &[f64], size: f64| {
+        let column = column(&found, name);
+        assert_eq!(column.len(), expected.len());
+        for (found, expected) in column.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12 * size, "{name}: {found} {expected}");
+        }
+    };
+    near("q2_m", &samples.rods[1], 1.0);
+    near("L23_m", &samples.sides[1], 1.0);
+    near("l1_m", &samples.virtual_joints[0], 1.0);
+    near("phi3_rad", &samples.virtual_joints[5], 1.0);
+    near("origin_x_m", &samples.origin[0], 1.0);
+    near("twist_rad", &samples.twist_about_normal, 1.0);
+    let status = found[0].column_by_name("status").unwrap().as_primitive::<UInt8Type>();
+    assert!(status.values().iter().all(|&status| status == 0) && status.len() == 777);
+}
+
+#[test]
+fn long_studies_come_in_batches_and_as_csv_alike() {
+    let body = r#"{"motion": {"kind": "serpentine", "yaw_deg": {"from": 0, "to": 360, "step": 1},
+        "pitch_deg": {"from": -2, "to": 2, "step": 0.2}}, "quantities": ["rods", "origin"]}"#;
+    let found = batches(body);
+    let rows: Vec<usize> = found.iter().map(RecordBatch::num_rows).collect();
+    assert_eq!(rows, [4096, 7581 - 4096]);
+    let pitch = column(&found, "pitch_rad");
+    assert_eq!(pitch[20], pitch[21], "a serpentine does not jump");
+    let answer = post("/api/v1/study.csv", body);
+    assert_eq!(answer.header("content-type"), "text/csv; charset=utf-8");
+    let text = String::from_utf8(answer.bytes).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let schema = found[0].schema();
+    let expected: Vec<&str> = schema.fields().iter().map(|field| field.name().as_str()).collect();
+    assert_eq!(names, expected);
+    let x = names.iter().position(|&name| name == "origin_x_m").unwrap();
+    let values: Vec<f64> =
+        lines.map(|line| line.split(',').nth(x).unwrap().parse().unwrap()).collect();
+    assert_eq!(values, column(&found, "origin_x_m"), "to the bit, one heading only");
+}
+
+#[test]
+fn a_parquet_file_or_why_there_is_none() {
+    let answer = post("/api/v1/study.parquet", PAPER);
+    if cfg!(feature = "parquet") {
+        assert_eq!(answer.status, StatusCode::OK);
+        assert!(answer.bytes.starts_with(b"PAR1") && answer.bytes.ends_with(b"PAR1"));
+        let long =
+            r#"{"motion": {"kind": "raster", "yaw_deg": {"from": 0, "to": 360, "step": 0.01}}}"#;
+        refused("/api/v1/study.parquet", long, 422, Some("motion"), "at most 500000");
+    } else {
+        assert_eq!(answer.status, StatusCode::NOT_IMPLEMENTED);
+        assert!(answer.json()["detail"].as_str().unwrap().contains("--features parquet"));
+    }
+}
+
+#[test]
+fn key_poses_take_their_time() {
+    let body = r#"{"motion": {"kind": "keys", "rate_hz": 50, "keys": [
+        {"about_x_rad": 0, "about_y_rad": 0, "duration_s": 0},
+        {"about_x_rad": 0, "about_y_rad": 0.02, "axis_height_m": 0.6, "duration_s": 2}]},
+        "quantities": []}"#;
+    let found = batches(body);
+    let (time, height) = (column(&found, "time_s"), column(&found, "axis_height_m"));
+    assert_eq!((time.len(), time[0], time[100]), (101, 0.0, 2.0));
+    assert_eq!((height[0], height[100]), (0.5, 0.6));
+    assert_eq!(found[0].num_columns(), 5, "what is commanded, and the status");
+}
+
+#[test]
+fn poses_without_an_answer_are_marked() {
+    let body = r#"{"motion": {"kind": "raster", "yaw_deg": {"from": 0, "to": 0, "step": 1},
+        "pitch_deg": {"from": 0, "to": 80, "step": 10}}, "model": {"virtualization": "polar"}, "quantities": ["origin"]}"#;
+    let found = batches(body);
+    let status = found[0].column_by_name("status").unwrap().as_primitive::<UInt8Type>();
+    let words: Vec<String> =
+        serde_json::from_str(&found[0].schema().metadata()["statuses"]).unwrap();
+    assert_eq!((status.value(0), words[0].as_str()), (0, "solved"));
+    let last = status.len() - 1;
+    assert_ne!(status.value(last), 0);
+    assert!(column(&found, "origin_x_m")[last].is_nan());
+}
+
+#[test]
+fn bad_studies_name_their_field() {
+    let bad = |motion: &str, field: &str, detail: &str| {
+        refused(STUDY, &format!(r#"{{"motion": {motion}}}"#), 422, Some(field), detail);
+    };
+    bad("1", "motion", "an object is needed");
+    bad(r#"{"kind": "spiral"}"#, "motion.kind", r#"known: "raster", "serpentine", "keys""#);
+    let steps = |name: &str, from: f64, to: f64, step: f64| {
+        format!(r#"{{"kind": "raster", "{name}": {{"from": {from}, "to": {to}, "step": {step}}}}}"#)
+    };
+    bad(&steps("yaw_deg", 0.0, 360.0, 7.0), "motion.yaw_deg", "miss 360");
+    bad(&steps("pitch_deg", 2.0, -2.0, 0.1), "motion.pitch_deg", "does not lead");
+    bad(&steps("pitch_deg", 0.0, 90.0, 10.0), "motion.pitch_deg", "too steep");
+    bad(&steps("yaw_deg", 0.0, 360.0, 1e-9), "motion.yaw_deg", "at most 1000000");
+    let long = r#"{"kind": "raster", "yaw_deg": {"from": 0, "to": 360, "step": 0.001}}"#;
+    bad(long, "motion", "at most 5000000 are allowed");
+    let keys = |keys: &str| format!(r#"{{"kind": "keys", "rate_hz": 10, "keys": {keys}}}"#);
+    let key = r#"{"about_x_rad": 0, "about_y_rad": 0, "duration_s": 0}"#;
+    bad(&keys("[]"), "motion", "at least two");
+    bad(&keys(&format!("[{key}, {key}]")), "motion", "duration of a key pose is 0");
+    bad(&keys(&format!("[{key}, 3]")), "motion.keys[1]", "expected an object");
+    let steep = key.replacen('0', "2", 1);
+    bad(&keys(&format!("[{key}, {steep}]")), "motion.keys[1].about_x_rad", "too steep");
+    let long = key.replace(r#""duration_s": 0"#, r#""duration_s": 1e300"#);
+    bad(&keys(&format!("[{key}, {long}]")), "motion", "at most 5000000");
+    let body = r#"{"motion": {"kind": "raster"}, "quantities": ["rods", "colour"]}"#;
+    refused(STUDY, body, 422, Some("quantities[1]"), "unknown variant `colour`");
+    let body = r#"{"motion": {"kind": "raster"}, "model": {"characteristic_length_m": 0}}"#;
+    refused(STUDY, body, 422, Some("model.characteristic_length_m"), "not within");
+}
+
+/// A study of two million samples.
+fn long_study() -> Request<Body> {
+    let body = r#"{"motion": {"kind": "raster", "yaw_deg": {"from": 0, "to": 360, "step": 0.01},
+        "pitch_deg": {"from": -2, "to": 2, "step": 0.1}}}"#;
+    Request::post(STUDY)
+        .header(header::HOST, HOST)
+        .header(header::CONTENT_TYPE, "application/json")
+        .body(Body::from(body))
+        .unwrap()
+}
+
+#[test]
+fn whoever_goes_away_ends_the_study() {
+    let app = App::new(robot::paper());
+    let router = app::router(app.clone(), PORT);
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let ask = || router.clone().oneshot(long_study());
+        let mut running = Vec::new();
+        for _ in 0..4 {
+            running.push(ask().await.unwrap());
+        }
+        let turned_away = ask().await.unwrap();
+        assert_eq!(turned_away.status(), StatusCode::SERVICE_UNAVAILABLE);
+        // Other questions do not wait for studies.
+        let robot = Request::get("/api/v1/robot").header(header::HOST, HOST).body(Body::empty());
+        assert_eq!(router.clone().oneshot(robot.unwrap()).await.unwrap().status(), StatusCode::OK);
+        let mut first = running.remove(0);
+        assert!(first.body_mut().frame().await.unwrap().is_ok());
+        drop(first);
+        let mut again = ask().await.unwrap();
+        for _ in 0..200 {
+            if again.status() == StatusCode::OK {
+                break;
+            }
+            tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+            again = ask().await.unwrap();
+        }
+        assert_eq!(again.status(), StatusCode::OK, "its place is free again");
+        // The end of the server cuts them off: a stream that is not whole must not look so.
+        app.work.stop();
+        let cut = again.into_body().collect().await;
+        assert!(cut.is_err());
+    });
+}

@@ -1,0 +1,368 @@
+//! A motion, and what is wanted of each of its samples.
+
+use jointplay::bulk::Quantity;
+use jointplay::format::steps;
+use jointplay::gpr::{AxisHeight, Gpr};
+use jointplay::spatial::Tilt;
+use jointplay::study::{KeyMotion, KeyPose, Order, Raster};
+use jointplay::virtualization::{Motion, Virtualization};
+use serde::Deserialize;
+use serde_json::Value;
+use utoipa::ToSchema;
+
+use super::{ModelChoice, length, pitch};
+use crate::body;
+use crate::problem::Problem;
+use crate::strict;
+
+/// The most samples that one study may have.
+pub(crate) const MOST_SAMPLES: usize = 5_000_000;
+/// The most key poses that one motion may have.
+const MOST_KEYS: usize = 1000;
+
+/// A motion, and what is wanted of each of its samples.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StudyRequest {
+    /// Which poses, in which order.
+    pub(crate) motion: MotionFields,
+    /// Which model answers.
+    #[serde(default, deserialize_with = "strict::object")]
+    #[schema(required = false)]
+    pub(crate) model: ModelChoice,
+    /// What is wanted beside the pose commanded; without it, all but sensitivity.
+    pub(crate) quantities: Option<Vec<QuantityName>>,
+}
+
+/// What is wanted of each sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum QuantityName {
+    /// `q1_m` to `q3_m`.
+    Rods,
+    /// `L12_m`, `L23_m`, `L31_m`.
+    Sides,
+    /// By their symbols and limbs, such as `l1_m` and `phi1_rad`.
+    VirtualJoints,
+    /// `origin_x_m`, `origin_y_m`, `origin_z_m`; the first two are the centre shift.
+    Origin,
+    /// `twist_rad`.
+    Twist,
+    /// `displacement_m`: how far the virtual joints are from nominal, in the metric.
+    Displacement,
+    /// `sensitivity_1` to `sensitivity_3`: singular values of ∂X/∂P in the metric.
+    Sensitivity,
+    /// `residual_m`.
+    Residual,
+    /// `iterations`.
+    Iterations,
+}
+
+impl QuantityName {
+    const USUAL: [Self; 8] = [
+        Self::Rods,
+        Self::Sides,
+        Self::VirtualJoints,
+        Self::Origin,
+        Self::Twist,
+        Self::Displacement,
+        Self::Residual,
+        Self::Iterations,
+    ];
+}
+
+/// Which poses, in which order.
+#[derive(ToSchema)]
+#[serde(untagged)]
+pub(crate) enum MotionChoice {
+    /// A raster over yaw and pitch.
+    Raster(RasterMotion),
+    /// A motion through key poses.
+    Keys(KeysMotion),
+}
+
+// Kept as it stands in the body: read by its kind, so that errors name the field within.
+/// Which poses, in which order.
+#[derive(Deserialize, ToSchema)]
+#[schema(value_type = MotionChoice)]
+pub(crate) struct MotionFields(Value);
+
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+enum RasterKind {
+    /// Every yaw runs through the pitches from first to last, as in the paper.
+    Raster,
+    /// Every other yaw backwards: continuous in time.
+    Serpentine,
+}
+
+/// A raster over yaw and pitch; what is left out is as in the paper.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct RasterMotion {
+    /// In which order.
+    kind: RasterKind,
+    /// Yaw angles, in degrees so that steps are the decimals that people mean; without it, 0 to 360 by 10 [deg].
+    #[serde(default, deserialize_with = "strict::maybe")]
+    yaw_deg: Option<Steps>,
+    /// Pitch angles; without it, -2 to 2 by 0.2 [deg].
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pitch_deg: Option<Steps>,
+    /// Where the platform plane crosses the base axis; without it, the robot's working height [m].
+    #[schema(minimum = -1000, maximum = 1000)]
+    axis_height_m: Option<f64>,
+}
+
+/// Evenly spaced values, both ends included.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Steps {
+    /// First value.
+    from: f64,
+    /// Last value.
+    to: f64,
+    /// From one to the next; has to fit.
+    step: f64,
+}
+
+#[derive(Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+enum KeysKind {
+    Keys,
+}
+
+/// A motion through key poses, from rest to rest at each.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct KeysMotion {
+    /// Which motion it is.
+    #[expect(dead_code, reason = "known before it is read")]
+    kind: KeysKind,
+    /// The key poses.
+    #[serde(deserialize_with = "strict::objects")]
+    #[schema(min_items = 2, max_items = 1000)]
+    keys: Vec<KeyFields>,
+    /// Samples a second, at least.
+    #[schema(exclusive_minimum = 0, maximum = 100000)]
+    rate_hz: f64,
+}
+
+/// A key pose.
+#[derive(Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct KeyFields {
+    /// Turn about x [rad].
+    #[schema(minimum = -1.1, maximum = 1.1)]
+    about_x_rad: f64,
+    /// Turn about y [rad].
+    #[schema(minimum = -1.1, maximum = 1.1)]
+    about_y_rad: f64,
+    /// Where the platform plane crosses the base axis; without it, the robot's working height [m].
+    #[schema(minimum = -1000, maximum = 1000)]
+    axis_height_m: Option<f64>,
+    /// How long the way here takes; of the first pose it means nothing [s].
+    #[schema(minimum = 0, maximum = 100000)]
+    duration_s: f64,
+}
+
+/// The samples of a study.
+pub(crate) enum Samples {
+    /// Of a raster.
+    Raster(Raster),
+    /// Of a motion in time.
+    Keys(KeyMotion),
+}
+
+/// A pose commanded.
+pub(crate) struct Commanded {
+    /// When, if the motion has a time [s].
+    pub(crate) time: f64,
+    /// Where the platform leans.
+    pub(crate) tilt: Tilt,
+    /// Where its plane crosses the base axis.
+    pub(crate) height: AxisHeight,
+}
+
+impl MotionFields {
+    /// The motion that stands at `field`.
+    pub(crate) fn read(self, gpr: &Gpr, field: &str) -> Result<Samples, Problem> {
+        let Self(value) = self;
+        let kind = body::kind(&value, field, &["raster", "serpentine", "keys"])?;
+        let choice = match kind {
+            "keys" => MotionChoice::Keys(body::read(value, field)?),
+            _ => MotionChoice::Raster(body::read(value, field)?),
+        };
+        let samples = match choice {
+            MotionChoice::Raster(found) => Samples::Raster(raster(found, gpr, field)?),
+            MotionChoice::Keys(found) => Samples::Keys(keys(found, gpr, field)?),
+        };
+        let found = samples.len();
+        if found > MOST_SAMPLES {
+            let detail = format!(
+                "the motion has {found} samples, at most {MOST_SAMPLES} are allowed: take larger steps"
+            );
+            return Err(Problem::field(field, detail));
+        }
+        Ok(samples)
+    }
+}
+
+fn raster(found: RasterMotion, gpr: &Gpr, field: &str) -> Result<Raster, Problem> {
+    let spread = |steps: Option<Steps>, usual: [f64; 3], name: &str| {
+        let [from, to, step] = steps.map_or(usual, |steps| [steps.from, steps.to, steps.step]);
+        steps::spread(from, to, step)
+            .map_err(|error| Problem::field(format!("{field}.{name}"), error.to_string()))
+    };
+    let radians = |degrees: Vec<f64>| degrees.into_iter().map(f64::to_radians).collect();
+    let yaws: Vec<f64> = radians(spread(found.yaw_deg, [0.0, 360.0, 10.0], "yaw_deg")?);
+    let pitches: Vec<f64> = radians(spread(found.pitch_deg, [-2.0, 2.0, 0.2], "pitch_deg")?);
+    for &end in [pitches.first(), pitches.last()].into_iter().flatten() {
+        pitch(end, &format!("{field}.pitch_deg"))?;
+    }
+    Ok(Raster {
+        yaws,
+        pitches,
+        height: height(found.axis_height_m, gpr, &format!("{field}.axis_height_m"))?,
+        order: match found.kind {
+            RasterKind::Raster => Order::Raster,
+            RasterKind::Serpentine => Order::Serpentine,
+        },
+    })
+}
+
+fn keys(found: KeysMotion, gpr: &Gpr, field: &str) -> Result<KeyMotion, Problem> {
+    if found.keys.len() > MOST_KEYS {
+        let detail =
+            format!("{} key poses are given, at most {MOST_KEYS} may be", found.keys.len());
+        return Err(Problem::field(format!("{field}.keys"), detail));
+    }
+    let keys = found.keys.iter().enumerate().map(|(k, key)| {
+        let at = |name: &str| format!("{field}.keys[{k}].{name}");
+        let about_x = pitch(key.about_x_rad, &at("about_x_rad"))?;
+        let about_y = pitch(key.about_y_rad, &at("about_y_rad"))?;
+        let tilt = Tilt::from_about_x_and_y(about_x, about_y);
+        pitch(tilt.pitch, &format!("{field}.keys[{k}]"))?;
+        let height = height(key.axis_height_m, gpr, &at("axis_height_m"))?;
+        Ok(KeyPose { tilt, height, duration: key.duration_s })
+    });
+    let keys = keys.collect::<Result<_, Problem>>()?;
+    KeyMotion::new(keys, found.rate_hz).map_err(|error| Problem::field(field, error.to_string()))
+}
+
+fn height(asked: Option<f64>, gpr: &Gpr, field: &str) -> Result<AxisHeight, Problem> {
+    length(asked.unwrap_or(gpr.working_height()), field).map(AxisHeight)
+}
+
+impl Samples {
+    /// How many.
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Raster(raster) => raster.yaws.len().saturating_mul(raster.pitches.len()),
+            Self::Keys(motion) => motion.samples(),
+        }
+    }
+
+    /// Whether they follow each other in time.
+    pub(crate) fn timed(&self) -> bool {
+        matches!(self, Self::Keys(_))
+    }
+
+    /// The poses commanded, in order.
+    pub(crate) fn commanded(&self) -> Box<dyn Iterator<Item = Commanded> + '_> {
+        match self {
+            Self::Raster(raster) => Box::new(raster.tilts().map(|tilt| Commanded {
+                time: 0.0,
+                tilt,
+                height: raster.height,
+            })),
+            Self::Keys(motion) => Box::new((0..motion.samples()).map(|sample| {
+                let time = motion.time(sample);
+                let (tilt, height) = motion.at(time);
+                Commanded { time, tilt, height }
+            })),
+        }
+    }
+}
+
+/// One column of a study.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ColumnName {
+    /// Its name, with its unit at the end if it has one.
+    pub(crate) name: String,
+    /// What stands in it.
+    pub(crate) source: Source,
+}
+
+/// What stands in a column.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Source {
+    /// When [s].
+    Time,
+    /// Yaw commanded [rad].
+    Yaw,
+    /// Pitch commanded [rad].
+    Pitch,
+    /// Height commanded [m].
+    Height,
+    /// A rod [m].
+    Rod(usize),
+    /// What the model says, in SI.
+    Model(Quantity),
+}
+
+/// The columns of a study, in order; its statuses stand behind them.
+pub(crate) fn columns(
+    samples: &Samples,
+    model: &(dyn Virtualization + Sync),
+    wanted: Option<&[QuantityName]>,
+) -> Vec<ColumnName> {
+    let mut columns = Vec::new();
+    let mut add = |name: String, source| columns.push(ColumnName { name, source });
+    if samples.timed() {
+        add("time_s".to_owned(), Source::Time);
+    }
+    add("yaw_rad".to_owned(), Source::Yaw);
+    add("pitch_rad".to_owned(), Source::Pitch);
+    add("axis_height_m".to_owned(), Source::Height);
+    let wanted = wanted.unwrap_or(&QuantityName::USUAL);
+    let all = QuantityName::USUAL.into_iter().chain([QuantityName::Sensitivity]);
+    for name in all.filter(|name| wanted.contains(name)) {
+        let mut tell = |name: &str, quantity| add(name.to_owned(), Source::Model(quantity));
+        match name {
+            QuantityName::Rods => {
+                (0..3).for_each(|k| add(format!("q{}_m", k + 1), Source::Rod(k)));
+            }
+            QuantityName::Sides => {
+                for (k, name) in ["L12_m", "L23_m", "L31_m"].into_iter().enumerate() {
+                    tell(name, Quantity::Side(k));
+                }
+            }
+            QuantityName::VirtualJoints => {
+                for (k, joint) in model.joints().iter().enumerate() {
+                    let unit = match joint.motion {
+                        Motion::Linear => "m",
+                        Motion::Angular => "rad",
+                    };
+                    let name = format!("{}{}_{unit}", joint.symbol, joint.limb + 1);
+                    tell(&name, Quantity::VirtualJoint(k));
+                }
+            }
+            QuantityName::Origin => {
+                for (k, name) in ["origin_x_m", "origin_y_m", "origin_z_m"].into_iter().enumerate()
+                {
+                    tell(name, Quantity::Origin(k));
+                }
+            }
+            QuantityName::Twist => tell("twist_rad", Quantity::Twist),
+            QuantityName::Displacement => tell("displacement_m", Quantity::Displacement),
+            QuantityName::Sensitivity => {
+                (0..3).for_each(|k| {
+                    tell(&format!("sensitivity_{}", k + 1), Quantity::Sensitivity(k))
+                });
+            }
+            QuantityName::Residual => tell("residual_m", Quantity::Residual),
+            QuantityName::Iterations => tell("iterations", Quantity::Iterations),
+        }
+    }
+    columns
+}
