@@ -131,10 +131,9 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
                 Lanes::load(simd, &work.rods[2], first),
             ];
             let balls = Balls::new(robot, rods);
-            let plane = Plane::new(robot, &balls);
-            let found = solved::<S, M>(robot, work.options, &balls, &plane);
+            let found = solved::<S, M>(robot, work.options, &balls);
             let upright = balls.mean.like(0.0).below(found.shape.area() * robot.base_area);
-            let certain = fill::<S, M>(&mut values, &needs, robot, &balls, &plane, &found);
+            let certain = fill::<S, M>(&mut values, &needs, robot, &balls, &found);
             let solved = found.met & upright & certain;
             for (quantity, column) in &mut *work.wanted {
                 values[place(*quantity)].store(column, first);
@@ -157,21 +156,16 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
 }
 
 #[inline(always)]
-fn solved<S: Simd, M: Model>(
-    robot: &Robot,
-    options: &SolveOptions,
-    balls: &Balls<S>,
-    plane: &Plane<S>,
-) -> Found<S> {
+fn solved<S: Simd, M: Model>(robot: &Robot, options: &SolveOptions, balls: &Balls<S>) -> Found<S> {
     if options.solver == Solver::Newton {
         return solve::newton::<S, M>(robot, balls, options.max_iterations);
     }
     if options.solver == Solver::ClosedForm {
         if !M::TOWARD_SOCKET {
-            return solve::planar(robot, balls, plane.area);
+            return solve::planar(robot, balls);
         }
         if !M::ACROSS && robot.equally_spaced {
-            return solve::radial(robot, balls, plane.area);
+            return solve::radial(robot, balls);
         }
     }
     solve::least_norm::<S, M>(robot, balls, options.relative_threshold, options.max_iterations)
@@ -235,7 +229,6 @@ fn fill<S: Simd, M: Model>(
     needs: &Needs,
     robot: &Robot,
     balls: &Balls<S>,
-    plane: &Plane<S>,
     found: &Found<S>,
 ) -> Mask<S> {
     let shape = &found.shape;
@@ -258,7 +251,7 @@ fn fill<S: Simd, M: Model>(
         values[place(Quantity::Residual)] = residual(balls, found);
     }
     if needs.pose {
-        let placed = Placed::new(robot, balls, plane, shape);
+        let placed = Placed::new(robot, balls, &Plane::new(robot, balls), shape);
         for axis in 0..3 {
             values[place(Quantity::Origin(axis))] = placed.origin[axis];
             values[place(Quantity::Normal(axis))] = placed.normal[axis];
