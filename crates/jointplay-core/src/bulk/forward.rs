@@ -30,7 +30,8 @@ impl Gpr {
     ///
     /// # Numerics
     /// Does not allocate, save for sensitivities of a virtualization without a [`Kernel`].
-    /// Equal to [`Self::forward`] to 10⁻¹² of the platform's size, with the same number of iterations but for round-off; only what is asked for is computed.
+    /// Equal to [`Self::forward`] to 10⁻¹² of the platform's size; where a residual is within round-off of the threshold, after one iteration more or less.
+    /// Only what is asked for is computed.
     /// Poses that do not end within a few steps, and virtualizations without a kernel, are computed one by one.
     pub fn forward_many(
         &self,
