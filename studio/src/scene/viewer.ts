@@ -53,8 +53,8 @@ export interface ViewerEvents {
   drag: (freedom: Freedom, by: number) => void;
   dragStart: (freedom: Freedom) => void;
   dragEnd: () => void;
-  /** A picture has been drawn. */
-  drawn: () => void;
+  /** A picture has been drawn, in so many milliseconds of this thread. */
+  drawn: (took_ms: number) => void;
   viewChanged: () => void;
 }
 
@@ -363,6 +363,7 @@ export class Viewer {
 
   #render(): void {
     this.#asked = 0;
+    const start = performance.now();
     if (this.#picture && this.#body) this.#labels = draw(this.#picture, this.#body, this.#strokes);
     this.#renderer.render(this.#scene, this.#camera);
     const context = this.#labelCanvas.getContext('2d');
@@ -374,7 +375,7 @@ export class Viewer {
       paintLabels(context, this.#labels, this.#camera, this.#size, { left: this.#covered + 10, right: 104 }, { text: colours.ink, halo: colours.background });
     }
     this.film?.();
-    this.#events.drawn();
+    this.#events.drawn(performance.now() - start);
   }
 
   /** Paints what is seen onto a canvas, with a line that says how play is drawn. */

@@ -9,10 +9,13 @@ class Measure {
   pose: PoseDocument | null = null;
   /** When that was, as `performance.now` tells it. */
   drawnAt = 0;
+  /** How long this thread worked at it. */
+  took_ms = 0;
   /** Whether nothing is asked that is not answered. */
   settled = true;
 
-  drawn(pose: PoseDocument | null): void {
+  drawn(pose: PoseDocument | null, took_ms: number): void {
+    this.took_ms = took_ms;
     this.pictures += 1;
     this.pose = pose;
     this.drawnAt = performance.now();

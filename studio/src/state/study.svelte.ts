@@ -9,7 +9,9 @@ import type { Motion } from '../lib/document';
 export type StudyState = 'none' | 'loading' | 'ready' | 'failed';
 
 /** Plots are drawn anew this often while samples arrive: a million of them come in hundreds of batches. */
-const REDRAW_MS = 300;
+const REDRAW_MS = 400;
+/** How long samples are read at a stretch. */
+const TURN_MS = 8;
 
 export class Study {
   state = $state<StudyState>('none');
@@ -55,15 +57,22 @@ export class Study {
       this.total = total;
       let at = 0;
       let told = -Infinity;
+      let turn = performance.now();
       for await (const batch of batches) {
         if (abort.signal.aborted) return;
         for (const one of this.columns) one.values.set(batch.getChild(one.name)!.toArray() as ArrayLike<number>, at);
         at += batch.numRows;
         const now = performance.now();
-        if (at < total && now - told < REDRAW_MS) continue;
-        told = now;
-        this.count = at;
-        this.version += 1;
+        if (at === total || now - told > REDRAW_MS) {
+          told = now;
+          this.count = at;
+          this.version += 1;
+        }
+        // What has arrived already is read without a pause: the page gets its turn all the same.
+        if (now - turn > TURN_MS) {
+          await new Promise((next) => setTimeout(next));
+          turn = performance.now();
+        }
       }
       this.state = 'ready';
     } catch (error) {
