@@ -108,8 +108,28 @@ fn expected(
             (found.singular_values()[index], 1e-12 * found.singular_values()[0])
         }
         Quantity::Residual => (pose.solution.residual, 2e-13 * size * 3.0_f64.sqrt()),
-        Quantity::Iterations => (pose.solution.iterations as f64, 1.0),
+        Quantity::Iterations => (pose.solution.iterations as f64, 0.0),
     }
+}
+
+/// The pose that the scalar kernel finds, with the number of iterations that the bulk kernel took.
+///
+/// A residual within round-off of the threshold ends one kernel and not the other; one more step then moves angles on short arms by far more than round-off.
+fn pose_after(
+    gpr: &Gpr,
+    rods: [f64; 3],
+    model: &dyn Virtualization,
+    options: &SolveOptions,
+    iterations: f64,
+) -> Result<Forward, Error> {
+    let pose = gpr.forward(rods, model, options)?;
+    let share = match (pose.solution.iterations as f64).total_cmp(&iterations) {
+        std::cmp::Ordering::Equal => return Ok(pose),
+        std::cmp::Ordering::Less => 0.99,
+        std::cmp::Ordering::Greater => 1.01,
+    };
+    let relative_threshold = share * options.relative_threshold;
+    gpr.forward(rods, model, &SolveOptions { relative_threshold, ..*options })
 }
 
 fn same(found: f64, expected: f64, within: f64) -> bool {
@@ -120,7 +140,8 @@ fn same(found: f64, expected: f64, within: f64) -> bool {
 fn check(gpr: &Gpr, rods: &[[f64; 3]], model: &dyn Virtualization, options: &SolveOptions) {
     let (columns, status) = forward_many(gpr, rods, model, options);
     for (i, rods) in rods.iter().enumerate() {
-        match gpr.forward(*rods, model, options) {
+        let iterations = columns[columns.len() - 1].1[i];
+        match pose_after(gpr, *rods, model, options, iterations) {
             Ok(pose) => {
                 assert_eq!(status[i], Status::Solved);
                 for (quantity, column) in &columns {

@@ -30,7 +30,8 @@ impl Gpr {
     ///
     /// # Numerics
     /// Does not allocate, save for sensitivities of a virtualization without a [`Kernel`].
-    /// Equal to [`Self::forward`] to 10⁻¹² of the platform's size, with the same number of iterations but for round-off; only what is asked for is computed.
+    /// Equal to [`Self::forward`] to 10⁻¹² of the platform's size; where a residual is within round-off of the threshold, after one iteration more or less.
+    /// Only what is asked for is computed.
     /// Poses that do not end within a few steps, and virtualizations without a kernel, are computed one by one.
     pub fn forward_many(
         &self,
@@ -131,10 +132,9 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
                 Lanes::load(simd, &work.rods[2], first),
             ];
             let balls = Balls::new(robot, rods);
-            let plane = Plane::new(robot, &balls);
-            let found = solved::<S, M>(robot, work.options, &balls, &plane);
+            let found = solved::<S, M>(robot, work.options, &balls);
             let upright = balls.mean.like(0.0).below(found.shape.area() * robot.base_area);
-            let certain = fill::<S, M>(&mut values, &needs, robot, &balls, &plane, &found);
+            let certain = fill::<S, M>(&mut values, &needs, robot, &balls, &found);
             let solved = found.met & upright & certain;
             for (quantity, column) in &mut *work.wanted {
                 values[place(*quantity)].store(column, first);
@@ -157,21 +157,16 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
 }
 
 #[inline(always)]
-fn solved<S: Simd, M: Model>(
-    robot: &Robot,
-    options: &SolveOptions,
-    balls: &Balls<S>,
-    plane: &Plane<S>,
-) -> Found<S> {
+fn solved<S: Simd, M: Model>(robot: &Robot, options: &SolveOptions, balls: &Balls<S>) -> Found<S> {
     if options.solver == Solver::Newton {
         return solve::newton::<S, M>(robot, balls, options.max_iterations);
     }
     if options.solver == Solver::ClosedForm {
         if !M::TOWARD_SOCKET {
-            return solve::planar(robot, balls, plane.area);
+            return solve::planar(robot, balls);
         }
         if !M::ACROSS && robot.equally_spaced {
-            return solve::radial(robot, balls, plane.area);
+            return solve::radial(robot, balls);
         }
     }
     solve::least_norm::<S, M>(robot, balls, options.relative_threshold, options.max_iterations)
@@ -235,7 +230,6 @@ fn fill<S: Simd, M: Model>(
     needs: &Needs,
     robot: &Robot,
     balls: &Balls<S>,
-    plane: &Plane<S>,
     found: &Found<S>,
 ) -> Mask<S> {
     let shape = &found.shape;
@@ -258,7 +252,7 @@ fn fill<S: Simd, M: Model>(
         values[place(Quantity::Residual)] = residual(balls, found);
     }
     if needs.pose {
-        let placed = Placed::new(robot, balls, plane, shape);
+        let placed = Placed::new(robot, balls, &Plane::new(robot, balls), shape);
         for axis in 0..3 {
             values[place(Quantity::Origin(axis))] = placed.origin[axis];
             values[place(Quantity::Normal(axis))] = placed.normal[axis];

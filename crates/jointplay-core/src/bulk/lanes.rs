@@ -6,33 +6,34 @@ use pulp::Simd;
 
 use super::Column;
 
-/// One number of each pose in a block: eight with AVX-512, four with AVX2, two with NEON, else one.
+/// One number of each pose in a block, in two registers: sixteen with AVX-512, eight with AVX2, four with NEON, else two.
 ///
+/// Two, since each step of a kernel waits for the one before, and while one register waits the other works.
 /// Arithmetic is lane by lane, so that no pose knows of its neighbours.
 #[derive(Clone, Copy)]
 pub(super) struct Lanes<S: Simd> {
     simd: S,
-    value: S::f64s,
+    value: [S::f64s; 2],
 }
 
 /// A yes or no for each pose in a block.
 #[derive(Clone, Copy)]
 pub(super) struct Mask<S: Simd> {
     simd: S,
-    value: S::m64s,
+    value: [S::m64s; 2],
 }
 
 /// The most lanes that any machine has.
-const MOST: usize = 8;
+const MOST: usize = 16;
 
 // Everything here is inlined, always: what is not would be compiled without the machine's wide instructions.
 impl<S: Simd> Lanes<S> {
     /// Poses in a block.
-    pub(super) const COUNT: usize = S::F64_LANES;
+    pub(super) const COUNT: usize = 2 * S::F64_LANES;
 
     #[inline(always)]
     pub(super) fn splat(simd: S, value: f64) -> Self {
-        Self { simd, value: simd.splat_f64s(value) }
+        Self { simd, value: [simd.splat_f64s(value); 2] }
     }
 
     /// The same number as another, of the same machine.
@@ -45,8 +46,7 @@ impl<S: Simd> Lanes<S> {
     #[inline(always)]
     pub(super) fn load(simd: S, column: &Column<'_>, first: usize) -> Self {
         if column.stride() == 1 && first + Self::COUNT <= column.len() {
-            let (whole, _) = S::as_simd_f64s(&column.contiguous()[first..first + Self::COUNT]);
-            return Self { simd, value: whole[0] };
+            return Self::of(simd, &column.contiguous()[first..first + Self::COUNT]);
         }
         if column.stride() == 0 {
             return Self::splat(simd, column.at(0));
@@ -55,13 +55,13 @@ impl<S: Simd> Lanes<S> {
         for (lane, number) in numbers[..Self::COUNT].iter_mut().enumerate() {
             *number = column.at((first + lane).min(column.len() - 1));
         }
-        Self::of(simd, &numbers)
+        Self::of(simd, &numbers[..Self::COUNT])
     }
 
     #[inline(always)]
-    fn of(simd: S, numbers: &[f64; MOST]) -> Self {
-        let (whole, _) = S::as_simd_f64s(&numbers[..Self::COUNT]);
-        Self { simd, value: whole[0] }
+    fn of(simd: S, numbers: &[f64]) -> Self {
+        let (whole, _) = S::as_simd_f64s(numbers);
+        Self { simd, value: [whole[0], whole[1]] }
     }
 
     /// Writes the lanes to a column from `first` on, as far as it goes.
@@ -69,7 +69,7 @@ impl<S: Simd> Lanes<S> {
     pub(super) fn store(self, column: &mut [f64], first: usize) {
         if first + Self::COUNT <= column.len() {
             let (whole, _) = S::as_mut_simd_f64s(&mut column[first..first + Self::COUNT]);
-            whole[0] = self.value;
+            (whole[0], whole[1]) = self.value.into();
         } else {
             let rest = &mut column[first..];
             rest.copy_from_slice(&self.numbers()[..rest.len()]);
@@ -81,7 +81,7 @@ impl<S: Simd> Lanes<S> {
     pub(super) fn numbers(self) -> [f64; MOST] {
         let mut numbers = [0.0; MOST];
         let (whole, _) = S::as_mut_simd_f64s(&mut numbers[..Self::COUNT]);
-        whole[0] = self.value;
+        (whole[0], whole[1]) = self.value.into();
         numbers
     }
 
@@ -92,21 +92,24 @@ impl<S: Simd> Lanes<S> {
         for number in &mut numbers[..Self::COUNT] {
             *number = function(*number);
         }
-        Self::of(self.simd, &numbers)
+        Self::of(self.simd, &numbers[..Self::COUNT])
     }
 
     /// `self · factor + addend`, rounded once where the machine can.
     #[inline(always)]
     pub(super) fn times_plus(self, factor: Self, addend: Self) -> Self {
-        let value = self.simd.mul_add_e_f64s(self.value, factor.value, addend.value);
-        Self { value, ..self }
+        let ([a, b], [c, d], [e, f]) = (self.value, factor.value, addend.value);
+        let simd = self.simd;
+        Self { simd, value: [simd.mul_add_e_f64s(a, c, e), simd.mul_add_e_f64s(b, d, f)] }
     }
 
     /// `minuend − self · factor`.
     #[inline(always)]
     pub(super) fn times_from(self, factor: Self, minuend: Self) -> Self {
-        let value = self.simd.negate_mul_add_e_f64s(self.value, factor.value, minuend.value);
-        Self { value, ..self }
+        let ([a, b], [c, d], [e, f]) = (self.value, factor.value, minuend.value);
+        let simd = self.simd;
+        let value = [simd.negate_mul_add_e_f64s(a, c, e), simd.negate_mul_add_e_f64s(b, d, f)];
+        Self { simd, value }
     }
 
     #[inline(always)]
@@ -116,12 +119,14 @@ impl<S: Simd> Lanes<S> {
 
     #[inline(always)]
     pub(super) fn sqrt(self) -> Self {
-        Self { value: self.simd.sqrt_f64s(self.value), ..self }
+        let [a, b] = self.value;
+        Self { value: [self.simd.sqrt_f64s(a), self.simd.sqrt_f64s(b)], ..self }
     }
 
     #[inline(always)]
     pub(super) fn abs(self) -> Self {
-        Self { value: self.simd.abs_f64s(self.value), ..self }
+        let [a, b] = self.value;
+        Self { value: [self.simd.abs_f64s(a), self.simd.abs_f64s(b)], ..self }
     }
 
     /// One over it.
@@ -133,34 +138,41 @@ impl<S: Simd> Lanes<S> {
     /// The larger of two; either where one is not a number.
     #[inline(always)]
     pub(super) fn max(self, other: Self) -> Self {
-        Self { value: self.simd.max_f64s(self.value, other.value), ..self }
+        let ([a, b], [c, d]) = (self.value, other.value);
+        Self { value: [self.simd.max_f64s(a, c), self.simd.max_f64s(b, d)], ..self }
     }
 
     /// The smaller of two; either where one is not a number.
     #[inline(always)]
     pub(super) fn min(self, other: Self) -> Self {
-        Self { value: self.simd.min_f64s(self.value, other.value), ..self }
+        let ([a, b], [c, d]) = (self.value, other.value);
+        Self { value: [self.simd.min_f64s(a, c), self.simd.min_f64s(b, d)], ..self }
     }
 
     /// Where `self ≤ other`; nowhere beside what is not a number.
     #[inline(always)]
     pub(super) fn at_most(self, other: Self) -> Mask<S> {
-        let value = self.simd.less_than_or_equal_f64s(self.value, other.value);
-        Mask { simd: self.simd, value }
+        let ([a, b], [c, d], simd) = (self.value, other.value, self.simd);
+        let value = [simd.less_than_or_equal_f64s(a, c), simd.less_than_or_equal_f64s(b, d)];
+        Mask { simd, value }
     }
 
     /// Where `self < other`; nowhere beside what is not a number.
     #[inline(always)]
     pub(super) fn below(self, other: Self) -> Mask<S> {
-        Mask { simd: self.simd, value: self.simd.less_than_f64s(self.value, other.value) }
+        let ([a, b], [c, d], simd) = (self.value, other.value, self.simd);
+        Mask { simd, value: [simd.less_than_f64s(a, c), simd.less_than_f64s(b, d)] }
     }
 
     /// Where this bit of the number's representation is set.
     #[inline(always)]
     pub(super) fn bit(self, bit: u64) -> Mask<S> {
-        let simd = self.simd;
-        let bits = simd.and_u64s(simd.transmute_u64s_f64s(self.value), simd.splat_u64s(bit));
-        Mask { simd, value: simd.equal_u64s(bits, simd.splat_u64s(bit)) }
+        let ([a, b], simd, bit) = (self.value, self.simd, self.simd.splat_u64s(bit));
+        let bits = [
+            simd.and_u64s(simd.transmute_u64s_f64s(a), bit),
+            simd.and_u64s(simd.transmute_u64s_f64s(b), bit),
+        ];
+        Mask { simd, value: [simd.equal_u64s(bits[0], bit), simd.equal_u64s(bits[1], bit)] }
     }
 }
 
@@ -168,7 +180,9 @@ impl<S: Simd> Mask<S> {
     /// `yes` where the mask says so, `no` elsewhere.
     #[inline(always)]
     pub(super) fn select(self, yes: Lanes<S>, no: Lanes<S>) -> Lanes<S> {
-        Lanes { value: self.simd.select_f64s(self.value, yes.value, no.value), simd: self.simd }
+        let ([a, b], [c, d], [e, f]) = (self.value, yes.value, no.value);
+        let simd = self.simd;
+        Lanes { simd, value: [simd.select_f64s(a, c, e), simd.select_f64s(b, d, f)] }
     }
 
     /// Whether it says yes everywhere.
@@ -180,7 +194,8 @@ impl<S: Simd> Mask<S> {
     /// Whether it says yes anywhere.
     #[inline(always)]
     pub(super) fn any(self) -> bool {
-        self.simd.first_true_m64s(self.value) < Lanes::<S>::COUNT
+        let [a, b] = self.value;
+        self.simd.first_true_m64s(self.simd.or_m64s(a, b)) < S::F64_LANES
     }
 
     /// What it says of each lane; no for lanes that the machine has not.
@@ -203,7 +218,8 @@ macro_rules! lane_by_lane {
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                Self { value: self.simd.$of_simd(self.value, other.value), ..self }
+                let ([a, b], [c, d]) = (self.value, other.value);
+                Self { value: [self.simd.$of_simd(a, c), self.simd.$of_simd(b, d)], ..self }
             }
         }
 
@@ -225,7 +241,8 @@ impl<S: Simd> Neg for Lanes<S> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { value: self.simd.neg_f64s(self.value), ..self }
+        let [a, b] = self.value;
+        Self { value: [self.simd.neg_f64s(a), self.simd.neg_f64s(b)], ..self }
     }
 }
 
@@ -234,7 +251,8 @@ impl<S: Simd> BitAnd for Mask<S> {
 
     #[inline(always)]
     fn bitand(self, other: Self) -> Self {
-        Self { value: self.simd.and_m64s(self.value, other.value), ..self }
+        let ([a, b], [c, d]) = (self.value, other.value);
+        Self { value: [self.simd.and_m64s(a, c), self.simd.and_m64s(b, d)], ..self }
     }
 }
 
@@ -243,7 +261,8 @@ impl<S: Simd> BitOr for Mask<S> {
 
     #[inline(always)]
     fn bitor(self, other: Self) -> Self {
-        Self { value: self.simd.or_m64s(self.value, other.value), ..self }
+        let ([a, b], [c, d]) = (self.value, other.value);
+        Self { value: [self.simd.or_m64s(a, c), self.simd.or_m64s(b, d)], ..self }
     }
 }
 
@@ -252,6 +271,7 @@ impl<S: Simd> Not for Mask<S> {
 
     #[inline(always)]
     fn not(self) -> Self {
-        Self { value: self.simd.not_m64s(self.value), ..self }
+        let [a, b] = self.value;
+        Self { value: [self.simd.not_m64s(a), self.simd.not_m64s(b)], ..self }
     }
 }

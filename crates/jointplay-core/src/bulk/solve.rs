@@ -5,6 +5,7 @@
 use pulp::Simd;
 
 use super::lanes::{Lanes, Mask};
+use super::pose::Plane;
 use super::shape::{Balls, Model, Response, Robot, Shape, Three, first_step};
 
 /// Shapes found, where they are, and the steps that it took.
@@ -32,8 +33,8 @@ pub(super) fn newton<S: Simd, M: Model>(robot: &Robot, balls: &Balls<S>, most: u
     let at_start = balls.missing_at_start(robot);
     let mut met = balls.met(robot, &at_start);
     let mut shape = Shape::start::<M>(robot, zero);
-    let (by_a, by_b) = first_step::<S, M>(robot, &at_start);
-    shape.advance::<M>(robot, unless(met, by_a), unless(met, by_b));
+    let (by_a, by_b) = first_step::<S, M>(robot, &unless(met, at_start));
+    shape.advance::<M>(robot, by_a, by_b);
     let mut iterations = met.select(zero, one);
     let mut missing = shape.missing(balls);
     met = met | balls.met(robot, &missing);
@@ -43,13 +44,10 @@ pub(super) fn newton<S: Simd, M: Model>(robot: &Robot, balls: &Balls<S>, most: u
             break;
         }
         let response = shape.response::<M>();
-        let mut half = missing;
-        for half in &mut half {
-            *half = *half * 0.5;
-        }
-        let (by_a, by_b, independent) = step::<S, M>(robot, &response, &half);
+        // Nothing is missing where the sides are met, so that the step is none.
+        let (by_a, by_b, independent) = step::<S, M>(robot, &response, &unless(met, missing), 0.5);
         doubtful = doubtful | !(independent | met);
-        shape.advance::<M>(robot, unless(met, by_a), unless(met, by_b));
+        shape.advance::<M>(robot, by_a, by_b);
         iterations = iterations + met.select(zero, one);
         missing = shape.missing(balls);
         met = met | balls.met(robot, &missing);
@@ -102,7 +100,7 @@ pub(super) fn least_norm<S: Simd, M: Model>(
             target[k] = target[k] - gained(response.leaving[k]);
             target[before] = target[before] + gained(response.arriving[k]);
         }
-        let (mut by_a, mut by_b, independent) = step::<S, M>(robot, &response, &target);
+        let (mut by_a, mut by_b, independent) = step::<S, M>(robot, &response, &target, 1.0);
         for k in 0..3 {
             by_a[k] = by_a[k] - from_a[k];
             by_b[k] = by_b[k] - from_b[k];
@@ -129,11 +127,9 @@ pub(super) fn least_norm<S: Simd, M: Model>(
 }
 
 /// The least displacement of all, see [`Planar`](crate::virtualization::Planar).
-///
-/// # Arguments
-/// * `area` – twice the area of the triangle of the balls [m²]
 #[inline(always)]
-pub(super) fn planar<S: Simd>(robot: &Robot, balls: &Balls<S>, area: Lanes<S>) -> Found<S> {
+pub(super) fn planar<S: Simd>(robot: &Robot, balls: &Balls<S>) -> Found<S> {
+    let area = Plane::new(robot, balls).area;
     let [l_12, l_23, l_31] = balls.squares;
     // The triangle of the balls laid out along its first side, everything times that side: corners (0, 0), (l_12, 0), (along, up).
     let along = (l_12 + l_31 - l_23) * 0.5;
@@ -159,11 +155,9 @@ pub(super) fn planar<S: Simd>(robot: &Robot, balls: &Balls<S>, area: Lanes<S>) -
 }
 
 /// The only displacement, for sockets 120° apart, see [`Radial`](crate::virtualization::Radial).
-///
-/// # Arguments
-/// * `area` – twice the area of the triangle of the balls [m²]
 #[inline(always)]
-pub(super) fn radial<S: Simd>(robot: &Robot, balls: &Balls<S>, area: Lanes<S>) -> Found<S> {
+pub(super) fn radial<S: Simd>(robot: &Robot, balls: &Balls<S>) -> Found<S> {
+    let area = Plane::new(robot, balls).area;
     let [l_12, l_23, l_31] = balls.squares;
     let half = (l_12 + l_23 + l_31) * 0.5;
     let square = area.times_plus(area.like(3.0_f64.sqrt()), half);
@@ -190,14 +184,14 @@ fn closed<S: Simd>(balls: &Balls<S>, robot: &Robot, shape: Shape<S>) -> Found<S>
     Found { shape, missing, iterations: balls.mean.like(0.0), met }
 }
 
-/// Steps, save where the sides are met already.
+/// Three numbers, and zero where the sides are met already.
 #[inline(always)]
-fn unless<S: Simd>(met: Mask<S>, steps: Three<S>) -> Three<S> {
-    let mut taken = steps;
-    for step in &mut taken {
-        *step = met.select(step.like(0.0), *step);
+fn unless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
+    let mut left = numbers;
+    for number in &mut left {
+        *number = met.select(number.like(0.0), *number);
     }
-    taken
+    left
 }
 
 /// ‖(a, b)‖² in the metric.
@@ -207,7 +201,7 @@ pub(super) fn squared<S: Simd, M: Model>(robot: &Robot, a: &Three<S>, b: &Three<
     if M::ACROSS { sum(b).times_plus(a[0].like(1.0 / robot.compliance), sum(a)) } else { sum(a) }
 }
 
-/// The least step that gives each edge what it lacks: C Eᵀ (E C Eᵀ)⁻¹ · target.
+/// The least step that gives each edge what it lacks: C Eᵀ (E C Eᵀ)⁻¹ · target · share.
 ///
 /// With it, where the three sides are independent beyond doubt.
 #[inline(always)]
@@ -215,6 +209,7 @@ fn step<S: Simd, M: Model>(
     robot: &Robot,
     response: &Response<S>,
     target: &Three<S>,
+    share: f64,
 ) -> (Three<S>, Three<S>, Mask<S>) {
     let [n_00, n_11, n_22, n_01, n_12, n_20] = normal_matrix::<S, M>(robot, response);
     // The inverse by cofactors: one division, and none of it waits for another.
@@ -225,7 +220,7 @@ fn step<S: Simd, M: Model>(
     let c_12 = n_12.times_from(n_00, n_20 * n_01);
     let c_20 = n_20.times_from(n_11, n_01 * n_12);
     let determinant = n_00.times_plus(c_00, n_01.times_plus(c_01, n_20 * c_20));
-    let scale = determinant.inverse();
+    let scale = determinant.like(share) / determinant;
     let [t_0, t_1, t_2] = *target;
     let y = [
         c_00.times_plus(t_0, c_01.times_plus(t_1, c_20 * t_2)) * scale,
