@@ -8,6 +8,7 @@ use jointplay::format::robot::Robot;
 use crate::app::App;
 use crate::meshes::media_type;
 use crate::problem::Problem;
+use crate::wire::Binary;
 
 /// What the base looks like, in the base frame
 ///
@@ -17,7 +18,7 @@ use crate::problem::Problem;
     path = "/api/v1/meshes/base",
     operation_id = "base_mesh",
     responses(
-        (status = 200, description = "The shape", body = Vec<u8>, content_type = "application/octet-stream"),
+        (status = 200, description = "The shape", body = Binary, content_type = "application/octet-stream"),
         (status = 404, description = "The robot file names none, or it is gone", body = Problem, content_type = "application/problem+json"),
     )
 )]
@@ -33,7 +34,7 @@ pub(crate) async fn base_mesh(State(app): State<App>) -> Result<Response, Proble
     path = "/api/v1/meshes/platform",
     operation_id = "platform_mesh",
     responses(
-        (status = 200, description = "The shape", body = Vec<u8>, content_type = "application/octet-stream"),
+        (status = 200, description = "The shape", body = Binary, content_type = "application/octet-stream"),
         (status = 404, description = "The robot file names none, or it is gone", body = Problem, content_type = "application/problem+json"),
     )
 )]
