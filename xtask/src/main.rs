@@ -7,6 +7,7 @@
 //! | `deps`   | Does each crate import only what its ring may?      |
 //! | `python` | Does the Python package work where it is installed? |
 //! | `studio` | Does the studio's server keep its own description?   |
+//! | `page`   | Does the studio's page work in a browser?           |
 
 #![allow(
     clippy::print_stdout,
@@ -17,6 +18,7 @@
 mod deps;
 mod finding;
 mod markdown;
+mod page;
 mod python;
 mod root;
 mod rust_source;
@@ -34,7 +36,8 @@ usage: cargo xtask CHORE
   tidy     paths, links, source keys, sizes and unfinished code
   deps     who may import whom
   python   the Python package: its wheel, tested in clean environments
-  studio   the studio's server, held to its own description";
+  studio   the studio's server, held to its own description
+  page     the studio's page: built, and tested in a browser";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -45,6 +48,7 @@ fn main() -> ExitCode {
         ["deps"] => deps::run(&root),
         ["python"] => python::run(&root),
         ["studio"] => studio::run(&root),
+        ["page"] => page::run(&root),
         [] | ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             true

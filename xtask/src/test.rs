@@ -4,7 +4,7 @@
 
 mod doc_links;
 
-use crate::{deps, python, studio, tidy};
+use crate::{deps, page, python, studio, tidy};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -52,6 +52,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask deps" => deps::run(root),
         "xtask python" => python::run(root),
         "xtask studio" => studio::run(root),
+        "xtask page" => page::run(root),
         DOC => doc_links::run(cargo(step, root), root),
         _ => run_cargo(step, root),
     })
@@ -85,6 +86,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
     steps.push(Step::new(
         "xtask studio",
         "send the request that failed by the `curl` line shown, to `jointplay studio`",
+    ));
+    steps.push(Step::new(
+        "xtask page",
+        "run the failing test alone, as CONTRIBUTING.md says under \"The studio's page\"",
     ));
     steps.push(Step::new(
         "xtask python",
@@ -180,6 +185,7 @@ mod tests {
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
             "cargo xtask studio",
+            "cargo xtask page",
             "cargo xtask python",
         ];
         assert_eq!(lines(&["01_a"]), expect);

@@ -1,0 +1,110 @@
+// How fast the page is: `npm run measure`, with JOINTPLAY_COMMAND a release build. Prints a table, and judges nothing.
+
+import { readdirSync, readFileSync } from 'node:fs';
+import { cpus } from 'node:os';
+import { resolve } from 'node:path';
+import { gzipSync } from 'node:zlib';
+import { test } from 'vitest';
+import { browse, drawn, ROOT, serve, until } from './studio';
+
+const median = (values: number[]) => [...values].sort((a, b) => a - b)[values.length >> 1] as number;
+const rows: [string, string][] = [];
+const say = (what: string, found: string) => rows.push([what, found]);
+const ms = (value: number) => `${value.toFixed(1)} ms`;
+
+test('measure', async () => {
+  const dist = resolve(ROOT, 'studio/dist');
+  const files = readdirSync(dist, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
+  const weight = files.reduce((sum, { parentPath, name }) => sum + gzipSync(readFileSync(resolve(parentPath, name))).length, 0);
+  say('page, compressed by gzip', `${(weight / 1024).toFixed(0)} KiB`);
+
+  const browser = await browse();
+  const warm = await browser.newPage();
+  await warm.goto('about:blank');
+  const begun = performance.now();
+  const server = await serve();
+  const up = performance.now();
+  const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' });
+  await page.goto(server.address);
+  await until('panels', () => page.evaluate(() => document.querySelector('aside') !== null));
+  const panels = performance.now();
+  await drawn(page);
+  say('`jointplay studio` to its address', ms(up - begun));
+  say('to panels with numbers', ms(panels - begun));
+  say('to the first picture', ms(performance.now() - begun));
+  await new Promise((wait) => setTimeout(wait, 2000));
+
+  const steps = await page.evaluate(async () => {
+    const { measure } = window.jointplay;
+    const slider = document.querySelector<HTMLInputElement>('[data-testid=slider-pitch]')!;
+    const found: { total: number; server: number }[] = [];
+    for (let i = 0; i < 120; i++) {
+      performance.clearResourceTimings();
+      const before = measure.pose;
+      const start = performance.now();
+      slider.value = String(0.2 + (i % 60) * 0.02);
+      slider.dispatchEvent(new Event('input', { bubbles: true }));
+      while (measure.pose === before) await new Promise((next) => requestAnimationFrame(next));
+      const total = measure.drawnAt - start;
+      const [request] = performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/pose')) as PerformanceResourceTiming[];
+      found.push({ total, server: request ? request.responseEnd - request.requestStart : NaN });
+    }
+    return found.slice(20);
+  });
+  say('slider to drawn picture, median', ms(median(steps.map(({ total }) => total))));
+  say('of it the request and its answer', ms(median(steps.map(({ server }) => server))));
+
+  const count = () => page.getByTestId('sample').getAttribute('data-count');
+  await page.getByTestId('motion').selectOption('raster');
+  await until('samples', async () => (await count()) === '777');
+  await page.getByRole('button', { name: 'Range' }).click();
+  await page.getByTestId('yaw-step').fill('1');
+  await page.getByTestId('yaw-step').press('Enter');
+  await until('samples', async () => (await count()) === '7581');
+  await page.getByLabel('Speed').selectOption('2');
+  const play = await page.evaluate(async () => {
+    document.querySelector<HTMLElement>('[data-testid=play]')!.click();
+    const { measure } = window.jointplay;
+    const start = performance.now();
+    const from = measure.pictures;
+    let frames = 0;
+    while (performance.now() - start < 5000) {
+      frames += 1;
+      await new Promise((next) => requestAnimationFrame(next));
+    }
+    document.querySelector<HTMLElement>('[data-testid=play]')!.click();
+    const seconds = (performance.now() - start) / 1000;
+    return { frames: frames / seconds, pictures: (measure.pictures - from) / seconds };
+  });
+  say('playing 7,581 samples with six plots', `${play.frames.toFixed(0)} frames/s, ${play.pictures.toFixed(0)} pictures/s`);
+
+  await page.evaluate(() => {
+    const seen = { longest: 0, last: performance.now() };
+    Object.assign(window, { seen });
+    const tick = () => {
+      const now = performance.now();
+      seen.longest = Math.max(seen.longest, now - seen.last);
+      seen.last = now;
+      requestAnimationFrame(tick);
+    };
+    tick();
+  });
+  const large = performance.now();
+  await page.getByTestId('yaw-step').fill('0.0075');
+  await page.getByTestId('yaw-step').press('Enter');
+  await until('samples', async () => (await count()) === '1008021', 300_000);
+  const took = performance.now() - large;
+  const { longest, heap } = await page.evaluate(() => {
+    const { seen } = window as unknown as { seen: { longest: number } };
+    const { memory } = performance as unknown as { memory: { usedJSHeapSize: number } };
+    return { longest: seen.longest, heap: memory.usedJSHeapSize };
+  });
+  say('1,008,021 samples computed, sent and plotted', `${(took / 1000).toFixed(1)} s`);
+  say('longest pause between frames meanwhile', ms(longest));
+  say('memory of scripts afterwards', `${(heap / 2 ** 20).toFixed(0)} MiB`);
+
+  console.log(`\n${cpus()[0]?.model}, ${cpus().length} threads, drawing in software\n`);
+  for (const [what, found] of rows) console.log(`| ${what} | ${found} |`);
+  await browser.close();
+  await server.stop();
+});

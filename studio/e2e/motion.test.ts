@@ -1,0 +1,149 @@
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import type { Browser, Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
+import { browse, COMMAND, complaints, drawn, serve, until, type Server } from './studio';
+
+let browser: Browser;
+let server: Server;
+let page: Page;
+let heard: string[];
+
+beforeAll(async () => {
+  [browser, server] = await Promise.all([browse(), serve()]);
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce', acceptDownloads: true });
+  page = await context.newPage();
+  heard = complaints(page);
+  await page.goto(server.address);
+  await drawn(page);
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+afterEach(() => {
+  expect(heard.splice(0)).toEqual([]);
+});
+
+const sample = () => page.getByTestId('sample');
+const at = async () => Number(await sample().getAttribute('data-sample'));
+async function loaded(count: number): Promise<void> {
+  await until(`${count} samples`, async () => (await sample().getAttribute('data-count')) === String(count));
+}
+
+test('a figure of the paper is one click, its numbers are those of the command', async () => {
+  await page.getByTestId('figure').selectOption('6');
+  await loaded(777);
+  expect(await page.getByTestId('plot-linear').isVisible()).toBe(true);
+  expect(await page.getByTestId('plot-rods').count()).toBe(0);
+  await page.getByTestId('all-plots').click();
+  await page.getByTestId('scrub').fill('20');
+  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 2 * Math.PI / 180) < 1e-9');
+
+  const folder = mkdtempSync(join(tmpdir(), 'studio-'));
+  execFileSync(COMMAND, ['simulate', '--virtualization', 'polar', '--out', join(folder, 'study')], { stdio: 'ignore' });
+  const [head, ...rows] = readFileSync(join(folder, 'study/samples-polar.csv'), 'utf8').trim().split('\n');
+  rmSync(folder, { recursive: true });
+  const names = head!.split(',');
+  const row = rows[20]!.split(',').map(Number);
+  for (const [column, name] of [['l1_m', 'l1_mm'], ['l2_m', 'l2_mm'], ['q1_m', 'q1_mm']] as const) {
+    const shown = Number(await page.getByTestId(`value-${column}`).getAttribute('data-value'));
+    expect(names).toContain(name);
+    expect(shown * 1e3).toBeCloseTo(row[names.indexOf(name)]!, 9);
+  }
+});
+
+test('the motion plays, pauses, steps and loops by the keyboard', async () => {
+  await page.getByTestId('scrub').fill('0');
+  await page.locator('body').press('ArrowRight');
+  expect(await at()).toBe(1);
+  await page.locator('body').press('ArrowLeft');
+  await page.locator('body').press('ArrowLeft');
+  expect(await at()).toBe(0);
+  await page.locator('body').press(' ');
+  await until('it plays', async () => (await at()) > 5);
+  await page.locator('body').press(' ');
+  const stopped = await at();
+  await new Promise((wait) => setTimeout(wait, 200));
+  expect(await at()).toBe(stopped);
+  await page.locator('body').press('End');
+  expect(await at()).toBe(776);
+});
+
+test('a click in a plot seeks, a drag zooms all, the legend hides', async () => {
+  const over = page.getByTestId('plot-rods').locator('.u-over');
+  const box = (await over.boundingBox())!;
+  await over.click({ position: { x: box.width / 2, y: box.height / 2 } });
+  expect(Math.abs((await at()) - 388)).toBeLessThan(6);
+  await page.mouse.move(box.x + box.width * 0.25, box.y + 20);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width * 0.5, box.y + 25, { steps: 4 });
+  await page.mouse.up();
+  await page.getByRole('button', { name: 'Whole motion' }).click();
+  const legend = page.getByTestId('plot-rods').getByRole('button', { name: 'q₁' });
+  await legend.click();
+  expect(await legend.getAttribute('aria-pressed')).toBe('false');
+  await legend.click();
+});
+
+test('a serpentine, and a motion of key poses', async () => {
+  await page.getByTestId('motion').selectOption('serpentine');
+  await loaded(777);
+  await page.getByTestId('motion').selectOption('key-poses');
+  await until('samples', async () => Number(await sample().getAttribute('data-count')) > 300);
+  await page.getByRole('button', { name: 'Poses' }).click();
+  await page.getByLabel('seconds of pose 2').fill('1');
+  await page.getByLabel('seconds of pose 2').press('Enter');
+  await page.getByTestId('add-pose').click();
+  expect(await page.getByLabel('seconds of pose 5').isVisible()).toBe(true);
+  await page.keyboard.press('Control+z');
+  await until('the pose is gone', async () => (await page.getByLabel('seconds of pose 5').count()) === 0);
+  await page.getByRole('button', { name: 'Poses' }).click();
+});
+
+test('a motion that cannot be says why', async () => {
+  await page.getByTestId('motion').selectOption('raster');
+  await loaded(777);
+  await page.getByRole('button', { name: 'Range' }).click();
+  await page.getByTestId('yaw-step').fill('7');
+  await page.getByTestId('yaw-step').press('Enter');
+  await page.getByRole('alert').filter({ hasText: 'step' }).waitFor();
+  await page.getByTestId('yaw-step').fill('10');
+  await page.getByTestId('yaw-step').press('Enter');
+  await loaded(777);
+  await page.getByRole('button', { name: 'Range' }).click();
+  // The browser itself notes that the server said no.
+  heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('422')));
+});
+
+test('series, plots and a film are taken away', async () => {
+  const take = async (item: string) => {
+    await page.getByTestId('take').click();
+    const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(item).click()]);
+    return readFileSync(await download.path());
+  };
+  const csv = (await take('take-csv')).toString().trim().split('\n');
+  expect(csv).toHaveLength(778);
+  expect(csv[0]).toContain('q1_m');
+  expect((await take('take-svg')).toString()).toContain('<svg');
+  expect((await take('take-png')).subarray(1, 4).toString()).toBe('PNG');
+  await page.getByTestId('take').click();
+  await page.getByTestId('take-film').click();
+  await until('it films', async () => (await at()) > 10);
+  const [film] = await Promise.all([page.waitForEvent('download'), page.getByTestId('film-stop').click()]);
+  expect(film.suggestedFilename()).toMatch(/^motion\.(webm|mp4)$/);
+  expect(readFileSync(await film.path()).length).toBeGreaterThan(1000);
+  await page.locator('body').press(' ');
+});
+
+test('a link holds motion and time', async () => {
+  await page.getByTestId('scrub').fill('123');
+  await until('the link says so', () => page.evaluate(() => window.location.hash.includes('sample=123')));
+  const link = page.url();
+  await page.goto('about:blank');
+  await page.goto(link);
+  await loaded(777);
+  await until('the sample is shown', async () => (await at()) === 123);
+});

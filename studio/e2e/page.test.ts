@@ -1,0 +1,260 @@
+import { execFileSync } from 'node:child_process';
+import axe from 'axe-core';
+import type { Browser, Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
+import { browse, COMMAND, complaints, drawn, serve, until, type Server } from './studio';
+
+let browser: Browser;
+let server: Server;
+let page: Page;
+let heard: string[];
+
+beforeAll(async () => {
+  [browser, server] = await Promise.all([browse(), serve()]);
+  page = await visit();
+  heard = complaints(page);
+  await page.goto(server.address);
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+});
+afterEach(() => {
+  expect(heard.splice(0)).toEqual([]);
+});
+
+async function visit(): Promise<Page> {
+  const context = await browser.newContext({
+    viewport: { width: 1280, height: 720 },
+    reducedMotion: 'reduce',
+    permissions: ['clipboard-read', 'clipboard-write'],
+    acceptDownloads: true,
+  });
+  return context.newPage();
+}
+
+const USUAL = '#pose=tilt,0,1.5,500,axis&model=polar,newton,paper&play=500&show=joints,arrows,frames,labels';
+
+let links = 0;
+/** Follows a link within the page, without loading it again. */
+async function open(hash = USUAL): Promise<void> {
+  await drawn(page);
+  links += 1;
+  await page.evaluate(
+    (to) =>
+      new Promise((followed) => {
+        window.addEventListener('hashchange', () => setTimeout(followed), { once: true });
+        window.location.hash = to;
+      }),
+    `${hash}&n=${links}`,
+  );
+  await drawn(page, 'window.jointplay.measure.settled');
+}
+
+const field = (name: string) => page.getByTestId(`field-${name}`);
+const value = async (name: string) => Number(await field(name).inputValue());
+
+async function type(name: string, text: string): Promise<void> {
+  await field(name).fill(text);
+  await field(name).press('Enter');
+}
+
+test('the page explains itself, and its numbers are those of the command', async () => {
+  await open('#pose=rods,500,501,502&model=polar,newton,paper&play=500');
+  expect(await page.getByText('On paper this robot can only go up').isVisible()).toBe(true);
+  const said = JSON.parse(
+    execFileSync(COMMAND, ['forward', '--q-mm', '500,501,502', '--virtualization', 'polar', '--solver', 'newton', '--format', 'json'], {
+      encoding: 'utf8',
+    }),
+  );
+  const joints = await page.getByTestId('joints').locator('[data-value]').all();
+  const shown = await Promise.all(joints.map(async (joint) => Number(await joint.getAttribute('data-value'))));
+  // Compared to the twelfth digit: the command prints mm and degrees.
+  said.virtual_joints.l_mm.forEach((mm: number, k: number) => expect(shown[k]! * 1e3).toBeCloseTo(mm, 10));
+  said.virtual_joints.phi_deg.forEach((deg: number, k: number) => expect((shown[3 + k]! * 180) / Math.PI).toBeCloseTo(deg, 10));
+  const shift = page.getByTestId('shift-polar');
+  expect(Number(await shift.getAttribute('data-x')) * 1e3).toBeCloseTo(said.platform.center_shift_mm[0], 10);
+  expect(Number(await shift.getAttribute('data-y')) * 1e3).toBeCloseTo(said.platform.center_shift_mm[1], 10);
+  await page.getByRole('tab', { name: 'Yaw and pitch' }).click();
+  expect(await value('yaw')).toBeCloseTo(said.platform.yaw_deg, 3);
+  expect(await value('pitch')).toBeCloseTo(said.platform.pitch_deg, 3);
+});
+
+test('jogging moves the robot, each change is one step of undo', async () => {
+  await open();
+  expect(await page.getByTestId('instantaneous').textContent()).toBe('1');
+  await page.getByRole('button', { name: 'Level', exact: true }).click();
+  await drawn(page, 'pose.tilt.pitch_rad < 1e-9');
+  expect(await page.getByTestId('instantaneous').textContent()).toBe('3');
+  expect(await page.getByTestId('finite').textContent()).toBe('1');
+  expect(await page.getByTestId('rank').textContent()).toBe('9');
+  await type('height', '400');
+  await drawn(page, 'Math.abs(pose.axis_height_m - 0.4) < 1e-9');
+  await page.getByRole('button', { name: 'Pitch α more by 0.05 °' }).click();
+  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 0.05 * Math.PI / 180) < 1e-9');
+
+  // A drag of a slider, however many moves it takes, is one step.
+  const slider = (await page.getByTestId('slider-pitch').boundingBox())!;
+  const middle = slider.y + slider.height / 2;
+  await page.mouse.move(slider.x + slider.width / 2, middle);
+  await page.mouse.down();
+  for (const part of [0.55, 0.65, 0.75, 0.85]) await page.mouse.move(slider.x + slider.width * part, middle);
+  await page.mouse.up();
+  await drawn(page, 'pose.tilt.pitch_rad > 0.01');
+
+  await page.keyboard.press('Control+z');
+  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 0.05 * Math.PI / 180) < 1e-9');
+  await page.keyboard.press('Control+z');
+  await drawn(page, 'pose.tilt.pitch_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.4) < 1e-9');
+  await page.keyboard.press('Control+z');
+  await drawn(page, 'Math.abs(pose.axis_height_m - 0.5) < 1e-9');
+  await page.keyboard.press('Control+Shift+z');
+  await drawn(page, 'Math.abs(pose.axis_height_m - 0.4) < 1e-9');
+});
+
+test('limits hold the robot where it was, and say why', async () => {
+  await open();
+  await type('pitch', '3');
+  expect(await page.getByText('Pitch α reaches from -1.5 to 1.5 °').isVisible()).toBe(true);
+  await page.getByRole('tab', { name: 'Rods' }).click();
+  await type('rod-1', '520');
+  await page.getByRole('alert').filter({ hasText: 'tilt' }).waitFor();
+  await drawn(page, 'pose.rods_m[0] < 0.51');
+  expect(await value('rod-1')).toBeLessThan(510);
+});
+
+test('the platform is dragged by its three handles', async () => {
+  await open('#pose=xy,0,0,500,axis');
+  const box = (await page.locator('.scene canvas').first().boundingBox())!;
+  // The handles are found as a person finds them: by the pointer's shape.
+  const grab = async (want: (x: number, y: number) => boolean) => {
+    for (let y = box.y + 10; y < box.y + box.height * 0.5; y += 7)
+      for (let x = box.x + 330; x < box.x + box.width - 100; x += 7) {
+        if (!want(x - box.x, y - box.y)) continue;
+        await page.mouse.move(x, y);
+        if ((await page.locator('.scene canvas').first().evaluate((canvas) => (canvas as HTMLElement).style.cursor)) === 'grab') return { x, y };
+      }
+    throw new Error('no handle found');
+  };
+  const at = await grab(() => true);
+  await page.mouse.down();
+  await page.mouse.move(at.x, at.y - 15, { steps: 3 });
+  await page.mouse.up();
+  await drawn(page, 'pose.axis_height_m > 0.502');
+  await page.keyboard.press('Control+z');
+  await drawn(page, 'Math.abs(pose.axis_height_m - 0.5) < 1e-9');
+});
+
+test('models, solver, metric and what is shown', async () => {
+  await open();
+  for (const name of ['radial', 'offset', 'planar', 'polar']) {
+    await page.getByTestId(`model-${name}`).check();
+    await drawn(page, `pose.models[0].model.virtualization === '${name}'`);
+  }
+  await page.getByTestId('metric').selectOption('radius');
+  await drawn(page, "pose.models[0].model.metric === 'radius'");
+  await page.getByTestId('solver').selectOption('least-norm');
+  await drawn(page, "pose.models[0].answer.solver === 'least-norm'");
+  await page.getByTestId('show-ghost').check();
+  await page.getByRole('button', { name: 'Why do they differ?' }).click();
+  expect(await page.getByRole('heading', { name: 'Why the models put the centre in different places' }).isVisible()).toBe(true);
+  await page.keyboard.press('Escape');
+});
+
+test('play is drawn larger and smaller', async () => {
+  await open();
+  const slider = page.getByTestId('exaggeration');
+  await slider.fill('0');
+  expect(await page.getByTestId('times').textContent()).toBe('×1');
+  expect(await page.getByText('too small to be seen').isVisible()).toBe(true);
+  await slider.fill('1000');
+  expect(await page.getByTestId('times').textContent()).toBe('×2000');
+  await page.keyboard.press('Control+z');
+  await page.locator('body').press('-');
+});
+
+test('a link holds pose, model, play and view', async () => {
+  await open('#pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
+  await page.getByRole('button', { name: 'Link' }).click();
+  const link = await page.evaluate(() => navigator.clipboard.readText());
+  expect(link).toContain('#pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
+  const other = await visit();
+  await other.goto(link);
+  await drawn(other, "Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9 && pose.models[0].model.virtualization === 'radial'");
+  await other.context().close();
+});
+
+test('settings are kept between visits', async () => {
+  await open();
+  await page.getByLabel('Theme').selectOption('dark');
+  await page.getByLabel('Unit of length').selectOption('inch');
+  await type('yaw', '77');
+  await until('the link says so', () => page.evaluate(() => window.location.hash.includes('77')));
+  await page.goto('about:blank');
+  await page.goto(server.address);
+  await drawn(page);
+  expect(await page.evaluate(() => document.documentElement.dataset.theme)).toBe('dark');
+  expect(await page.getByTestId('joints').textContent()).toContain('mil');
+  expect(await value('yaw')).toBe(77);
+  await page.getByLabel('Theme').selectOption('light');
+  await page.getByLabel('Unit of length').selectOption('mm');
+});
+
+test('picture and pose are taken away', async () => {
+  await open('#pose=rods,500,501,502');
+  const take = async (item: string) => {
+    await page.getByTestId('take').click();
+    const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(item).click()]);
+    const parts: Buffer[] = [];
+    for await (const part of await download.createReadStream()) parts.push(part as Buffer);
+    return Buffer.concat(parts);
+  };
+  const picture = await take('take-view');
+  expect(picture.subarray(1, 4).toString()).toBe('PNG');
+  expect(picture.length).toBeGreaterThan(20_000);
+  const pose = JSON.parse((await take('take-pose')).toString());
+  expect(pose.q_mm).toEqual([500, 501, 502]);
+});
+
+test('the keyboard does it all, and its sheet says so', async () => {
+  await open();
+  await page.keyboard.press('?');
+  expect(await page.getByRole('heading', { name: 'Keyboard' }).isVisible()).toBe(true);
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('0');
+  await drawn(page, 'pose.tilt.pitch_rad < 1e-9');
+  await page.keyboard.press('k');
+  await drawn(page, 'Math.abs(pose.tilt.about_x_rad - 0.1 * Math.PI / 180) < 1e-9');
+  await page.keyboard.press('PageUp');
+  await drawn(page, 'Math.abs(pose.axis_height_m - 0.501) < 1e-9');
+  await page.keyboard.press('m');
+  await drawn(page, "pose.models[0].model.virtualization === 'offset'");
+  for (const key of ['1', '2', '6', 'f', 'p', 'o', 'o', 'g', 'n', 'v', 'a']) await page.keyboard.press(key);
+  await page.keyboard.press('t');
+  expect(await page.evaluate(() => document.documentElement.dataset.theme)).toBe('dark');
+});
+
+test('the page says when the server is away, and comes back with it', async () => {
+  await open();
+  await server.stop();
+  await page.getByRole('button', { name: 'Level', exact: true }).click();
+  await page.getByText('The server is away').waitFor();
+  server = await serve(server.port);
+  await page.getByText('The server is away').waitFor({ state: 'hidden' });
+  await drawn(page, 'pose.tilt.pitch_rad < 1e-9');
+  // The browser itself notes requests that found nobody.
+  heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED')));
+});
+
+for (const theme of ['light', 'dark'] as const)
+  test(`axe finds nothing, ${theme}`, async () => {
+    await open();
+    await page.getByLabel('Theme').selectOption(theme);
+    await page.evaluate(axe.source);
+    const found = await page.evaluate(async () => {
+      const { axe } = window as unknown as { axe: typeof import('axe-core') };
+      const { violations } = await axe.run(document, { resultTypes: ['violations'] });
+      return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
+    });
+    expect(found).toEqual([]);
+  });

@@ -1,0 +1,117 @@
+// The server's API. Types come from its own description, `openapi.json`, by `npm run types`.
+
+import type { Command, Metric, Motion } from '../lib/document';
+import { metres, radians } from '../lib/units';
+import type { components } from './schema';
+
+type Schemas = components['schemas'];
+export type RobotDocument = Schemas['RobotDocument'];
+export type PoseDocument = Schemas['PoseDocument'];
+export type ModelDocument = Schemas['ModelDocument'];
+export type AnswerDocument = Schemas['AnswerDocument'];
+export type MobilityDocument = Schemas['MobilityDocument'];
+export type ModelChoice = Schemas['ModelChoice'];
+/** A command as the API takes it, in m and rad. */
+export type Timed = Schemas['Command'];
+
+/** The server says no, and why. */
+export class Refused extends Error {
+  readonly field: string | undefined;
+  readonly status: number;
+
+  constructor(status: number, detail: string, field?: string) {
+    super(detail);
+    this.status = status;
+    this.field = field;
+  }
+}
+
+/** The server does not answer at all. */
+export class Away extends Error {}
+
+const ROOT = './api/v1';
+
+async function ask(path: string, body?: unknown, signal?: AbortSignal): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(`${ROOT}/${path}`, {
+      ...(body === undefined
+        ? {}
+        : { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) }),
+      ...(signal ? { signal } : {}),
+    });
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    throw new Away('the server does not answer');
+  }
+  if (response.ok) return response;
+  const problem = (await response.json().catch(() => ({}))) as Partial<Schemas['Problem']>;
+  throw new Refused(response.status, problem.detail ?? `the server answered ${response.status}`, problem.field ?? undefined);
+}
+
+export async function robot(): Promise<RobotDocument> {
+  return (await ask('robot')).json() as Promise<RobotDocument>;
+}
+
+export function modelChoice(virtualization: string, solver: string, metric: Metric): ModelChoice {
+  const choice = { virtualization, solver } as ModelChoice;
+  return typeof metric === 'number'
+    ? { ...choice, characteristic_length_m: metres(metric) }
+    : { ...choice, metric };
+}
+
+export function apiCommand(command: Command): Timed {
+  if (command.kind === 'rods') return { kind: 'rods', rods_m: command.rods_mm.map(metres) };
+  const height = { kind: command.height_kind, value_m: metres(command.height_mm) };
+  return command.kind === 'tilt'
+    ? { kind: 'tilt', yaw_rad: radians(command.yaw_deg), pitch_rad: radians(command.pitch_deg), height }
+    : { kind: 'tilt_xy', about_x_rad: radians(command.about_x_deg), about_y_rad: radians(command.about_y_deg), height };
+}
+
+/** One pose under several models; a height of the platform's centre is that of the first. */
+export async function pose(command: Timed, models: ModelChoice[], bounds: boolean): Promise<PoseDocument> {
+  return (await ask('pose', { command, models, mobility: true, bounds })).json() as Promise<PoseDocument>;
+}
+
+/** What is plotted of a motion, or moves the robot. */
+const QUANTITIES = ['rods', 'sides', 'virtual_joints', 'origin', 'twist'];
+
+/** The series of a motion under one model, as a stream in Arrow's format. */
+export async function study(motion: Motion, model: ModelChoice, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
+  const response = await ask('study', { motion: apiMotion(motion), model, quantities: QUANTITIES }, signal);
+  if (!response.body) throw new Away('the server sent no samples');
+  return response.body;
+}
+
+/** The same as a file; as Parquet only where the server was built with it. */
+export async function studyFile(motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
+  return (await ask(`study.${kind}`, { motion: apiMotion(motion), model })).blob();
+}
+
+/** What `jointplay forward --format json` prints of these rods. */
+export async function forward(rods_m: number[], model: ModelChoice): Promise<Blob> {
+  return (await ask('forward', { rods_m, model, ignore_limits: true })).blob();
+}
+
+/** Samples a second of a motion through key poses: as many as a screen shows. */
+export const KEY_RATE_HZ = 60;
+
+function apiMotion(motion: Motion): Schemas['StudyRequest']['motion'] {
+  if (motion.kind === 'key-poses')
+    return {
+      kind: 'keys',
+      rate_hz: KEY_RATE_HZ,
+      keys: motion.poses.map(({ about_x_deg, about_y_deg, height_mm, seconds }) => ({
+        about_x_rad: radians(about_x_deg),
+        about_y_rad: radians(about_y_deg),
+        axis_height_m: metres(height_mm),
+        duration_s: seconds,
+      })),
+    };
+  return {
+    kind: motion.kind,
+    yaw_deg: { from: 0, to: 360, step: motion.yaw_step_deg },
+    pitch_deg: { from: motion.pitch_from_deg, to: motion.pitch_to_deg, step: motion.pitch_step_deg },
+    axis_height_m: metres(motion.height_mm),
+  };
+}

@@ -1,0 +1,76 @@
+// What a person has chosen: all that undo, the link and the settings hold.
+// Lengths are in mm and angles in degrees, as they are typed and shown.
+
+export const VIRTUALIZATIONS = ['radial', 'polar', 'offset', 'planar'] as const;
+export type Virtualization = (typeof VIRTUALIZATIONS)[number];
+
+export const SOLVERS = ['newton', 'least-norm', 'closed-form'] as const;
+export type Solver = (typeof SOLVERS)[number];
+
+/** `paper` is 1 mm, `radius` the mean socket radius, a number a length in mm. */
+export type Metric = 'paper' | 'radius' | number;
+
+export type HeightKind = 'axis' | 'center';
+
+export type Command =
+  | { kind: 'tilt'; yaw_deg: number; pitch_deg: number; height_mm: number; height_kind: HeightKind }
+  | { kind: 'tilt_xy'; about_x_deg: number; about_y_deg: number; height_mm: number; height_kind: HeightKind }
+  | { kind: 'rods'; rods_mm: [number, number, number] };
+
+export interface KeyPose {
+  about_x_deg: number;
+  about_y_deg: number;
+  height_mm: number;
+  /** Time to get here from the pose before. */
+  seconds: number;
+}
+
+export type Motion =
+  | {
+      kind: 'raster' | 'serpentine';
+      yaw_step_deg: number;
+      pitch_from_deg: number;
+      pitch_to_deg: number;
+      pitch_step_deg: number;
+      height_mm: number;
+    }
+  | { kind: 'key-poses'; poses: KeyPose[] };
+
+/** What is drawn beside the robot itself. */
+export interface Shown {
+  joints: boolean;
+  ghost: boolean;
+  arrows: boolean;
+  frames: boolean;
+  labels: boolean;
+}
+
+export interface Document {
+  command: Command;
+  model: Virtualization;
+  solver: Solver;
+  metric: Metric;
+  exaggeration: number;
+  shown: Shown;
+  motion: Motion | null;
+}
+
+export const EXAGGERATION = { min: 1, max: 2000 } as const;
+
+/** The study of the paper, its VI; the yaw step is ours, the paper prints none. */
+export function paperStudy(height_mm: number): Motion {
+  return { kind: 'raster', yaw_step_deg: 10, pitch_from_deg: -2, pitch_to_deg: 2, pitch_step_deg: 0.2, height_mm };
+}
+
+/** The scene that explains the paper at a glance. */
+export function firstDocument(height_mm: number): Document {
+  return {
+    command: { kind: 'tilt', yaw_deg: 0, pitch_deg: 1.5, height_mm, height_kind: 'axis' },
+    model: 'polar',
+    solver: 'newton',
+    metric: 'paper',
+    exaggeration: 500,
+    shown: { joints: true, ghost: false, arrows: true, frames: true, labels: true },
+    motion: null,
+  };
+}

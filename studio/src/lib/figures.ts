@@ -1,0 +1,41 @@
+// The plots, and the paper's figures among them.
+
+import type { Quantity } from './columns';
+import type { Virtualization } from './document';
+
+export interface PlotKind {
+  id: string;
+  title: string;
+  quantity: Quantity;
+  /** What of the values is shown: lengths in mm or µm, angles in degrees or mrad. */
+  unit: 'mm' | 'µm' | 'mrad' | '°';
+}
+
+export const PLOTS: PlotKind[] = [
+  { id: 'rods', title: 'Rods q', quantity: 'rods', unit: 'mm' },
+  { id: 'linear', title: 'X, linear', quantity: 'virtual_linear', unit: 'mm' },
+  { id: 'angular', title: 'X, angular', quantity: 'virtual_angular', unit: '°' },
+  { id: 'sides', title: 'Sides L', quantity: 'sides', unit: 'mm' },
+  { id: 'shift', title: 'Centre shift', quantity: 'center_shift', unit: 'µm' },
+  { id: 'twist', title: 'Twist τ', quantity: 'twist', unit: 'mrad' },
+];
+
+export interface PaperFigure {
+  number: number;
+  title: string;
+  plot: string;
+  model: Virtualization;
+}
+
+export const FIGURES: PaperFigure[] = [
+  { number: 5, title: 'rods q', plot: 'rods', model: 'polar' },
+  { number: 6, title: 'l of the polar model', plot: 'linear', model: 'polar' },
+  { number: 7, title: 'φ of the polar model', plot: 'angular', model: 'polar' },
+  { number: 8, title: 'sides L, polar model', plot: 'sides', model: 'polar' },
+  { number: 9, title: 'dr of the offset model', plot: 'linear', model: 'offset' },
+  { number: 10, title: 'dφ of the offset model', plot: 'angular', model: 'offset' },
+  { number: 11, title: 'sides L, offset model', plot: 'sides', model: 'offset' },
+];
+
+/** SI to the unit of a plot. */
+export const FACTORS: Record<PlotKind['unit'], number> = { mm: 1e3, µm: 1e6, mrad: 1e3, '°': 180 / Math.PI };

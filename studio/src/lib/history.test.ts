@@ -1,0 +1,37 @@
+import { expect, test } from 'vitest';
+import { History } from './history';
+
+test('steps go back and forth', () => {
+  const history = new History({ at: 0 });
+  expect(history.undo()).toBeUndefined();
+  history.commit({ at: 1 });
+  history.commit({ at: 2 });
+  expect(history.undo()).toEqual({ at: 1 });
+  expect(history.undo()).toEqual({ at: 0 });
+  expect(history.canUndo).toBe(false);
+  expect(history.redo()).toEqual({ at: 1 });
+  expect(history.present).toEqual({ at: 1 });
+});
+
+test('a new step drops what was undone', () => {
+  const history = new History(0);
+  history.commit(1);
+  history.undo();
+  history.commit(2);
+  expect(history.canRedo).toBe(false);
+  expect(history.undo()).toBe(0);
+});
+
+test('no change is no step', () => {
+  const history = new History({ at: [1, 2] });
+  expect(history.commit({ at: [1, 2] })).toBe(false);
+  expect(history.canUndo).toBe(false);
+});
+
+test('the oldest steps are forgotten', () => {
+  const history = new History(0, 2);
+  for (const value of [1, 2, 3]) history.commit(value);
+  expect(history.undo()).toBe(2);
+  expect(history.undo()).toBe(1);
+  expect(history.undo()).toBeUndefined();
+});

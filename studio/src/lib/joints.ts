@@ -1,0 +1,50 @@
+import type { RobotDocument } from '../api/client';
+import { degrees, fixed, length, angle, small, smallAngle, type LengthUnit } from './units';
+
+const SYMBOLS: Record<string, string> = { phi: 'φ', dphi: 'dφ' };
+const SUBSCRIPTS = '₁₂₃';
+
+export function symbol(name: string, limb: number): string {
+  return `${SYMBOLS[name] ?? name}${SUBSCRIPTS[limb] ?? `_${limb + 1}`}`;
+}
+
+export interface JointRow {
+  symbol: string;
+  limb: number;
+  /** Its coordinate. */
+  value: string;
+  /** How far it is from where it was built. */
+  moved: string;
+}
+
+/** The virtual joints of a model, as a table for people. */
+export function jointRows(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): JointRow[] {
+  const joints = robot.virtualizations.find(({ name }) => name === model)?.joints ?? [];
+  return joints.map((joint, i) => {
+    const value = values[i] as number;
+    const moved = value - joint.nominal;
+    const slides = joint.motion === 'linear';
+    return {
+      symbol: symbol(joint.symbol, joint.limb),
+      limb: joint.limb,
+      value: slides ? length(value, unit, 4) : angle(value, 4),
+      moved: slides ? small(moved, unit, 1, true) : turned(moved),
+    };
+  });
+}
+
+/** Beside each limb, what its virtual joints do. */
+export function jointLabels(robot: RobotDocument, model: string, values: number[], unit: LengthUnit): string[] {
+  const rows = jointRows(robot, model, values, unit);
+  return robot.limbs.map((_, limb) =>
+    rows
+      .filter((row) => row.limb === limb)
+      .map((row) => `${row.symbol} ${row.moved}`)
+      .join('  '),
+  );
+}
+
+/** Small turns in µrad; the offset model's direction can be any. */
+function turned(rad: number): string {
+  return Math.abs(rad) < 0.01 ? smallAngle(rad, true) : `${fixed(degrees(rad), 1)}°`;
+}

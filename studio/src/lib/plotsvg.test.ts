@@ -1,0 +1,28 @@
+import { expect, test } from 'vitest';
+import { plotSvg, ticks } from './plotsvg';
+
+test('ticks are round and within', () => {
+  const cases: [number, number, number, number[]][] = [
+    [0, 10, 5, [0, 2, 4, 6, 8, 10]],
+    [-0.25, 0.25, 5, [-0.2, -0.1, 0, 0.1, 0.2]],
+    [93.218, 93.2464, 3, [93.22, 93.23, 93.24]],
+    [1, 1, 4, [1]],
+  ];
+  for (const [low, high, about, expected] of cases) {
+    const found = ticks(low, high, about);
+    expect(found).toHaveLength(expected.length);
+    found.forEach((value, i) => expect(value).toBeCloseTo(expected[i]!, 9));
+  }
+});
+
+test('a plot names what it shows, and its points are where they belong', () => {
+  const svg = plotSvg({
+    title: 'Rods <q>',
+    x: { title: 'sample', range: [0, 10] },
+    y: { title: 'mm', range: [0, 1] },
+    series: [{ name: 'q₁', colour: '#0072b2', dash: [8, 4], points: [[0, 0], [10, 1]] }],
+  });
+  expect(svg).toContain('Rods &lt;q>');
+  expect(svg).toContain('d="M84 312L704 34"');
+  expect(svg).toContain('stroke-dasharray="8 4"');
+});

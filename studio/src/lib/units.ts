@@ -1,0 +1,63 @@
+// How numbers are written for people. The server speaks metres and radians.
+
+export type LengthUnit = 'mm' | 'inch';
+
+const DEGREE = Math.PI / 180;
+const INCH_MM = 25.4;
+
+export const metres = (mm: number): number => shifted(mm, -3);
+export const millimetres = (m: number): number => shifted(m, 3);
+export const radians = (deg: number): number => deg * DEGREE;
+export const degrees = (rad: number): number => rad / DEGREE;
+
+/** The decimal point moved, not the bits: 93.218 mm is the number that 0.093218 is. */
+function shifted(value: number, places: number): number {
+  const [digits, exponent = '0'] = String(value).split('e');
+  return Number(`${digits}e${Number(exponent) + places}`);
+}
+
+/** A number with so many decimals, with a true minus sign and no negative zero. */
+export function fixed(value: number, decimals: number): string {
+  if (!Number.isFinite(value)) return '–';
+  const text = value.toFixed(decimals);
+  return /^-0\.?0*$/.test(text) ? text.slice(1) : text.replace('-', '−');
+}
+
+export function signed(value: number, decimals: number): string {
+  const text = fixed(value, decimals);
+  return text.startsWith('−') || /^0\.?0*$/.test(text) || text === '–' ? text : `+${text}`;
+}
+
+/** A length in m, to the hundredth of a µm where that matters. */
+export function length(m: number, unit: LengthUnit, decimals = 3): string {
+  return unit === 'mm' ? `${fixed(m * 1000, decimals)} mm` : `${fixed((m * 1000) / INCH_MM, decimals + 2)} in`;
+}
+
+/** A small length in m: µm, or thousandths of an inch. */
+export function small(m: number, unit: LengthUnit, decimals = 1, plus = false): string {
+  const write = plus ? signed : fixed;
+  return unit === 'mm' ? `${write(m * 1e6, decimals)} µm` : `${write((m * 1e6) / 25.4, decimals + 1)} mil`;
+}
+
+/** An angle in rad. */
+export function angle(rad: number, decimals = 3): string {
+  return `${fixed(rad / DEGREE, decimals)}°`;
+}
+
+/** A small angle in rad, in µrad. */
+export function smallAngle(rad: number, plus = false): string {
+  return `${(plus ? signed : fixed)(rad * 1e6, 1)} µrad`;
+}
+
+/** Ten to a whole power, as on a logarithmic axis. */
+export function power(exponent: number): string {
+  const digits = '⁰¹²³⁴⁵⁶⁷⁸⁹';
+  const text = [...String(Math.abs(exponent))].map((digit) => digits[Number(digit)]).join('');
+  return `10${exponent < 0 ? '⁻' : ''}${text}`;
+}
+
+/** Seconds as minutes and seconds. */
+export function clock(seconds: number): string {
+  const minutes = Math.floor(seconds / 60);
+  return `${minutes}:${fixed(seconds - 60 * minutes, 1).padStart(4, '0')}`;
+}

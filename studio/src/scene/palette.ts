@@ -1,0 +1,63 @@
+// Colours of models and of the scene. Models keep the colours of the project's printed figures, safe for the colour-blind.
+
+export type Theme = 'light' | 'dark';
+
+export const MODEL_COLOURS: Record<Theme, Record<string, string>> = {
+  light: { radial: '#1b1b1b', polar: '#e69f00', offset: '#56b4e9', planar: '#cc79a7', approximate: '#787878' },
+  dark: { radial: '#f2f2f2', polar: '#e69f00', offset: '#56b4e9', planar: '#d98cb6', approximate: '#9a9a9a' },
+};
+
+export interface SceneColours {
+  background: string;
+  ink: string;
+  paper: string;
+  base: number;
+  guide: number;
+  rod: number;
+  ball: number;
+  platform: number;
+  ghost: number;
+  grid: number;
+  handle: number;
+  handleActive: number;
+  shadow: number;
+  axes: [string, string, string];
+  light: number;
+}
+
+export const SCENE: Record<Theme, SceneColours> = {
+  light: {
+    background: '#eef2f6',
+    ink: '#1c2733',
+    paper: '#ffffff',
+    base: 0x5d6b79,
+    guide: 0x8794a1,
+    rod: 0xb9c3cc,
+    ball: 0xd6dde3,
+    platform: 0x6f9ac2,
+    ghost: 0x6f7b87,
+    grid: 0xc6d0da,
+    handle: 0x2a6fb0,
+    handleActive: 0xd55e00,
+    shadow: 0.2,
+    axes: ['#b3261e', '#1e7d34', '#1f5fb4'],
+    light: 1,
+  },
+  dark: {
+    background: '#141a21',
+    ink: '#e6edf3',
+    paper: '#0b1016',
+    base: 0x46525e,
+    guide: 0x6a7784,
+    rod: 0x9aa6b1,
+    ball: 0xc4ced7,
+    platform: 0x4f7da8,
+    ghost: 0xaab4be,
+    grid: 0x2a3440,
+    handle: 0x6db3f2,
+    handleActive: 0xff9d4d,
+    shadow: 0.45,
+    axes: ['#ff8a80', '#7ddf92', '#82b8ff'],
+    light: 0.85,
+  },
+};

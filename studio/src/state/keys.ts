@@ -1,0 +1,100 @@
+// The keyboard: one table, from which the help sheet is made as well.
+
+import { EXAGGERATION, VIRTUALIZATIONS } from '../lib/document';
+import { STANDARD_VIEWS, type StandardView } from '../scene/viewer';
+import { layout } from './layout.svelte';
+import { scene } from './scene.svelte';
+import { studio } from './studio.svelte';
+
+export interface Shortcut {
+  keys: string[];
+  says: string;
+  group: 'Motion' | 'Robot' | 'Play' | 'View' | 'Page';
+  does: (event: KeyboardEvent) => void;
+}
+
+const view = (side: StandardView) => () => scene.viewer?.look(side);
+const sides = Object.keys(STANDARD_VIEWS) as StandardView[];
+
+function exaggerate(factor: number): void {
+  const to = Math.min(Math.max(studio.document.exaggeration * factor, EXAGGERATION.min), EXAGGERATION.max);
+  studio.exaggerate(Math.round(to));
+  void studio.commit();
+}
+
+function nudge(x_deg: number, y_deg: number, height_mm: number): void {
+  const from = studio.commandAs('tilt_xy');
+  if (from?.kind !== 'tilt_xy') return;
+  studio.jog({
+    ...from,
+    about_x_deg: from.about_x_deg + x_deg,
+    about_y_deg: from.about_y_deg + y_deg,
+    height_mm: from.height_mm + height_mm,
+  });
+  void studio.commit();
+}
+
+export const SHORTCUTS: Shortcut[] = [
+  { group: 'Motion', keys: [' '], says: 'play or pause', does: () => studio.player.toggle() },
+  { group: 'Motion', keys: ['ArrowRight'], says: 'next sample', does: (event) => studio.player.step(event.shiftKey ? 10 : 1) },
+  { group: 'Motion', keys: ['ArrowLeft'], says: 'sample before (with Shift, ten)', does: (event) => studio.player.step(event.shiftKey ? -10 : -1) },
+  { group: 'Motion', keys: ['Home'], says: 'first sample', does: () => studio.player.seek(0) },
+  { group: 'Motion', keys: ['End'], says: 'last sample', does: () => studio.player.seek(studio.study.count - 1) },
+  { group: 'Motion', keys: ['l'], says: 'loop on or off', does: () => (studio.player.loop = !studio.player.loop) },
+  { group: 'Robot', keys: ['i'], says: 'lean away: −0.1° about x', does: () => nudge(-0.1, 0, 0) },
+  { group: 'Robot', keys: ['k'], says: 'lean near: +0.1° about x', does: () => nudge(0.1, 0, 0) },
+  { group: 'Robot', keys: ['j'], says: 'lean left: −0.1° about y', does: () => nudge(0, -0.1, 0) },
+  { group: 'Robot', keys: [';'], says: 'lean right: +0.1° about y', does: () => nudge(0, 0.1, 0) },
+  { group: 'Robot', keys: ['PageUp'], says: '1 mm up', does: () => nudge(0, 0, 1) },
+  { group: 'Robot', keys: ['PageDown'], says: '1 mm down', does: () => nudge(0, 0, -1) },
+  { group: 'Robot', keys: ['0'], says: 'level', does: () => level() },
+  { group: 'Play', keys: ['+', '='], says: 'draw play larger', does: () => exaggerate(1.25) },
+  { group: 'Play', keys: ['-'], says: 'draw play smaller', does: () => exaggerate(0.8) },
+  { group: 'Play', keys: ['m'], says: 'next model', does: () => nextModel() },
+  { group: 'Play', keys: ['v'], says: 'virtual joints shown or not', does: () => studio.setShown({ joints: !studio.document.shown.joints }) },
+  { group: 'Play', keys: ['g'], says: 'approximate model as a ghost', does: () => studio.setShown({ ghost: !studio.document.shown.ghost }) },
+  { group: 'Play', keys: ['a'], says: 'arrows of the centre shift', does: () => studio.setShown({ arrows: !studio.document.shown.arrows }) },
+  { group: 'Play', keys: ['n'], says: 'numbers in the picture', does: () => studio.setShown({ labels: !studio.document.shown.labels }) },
+  ...sides.map((side, i): Shortcut => ({ group: 'View', keys: [String(i + 1)], says: `view: ${side}`, does: view(side) })),
+  { group: 'View', keys: ['f'], says: 'whole robot in view', does: () => scene.viewer?.fit() },
+  { group: 'View', keys: ['p'], says: 'platform from near', does: () => scene.viewer?.lookAtPlatform() },
+  { group: 'View', keys: ['o'], says: 'orthographic or perspective', does: () => scene.viewer?.toggleProjection() },
+  { group: 'Page', keys: ['?'], says: 'this sheet', does: () => (layout.helpOpen = !layout.helpOpen) },
+  { group: 'Page', keys: ['w'], says: 'why the models differ', does: () => (layout.explainOpen = !layout.explainOpen) },
+  { group: 'Page', keys: ['t'], says: 'light or dark', does: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
+];
+
+function level(): void {
+  const from = studio.commandAs('tilt_xy');
+  if (from?.kind !== 'tilt_xy') return;
+  studio.jog({ ...from, about_x_deg: 0, about_y_deg: 0 });
+  void studio.commit();
+}
+
+function nextModel(): void {
+  const at = VIRTUALIZATIONS.indexOf(studio.document.model);
+  studio.setModel(VIRTUALIZATIONS[(at + 1) % VIRTUALIZATIONS.length] as (typeof VIRTUALIZATIONS)[number]);
+}
+
+export function handleKey(event: KeyboardEvent): void {
+  if (!studio.robot || event.defaultPrevented || event.altKey) return;
+  if (event.ctrlKey || event.metaKey) {
+    const key = event.key.toLowerCase();
+    if (key !== 'z' && key !== 'y') return;
+    event.preventDefault();
+    if (key === 'y' || event.shiftKey) void studio.redo();
+    else void studio.undo();
+    return;
+  }
+  const target = event.target as HTMLElement;
+  const typing = target.closest('input:not([type=checkbox]), select, textarea, dialog[open]');
+  // Sliders take arrows, buttons take space: those keep what they have.
+  if (typing && !(typing instanceof HTMLInputElement && typing.type === 'range' && !/^(Arrow|Home|End|Page)/.test(event.key)))
+    return;
+  if (target.closest('button, summary, [role=tab], [role=slider]') && (event.key === ' ' || event.key === 'Enter')) return;
+  if (target.closest('[role=tab], [role=slider]') && /^(Arrow|Home|End|Page)/.test(event.key)) return;
+  const found = SHORTCUTS.find(({ keys }) => keys.includes(event.key) || keys.includes(event.key.toLowerCase()));
+  if (!found) return;
+  event.preventDefault();
+  found.does(event);
+}

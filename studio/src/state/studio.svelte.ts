@@ -1,0 +1,338 @@
+// What the page knows and shows. Panels read it and call its methods; nothing else changes it.
+
+import * as api from '../api/client';
+import { Away, Refused, type PoseDocument, type RobotDocument } from '../api/client';
+import {
+  firstDocument,
+  VIRTUALIZATIONS,
+  type Command,
+  type Document,
+  type Metric,
+  type Motion,
+  type Shown,
+  type Solver,
+  type Virtualization,
+} from '../lib/document';
+import { History } from '../lib/history';
+import { fromHash, toHash, type View } from '../lib/link';
+import { load, save } from '../lib/settings';
+import { degrees, millimetres, type LengthUnit } from '../lib/units';
+import type { Theme } from '../scene/palette';
+import { measure } from './measure';
+import { Player } from './player.svelte';
+import { Study } from './study.svelte';
+
+export type Connection = 'starting' | 'here' | 'away';
+export type ThemeChoice = 'system' | Theme;
+
+const RETRY_MS = 1000;
+const LINK = 'link';
+
+export class Studio {
+  robot = $state.raw<RobotDocument | null>(null);
+  pose = $state.raw<PoseDocument | null>(null);
+  document = $state.raw<Document>(firstDocument(500));
+  connection = $state<Connection>('starting');
+  /** Why the robot stays where it is, or another thing to tell. */
+  notice = $state<string | null>(null);
+  canUndo = $state(false);
+  canRedo = $state(false);
+  unit = $state<LengthUnit>('mm');
+  themeChoice = $state<ThemeChoice>('system');
+  systemTheme = $state<Theme>('light');
+  theme = $derived<Theme>(this.themeChoice === 'system' ? this.systemTheme : this.themeChoice);
+  /** What the link said about the view; the viewer takes it when it is there. */
+  linkedView: View | null = null;
+  /** Says where the eye is, once there is a viewer. */
+  readView: (() => View) | null = null;
+  readonly study = new Study();
+  readonly player = new Player(this);
+
+  #history = new History<Document>(this.document);
+  #good: Command = this.document.command;
+  #wanted: { command: api.Timed; jog: boolean } | null = null;
+  #asking: Promise<void> | null = null;
+  #steps = Promise.resolve();
+  #retry: ReturnType<typeof setTimeout> | undefined;
+  #linkTimer: ReturnType<typeof setTimeout> | undefined;
+
+  async start(): Promise<void> {
+    const dark = window.matchMedia('(prefers-color-scheme: dark)');
+    this.systemTheme = dark.matches ? 'dark' : 'light';
+    dark.addEventListener('change', () => (this.systemTheme = dark.matches ? 'dark' : 'light'));
+    this.unit = load('unit', 'mm', (value) => value === 'mm' || value === 'inch');
+    this.themeChoice = load('theme', 'system', (value) => ['system', 'light', 'dark'].includes(value as string));
+    // Not the address of now: the page may have written its own in the meantime.
+    window.addEventListener('hashchange', ({ newURL }) => this.#follow(new URL(newURL).hash));
+    await this.#connect();
+  }
+
+  async #connect(): Promise<void> {
+    try {
+      const robot = await api.robot();
+      const first = this.robot === null;
+      this.robot = robot;
+      this.connection = 'here';
+      if (first) this.#follow(window.location.hash || load(LINK, '', (value) => typeof value === 'string'));
+      else {
+        this.#ask(this.document.command, true);
+        if (this.document.motion && this.study.state !== 'ready') this.loadStudy();
+      }
+    } catch (error) {
+      this.#failed(error);
+    }
+  }
+
+  #failed(error: unknown): void {
+    if (error instanceof Away) {
+      if (this.connection !== 'starting') this.connection = 'away';
+      clearTimeout(this.#retry);
+      this.#retry = setTimeout(() => void this.#connect(), RETRY_MS);
+      return;
+    }
+    if (error instanceof Refused) this.notice = error.message;
+    else throw error;
+  }
+
+  // The document
+
+  /** Takes over what a link says. */
+  #follow(hash: string): void {
+    clearTimeout(this.#linkTimer);
+    const usual = firstDocument(millimetres(this.robot?.working_height_m ?? 0.5));
+    const { document, view, sample } = fromHash(hash, usual);
+    this.document = document;
+    this.#good = document.command;
+    this.#history = new History(document);
+    this.#mark();
+    this.linkedView = view;
+    this.#ask(document.command, true);
+    this.player.sample = null;
+    if (document.motion) void this.loadStudy().then(() => sample !== null && this.player.seek(sample));
+    else this.study.clear();
+  }
+
+  #mark(): void {
+    this.canUndo = this.#history.canUndo;
+    this.canRedo = this.#history.canRedo;
+  }
+
+  /** Ends a change: all since the last is one step of undo. */
+  commit(): Promise<void> {
+    return this.#then(() => {
+      if (this.#history.commit(this.document)) this.#mark();
+      this.rememberLink();
+    });
+  }
+
+  undo(): Promise<void> {
+    return this.#then(() => this.#restore(this.#history.undo()));
+  }
+
+  redo(): Promise<void> {
+    return this.#then(() => this.#restore(this.#history.redo()));
+  }
+
+  /** Steps of undo are made and taken in the order they were asked for, each when the robot has come to rest. */
+  #then(step: () => void): Promise<void> {
+    this.#steps = this.#steps.then(() => this.settled()).then(step);
+    return this.#steps;
+  }
+
+  #restore(document: Document | undefined): void {
+    if (!document) return;
+    const before = this.document;
+    this.document = document;
+    this.notice = null;
+    this.player.leave();
+    this.#mark();
+    this.#ask(document.command, true);
+    this.#renewStudy(before);
+    this.rememberLink();
+  }
+
+  #change(part: Partial<Document>): void {
+    const before = this.document;
+    this.document = { ...before, ...part };
+    this.#renewStudy(before);
+    void this.commit();
+  }
+
+  #renewStudy(before: Document): void {
+    const now = this.document;
+    const key = (one: Document) => JSON.stringify([one.motion, one.model, one.solver, one.metric]);
+    if (key(before) === key(now)) return;
+    if (now.motion) void this.loadStudy();
+    else {
+      this.player.leave();
+      this.study.clear();
+    }
+  }
+
+  setModel(model: Virtualization): void {
+    this.#change({ model });
+    this.#again();
+  }
+
+  setSolver(solver: Solver): void {
+    this.#change({ solver });
+    this.#again();
+  }
+
+  setMetric(metric: Metric): void {
+    this.#change({ metric });
+    this.#again();
+  }
+
+  setShown(part: Partial<Shown>): void {
+    this.#change({ shown: { ...this.document.shown, ...part } });
+  }
+
+  /** While a slider moves; `commit` ends it. */
+  exaggerate(exaggeration: number): void {
+    this.document = { ...this.document, exaggeration };
+  }
+
+  setMotion(motion: Motion | null, also: Partial<Document> = {}): void {
+    this.player.leave();
+    this.#change({ motion, ...also });
+    this.#again();
+  }
+
+  // Moving
+
+  /** What the robot is told at the moment, be it by hand or by the motion. */
+  get command(): Command {
+    return this.document.command;
+  }
+
+  /** Moves the robot by hand; it stays where it was if a limit is in the way. */
+  jog(command: Command): void {
+    if (this.player.sample !== null) this.player.leave();
+    this.document = { ...this.document, command };
+    this.#ask(command, true);
+  }
+
+  /** Shows a sample of the motion. */
+  showSample(command: api.Timed): void {
+    this.#wanted = { command, jog: false };
+    this.#asking ??= this.#work();
+  }
+
+  /** Resolves when the last thing asked has been answered. */
+  async settled(): Promise<void> {
+    while (this.#asking) await this.#asking;
+  }
+
+  #again(): void {
+    if (this.player.sample === null) this.#ask(this.document.command, true);
+    else this.player.seek(this.player.sample);
+  }
+
+  #ask(command: Command, jog: boolean): void {
+    this.#wanted = { command: api.apiCommand(command), jog };
+    this.#asking ??= this.#work();
+  }
+
+  /** Asks for what is wanted, always the newest, one request at a time. */
+  async #work(): Promise<void> {
+    measure.settled = false;
+    try {
+      while (this.#wanted) {
+        const { command, jog } = this.#wanted;
+        const told = this.document.command;
+        this.#wanted = null;
+        const { model, solver, metric } = this.document;
+        const order = [model, ...VIRTUALIZATIONS.filter((name) => name !== model)];
+        const models = order.map((name) => api.modelChoice(name, solver, metric));
+        try {
+          const answer = await api.pose(command, models, true);
+          const broken = answer.limits_broken;
+          if (jog && broken.length > 0) {
+            this.#stay(told, broken.map(({ message }) => message).join('; '));
+            // At the very first there is no good pose to stay at: better one beyond the limits than none.
+            if (!this.pose) this.pose = answer;
+            continue;
+          }
+          if (jog) this.#good = told;
+          if (jog && !this.#wanted) this.notice = null;
+          this.pose = answer;
+        } catch (error) {
+          if (error instanceof Refused && jog) this.#stay(told, error.message);
+          else this.#failed(error);
+        }
+      }
+    } finally {
+      this.#asking = null;
+      measure.settled = true;
+    }
+  }
+
+  #stay(told: Command, why: string): void {
+    this.notice = why;
+    if (this.document.command !== told) return;
+    this.document = { ...this.document, command: this.#good };
+    // The panel that asked goes on in its own terms.
+    const command = this.commandAs(told.kind);
+    if (command) this.document = { ...this.document, command };
+  }
+
+  /** Where the robot is, as a command of the kind wanted: what a panel starts from. */
+  commandAs(kind: Command['kind'], height_kind: 'axis' | 'center' = 'axis'): Command | null {
+    const { pose } = this;
+    if (!pose) return null;
+    if (kind === this.document.command.kind && this.player.sample === null) {
+      const { command } = this.document;
+      if (command.kind === 'rods' || command.height_kind === height_kind) return command;
+    }
+    const round = (value: number) => Math.round(value * 1e6) / 1e6;
+    if (kind === 'rods') return { kind, rods_mm: pose.rods_m.map((q) => round(millimetres(q))) as [number, number, number] };
+    const center = pose.models[0]?.answer?.pose.origin_m[2];
+    const height_m = height_kind === 'center' && center !== undefined ? center : pose.axis_height_m;
+    const height_mm = round(millimetres(height_m));
+    const { yaw_rad, pitch_rad, about_x_rad, about_y_rad } = pose.tilt;
+    return kind === 'tilt'
+      ? { kind, yaw_deg: round(degrees(yaw_rad)), pitch_deg: round(degrees(pitch_rad)), height_mm, height_kind }
+      : { kind, about_x_deg: round(degrees(about_x_rad)), about_y_deg: round(degrees(about_y_rad)), height_mm, height_kind };
+  }
+
+  // Motion
+
+  async loadStudy(): Promise<void> {
+    const { motion, model, solver, metric } = this.document;
+    if (!motion) return;
+    try {
+      await this.study.load(motion, api.modelChoice(model, solver, metric));
+    } catch (error) {
+      this.#failed(error);
+    }
+  }
+
+  // The link and the settings
+
+  get link(): string {
+    const { document } = this;
+    return toHash({ document, view: this.readView?.() ?? null, sample: this.player.sample });
+  }
+
+  rememberLink(): void {
+    clearTimeout(this.#linkTimer);
+    this.#linkTimer = setTimeout(() => {
+      const { link } = this;
+      window.history.replaceState(null, '', link);
+      save(LINK, link);
+    }, 250);
+  }
+
+  setUnit(unit: LengthUnit): void {
+    this.unit = unit;
+    save('unit', unit);
+  }
+
+  setTheme(theme: ThemeChoice): void {
+    this.themeChoice = theme;
+    save('theme', theme);
+  }
+}
+
+export const studio = new Studio();

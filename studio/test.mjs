@@ -1,0 +1,70 @@
+// Builds the studio's page and tests it: types, logic, and in a real browser against the real server.
+//
+// Run by `cargo xtask page`. Everything it makes is in `studio/node_modules`, `studio/dist` and `target`;
+// where this machine has no Chromium, Debian's is installed.
+
+import { spawnSync } from 'node:child_process';
+import { createHash } from 'node:crypto';
+import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { resolve } from 'node:path';
+
+const STUDIO = import.meta.dirname;
+const ROOT = resolve(STUDIO, '..');
+const HOME = resolve(ROOT, 'target/page');
+const CHROMIUMS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+
+const say = (text) => console.log(`--- ${text}`);
+
+function run(command, words, options = {}) {
+  const { status, error } = spawnSync(command, words, { stdio: 'inherit', cwd: STUDIO, ...options });
+  if (status === 0) return;
+  say(`failed: ${command} ${words.join(' ')}${error ? `: ${error.message}` : ''}`);
+  process.exit(1);
+}
+
+/** The page's packages, as the lock file says; installed anew only when that has changed. */
+function packages() {
+  const lock = createHash('sha256').update(readFileSync(resolve(STUDIO, 'package-lock.json'))).digest('hex');
+  const stamp = resolve(STUDIO, 'node_modules/.installed');
+  if (existsSync(stamp) && readFileSync(stamp, 'utf8') === lock) return;
+  say('npm ci');
+  run('npm', ['ci', '--no-progress'], { env: { ...process.env, npm_config_cache: resolve(HOME, 'npm') } });
+  writeFileSync(stamp, lock);
+}
+
+/** The command that serves the page. */
+function command() {
+  run(process.env.CARGO ?? 'cargo', ['build', '--quiet', '--package', 'jointplay-cli'], { cwd: ROOT });
+  const target = process.env.CARGO_TARGET_DIR ?? resolve(ROOT, 'target');
+  return resolve(target, 'debug', process.platform === 'win32' ? 'jointplay.exe' : 'jointplay');
+}
+
+/** A Chromium of this machine; Debian's, installed now, where there is none. */
+function chromium() {
+  const known = () => [process.env.CHROMIUM, ...CHROMIUMS].find((path) => path && existsSync(path));
+  if (!known() && existsSync('/usr/bin/apt-get')) {
+    say('no Chromium here: installing Debian’s by apt-get');
+    const sudo = process.getuid?.() === 0 ? [] : ['sudo'];
+    const apt = (...words) => run([...sudo, 'apt-get'][0], [...sudo, 'apt-get', ...words].slice(1), { env: { ...process.env, DEBIAN_FRONTEND: 'noninteractive' } });
+    apt('update', '-qq');
+    apt('install', '-y', '-qq', '--no-install-recommends', 'chromium');
+  }
+  const found = known();
+  if (!found) {
+    say('no Chromium found: install one, and name its path in CHROMIUM');
+    process.exit(1);
+  }
+  return found;
+}
+
+mkdirSync(HOME, { recursive: true });
+const start = Date.now();
+const seconds = () => `${((Date.now() - start) / 1000).toFixed(0)} s`;
+packages();
+for (const script of ['build', 'check', 'test']) {
+  say(script);
+  run('npm', ['run', '--silent', script]);
+}
+say(`built and checked after ${seconds()}; now in the browser`);
+run('npm', ['run', '--silent', 'e2e'], { env: { ...process.env, JOINTPLAY_COMMAND: command(), CHROMIUM: chromium() } });
+say(`the studio's page passed in ${seconds()}`);
