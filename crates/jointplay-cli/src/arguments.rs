@@ -34,6 +34,12 @@ impl RobotArgs {
         robot::parse(&text)
             .map_err(|error| Failure::Robot(error.with_excerpt(&path.display().to_string())))
     }
+
+    /// The robot file, if there is one.
+    #[cfg(feature = "studio")]
+    pub(crate) fn file(&self) -> Option<&Path> {
+        self.robot.as_deref()
+    }
 }
 
 /// The text of a file, refused where it is longer than `allowed` bytes.

@@ -29,7 +29,7 @@ pub struct Svd {
 /// Decomposes any finite matrix.
 ///
 /// # Errors
-/// [`Error::NotFinite`] for a NaN or an infinity, [`Error::SvdNotConverged`] if the iteration fails (never seen).
+/// [`Error::NotFinite`] for a NaN or an infinity, [`Error::SvdNotConverged`] if the iteration fails on the matrix and on its reflection (never seen).
 ///
 /// # Numerics
 /// Bidiagonalisation and implicit QR, or divide and conquer for large matrices, after scaling by a power of two so that squares neither overflow nor vanish.
@@ -52,14 +52,29 @@ pub fn svd(a: &DMatrix<f64>) -> Result<Svd, Error> {
     }
     let scale = power_of_two_near(largest);
     let scaled = faer::Mat::from_fn(m, n, |i, j| a[(i, j)] / scale);
-    let found = scaled.svd().map_err(|_| Error::SvdNotConverged { rows: m, columns: n })?;
+    // The iteration can get stuck on a matrix, and then goes through what a reflection makes of it.
+    let (found, reflected) = match scaled.svd() {
+        Ok(found) => (found, false),
+        Err(_) => {
+            let error = Error::SvdNotConverged { rows: m, columns: n };
+            ((reflection(m) * &scaled).svd().map_err(|_| error)?, true)
+        }
+    };
     let values = found.S().column_vector();
     let (u, v) = (found.U(), found.V());
+    let u = if reflected { reflection(m) * u } else { u.to_owned() };
     Ok(Svd {
         u: DMatrix::from_fn(m, m, |i, j| u[(i, j)]),
         singular_values: DVector::from_fn(m.min(n), |k, _| values[k] * scale),
         v: DMatrix::from_fn(n, n, |i, j| v[(i, j)]),
     })
+}
+
+/// (n, n) a symmetric orthogonal matrix with no entry near zero off its diagonal: I − 2 w wᵀ/wᵀw, w = (1, 1/2, 1/3, …).
+fn reflection(n: usize) -> faer::Mat<f64> {
+    let w = |i: usize| 1.0 / (i as f64 + 1.0);
+    let squared: f64 = (0..n).map(|i| w(i) * w(i)).sum();
+    faer::Mat::from_fn(n, n, |i, j| f64::from(i == j) - 2.0 * w(i) * w(j) / squared)
 }
 
 fn power_of_two_near(value: f64) -> f64 {

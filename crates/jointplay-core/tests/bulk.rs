@@ -293,6 +293,20 @@ fn rods_that_make_no_pose() {
     }
 }
 
+/// A pose whose sensitivity is made of a 12×3 matrix on which faer 0.24 does not converge.
+#[test]
+fn a_matrix_on_which_the_iteration_gets_stuck() {
+    let (radius, angle) = (0.084_934_567_122_908_13, 0.015_040_788_630_096_358);
+    let limbs = [0.0, 1.0, 2.0].map(|k| Limb::under_socket(radius, angle + k * TAU / 3.0));
+    let limits = Limits { rod_min: 0.2, rod_max: 0.8, tilt_max: 0.1 };
+    let gpr = Gpr::new(limbs, limits, 0.5).unwrap();
+    let tilt = Tilt { yaw: 1.678_717_274_536_944_5, pitch: 4.631_782_060_479_133e-7 };
+    let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
+    for model in built_in() {
+        check(&gpr, &[rods], model, &SolveOptions::default());
+    }
+}
+
 /// Weights of an angle that make the sides nearly dependent, and exactly so.
 #[test]
 fn metrics_out_of_proportion() {

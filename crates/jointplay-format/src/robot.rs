@@ -6,7 +6,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::explain::explain;
-use crate::place::Form;
+use crate::place::{Form, Place};
 use crate::units::m_from_mm;
 
 /// The file of the paper's robot.
@@ -19,6 +19,56 @@ pub struct Robot {
     pub name: String,
     /// The robot.
     pub gpr: Gpr,
+    /// What its base looks like, in the base frame.
+    pub base_mesh: Option<Mesh>,
+    /// What its platform looks like, in the platform frame.
+    pub platform_mesh: Option<Mesh>,
+}
+
+/// A file of a shape, named in a robot file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Its path, relative to the robot file's folder and within it.
+    pub path: String,
+    /// Which of the formats it is in.
+    pub format: MeshFormat,
+    /// Where it is named.
+    pub place: Place,
+}
+
+/// Formats of shapes: STL and OBJ in mm, glTF in m.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// `.stl`
+    Stl,
+    /// `.obj`
+    Obj,
+    /// `.gltf`, everything within one file
+    Gltf,
+    /// `.glb`
+    Glb,
+}
+
+impl MeshFormat {
+    /// By the ending of a name.
+    fn of(name: &str) -> Option<Self> {
+        match name.rsplit_once('.')?.1.to_ascii_lowercase().as_str() {
+            "stl" => Some(Self::Stl),
+            "obj" => Some(Self::Obj),
+            "gltf" => Some(Self::Gltf),
+            "glb" => Some(Self::Glb),
+            _ => None,
+        }
+    }
+}
+
+impl Mesh {
+    /// That the file cannot be had, and why.
+    #[must_use]
+    pub fn unreadable(&self, why: impl Into<String>) -> Error {
+        let problem = Problem::MeshUnreadable { path: self.path.clone(), why: why.into() };
+        Error { place: self.place.clone(), problem: Box::new(problem) }
+    }
 }
 
 /// Why a text is no robot, and where.
@@ -59,6 +109,28 @@ pub enum Problem {
         /// What was found.
         found: String,
     },
+    /// A shape in a format that is not known.
+    #[error("the mesh {path:?} ends neither in .stl, .obj, .gltf nor .glb")]
+    MeshFormat {
+        /// What was found.
+        path: String,
+    },
+    /// A shape that may lie outside.
+    #[error(
+        "the mesh {path:?} has to be a path within the robot file's folder, with / between names and without `..`"
+    )]
+    MeshPath {
+        /// What was found.
+        path: String,
+    },
+    /// A shape that cannot be had.
+    #[error("the mesh {path:?} cannot be read: {why}")]
+    MeshUnreadable {
+        /// What was found.
+        path: String,
+        /// Why.
+        why: String,
+    },
     /// Not three limbs.
     #[error("a GPR has 3 limbs, but {found} are given")]
     LimbCount {
@@ -75,6 +147,8 @@ pub enum Problem {
 struct File {
     kind: Spanned<String>,
     name: Option<Spanned<String>>,
+    base_mesh: Option<Spanned<String>>,
+    platform_mesh: Option<Spanned<String>>,
     limb: Vec<Spanned<LimbTable>>,
     limits: LimitsTable,
     working: WorkingTable,
@@ -138,6 +212,10 @@ pub fn parse(text: &str) -> Result<Robot, Error> {
         }
         name => name.map_or("GPR", |name| name.get_ref()).to_owned(),
     };
+    let mesh = |named: &Option<Spanned<String>>| {
+        named.as_ref().map(|named| read_mesh(text, named.get_ref(), named.span())).transpose()
+    };
+    let (base_mesh, platform_mesh) = (mesh(&file.base_mesh)?, mesh(&file.platform_mesh)?);
     let mut limbs = Vec::with_capacity(3);
     for limb in &file.limb {
         let limb = limb.get_ref();
@@ -163,7 +241,20 @@ pub fn parse(text: &str) -> Result<Robot, Error> {
     let working_height = m_from_mm(scalar("height_mm", &file.working.height_mm)?);
     let gpr = Gpr::new(limbs, limits, working_height)
         .map_err(|error| wrong(blame(&file, &error), Problem::Geometry(error)))?;
-    Ok(Robot { name, gpr })
+    Ok(Robot { name, gpr, base_mesh, platform_mesh })
+}
+
+fn read_mesh(text: &str, path: &str, span: std::ops::Range<usize>) -> Result<Mesh, Error> {
+    let strange = |letter: char| letter.is_control() || matches!(letter, '\\' | ':');
+    let within = path.split('/').all(|name| !matches!(name, "" | "." | ".."));
+    let path = path.to_owned();
+    if !within || path.contains(strange) {
+        return Err(Error::at(text, span, Problem::MeshPath { path }));
+    }
+    match MeshFormat::of(&path) {
+        Some(format) => Ok(Mesh { path, format, place: Place::of(text, span) }),
+        None => Err(Error::at(text, span, Problem::MeshFormat { path })),
+    }
 }
 
 /// The part of the file that a geometry error is about.
@@ -200,6 +291,26 @@ mod tests {
         );
         let robot = parse(&text).unwrap();
         assert_eq!(robot.gpr.base_points()[0], Vector2::new(0.095, -0.0015));
+    }
+
+    #[test]
+    fn meshes_are_named_within_the_folder() {
+        let with = |line: &str| parse(&PAPER.replacen("kind = \"gpr\"", line, 1));
+        let robot = with("kind = \"gpr\"\nbase_mesh = \"shapes/base.STL\"").unwrap();
+        let mesh = robot.base_mesh.unwrap();
+        assert_eq!((mesh.path.as_str(), mesh.format), ("shapes/base.STL", MeshFormat::Stl));
+        assert_eq!((mesh.place.line, robot.platform_mesh), (7, None));
+        for path in
+            ["../base.stl", "/etc/base.stl", "a/../b.obj", "", "C:/base.stl", "./b.glb", "a//b.glb"]
+        {
+            let error = with(&format!("kind = \"gpr\"\nplatform_mesh = \"{path}\"")).unwrap_err();
+            assert!(error.to_string().contains("within the robot file's folder"), "{error}");
+            assert_eq!(error.place.line, 7);
+        }
+        for path in ["base.step", "base", "stl"] {
+            let error = with(&format!("kind = \"gpr\"\nbase_mesh = \"{path}\"")).unwrap_err();
+            assert!(error.to_string().contains("ends neither in .stl"), "{error}");
+        }
     }
 
     /// Replaces a piece of the paper's file and reads the message.

@@ -15,9 +15,10 @@ use utoipa_axum::routes;
 
 use crate::body::LARGEST_BODY;
 use crate::guard::{self, Guard};
+use crate::meshes::Folder;
 use crate::page;
 use crate::problem::Problem;
-use crate::routes::{compare, forward, inverse, mobility, pose, robot, sensitivity, study};
+use crate::routes::{compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study};
 use crate::work::Work;
 
 /// What all requests share.
@@ -25,11 +26,12 @@ use crate::work::Work;
 pub(crate) struct App {
     pub(crate) robot: Arc<Robot>,
     pub(crate) work: Work,
+    pub(crate) folder: Folder,
 }
 
 impl App {
-    pub(crate) fn new(robot: Robot) -> Self {
-        Self { robot: Arc::new(robot), work: Work::new() }
+    pub(crate) fn new(robot: Robot, folder: Folder) -> Self {
+        Self { robot: Arc::new(robot), work: Work::new(), folder }
     }
 }
 
@@ -47,6 +49,8 @@ struct Description;
 fn api() -> OpenApiRouter<App> {
     OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(robot::robot))
+        .routes(routes!(mesh::base_mesh))
+        .routes(routes!(mesh::platform_mesh))
         .routes(routes!(pose::pose))
         .routes(routes!(forward::forward))
         .routes(routes!(inverse::inverse))

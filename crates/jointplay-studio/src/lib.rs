@@ -12,6 +12,7 @@
 //! | `problem.rs` | what went wrong, as RFC 9457 says it |
 //! | `study.rs` | studies, computed and sent batch by batch |
 //! | `work.rs` | computations kept off the thread that serves |
+//! | `meshes.rs` | shapes from the robot file's folder |
 //! | `page.rs` | the built page, embedded |
 //! | `wire/` | what requests and answers look like |
 //! | `routes/` | one file an endpoint |
@@ -19,6 +20,7 @@
 mod app;
 mod body;
 mod guard;
+mod meshes;
 mod page;
 mod problem;
 mod routes;

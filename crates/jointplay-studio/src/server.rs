@@ -2,12 +2,14 @@
 
 use std::io;
 use std::net::{Ipv4Addr, SocketAddr, TcpListener};
+use std::path::Path;
 use std::time::Duration;
 
-use jointplay::format::robot::Robot;
+use jointplay::format::robot::{self, Robot};
 use tokio::runtime::{Builder, Runtime};
 
 use crate::app::{self, App};
+use crate::meshes::Folder;
 
 /// The port that is taken where none is asked for, if it is free.
 pub const DEFAULT_PORT: u16 = 4816;
@@ -29,6 +31,9 @@ pub enum Error {
         /// What the system says.
         source: io::Error,
     },
+    /// A shape that the robot file names cannot be served.
+    #[error(transparent)]
+    Mesh(#[from] robot::Error),
     /// The system refuses to serve at all.
     #[error("cannot serve: {0}")]
     System(#[from] io::Error),
@@ -46,11 +51,13 @@ impl Server {
     /// Takes a port of this machine, reachable from this machine only.
     ///
     /// # Arguments
+    /// * `folder` – of the robot file, if there is one: shapes that it names are served from there
     /// * `port` – the port to take; without it [`DEFAULT_PORT`], or any free one where that is taken
     ///
     /// # Errors
-    /// [`Error::Port`] if the port asked for cannot be had, [`Error::System`] if none can.
-    pub fn bind(robot: Robot, port: Option<u16>) -> Result<Self, Error> {
+    /// [`Error::Mesh`] for a shape that is not there, [`Error::Port`] if the port asked for cannot be had, [`Error::System`] if none can.
+    pub fn bind(robot: Robot, folder: Option<&Path>, port: Option<u16>) -> Result<Self, Error> {
+        let folder = Folder::of(folder, &robot)?;
         let bind = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
         let listener = match port {
             Some(port) => bind(port).map_err(|source| Error::Port { port, source })?,
@@ -59,7 +66,7 @@ impl Server {
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let runtime = Builder::new_current_thread().enable_all().build()?;
-        let app = App::new(robot);
+        let app = App::new(robot, folder);
         Ok(Self { listener, address, runtime, app })
     }
 

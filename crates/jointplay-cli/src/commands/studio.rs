@@ -1,9 +1,10 @@
 //! `jointplay studio`: the robot in a browser.
 
 use std::io::Write as _;
+use std::path::Path;
 
 use clap::Args;
-use jointplay_studio::Server;
+use jointplay_studio::{Error, Server};
 
 use crate::arguments::RobotArgs;
 use crate::failure::Failure;
@@ -31,7 +32,18 @@ pub(crate) struct Studio {
 
 impl Studio {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let server = Server::bind(self.robot.load()?, self.port)?;
+        let file = self.robot.file();
+        let folder = file.map(|file| match file.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        });
+        let bound = Server::bind(self.robot.load()?, folder, self.port);
+        let server = bound.map_err(|error| match (error, file) {
+            (Error::Mesh(error), Some(file)) => {
+                Failure::Robot(error.with_excerpt(&file.display().to_string()))
+            }
+            (error, _) => error.into(),
+        })?;
         let url = server.url();
         output::text(&format!("the studio is at {url}\n  Ctrl-C ends it\n"))?;
         if !self.no_open

@@ -117,6 +117,21 @@ fn another_robot() {
     assert!(run.stderr.contains("bad.toml:28:12: the largest tilt is 95°"), "{}", run.stderr);
 }
 
+#[test]
+fn a_mesh_that_is_not_there() {
+    let desk = Desk::new();
+    let own = jointplay::format::robot::PAPER;
+    desk.write("mine.toml", &own.replacen("kind = ", "base_mesh = \"base.stl\"\nkind = ", 1));
+    let run = desk.run("studio --no-open --robot mine.toml");
+    assert_eq!(run.code, 2);
+    let message = "mine.toml:6:13: the mesh \"base.stl\" cannot be read";
+    assert!(run.stderr.contains(message), "{}", run.stderr);
+    desk.write("base.stl", "solid base");
+    let studio = Studio::start(&desk, "--port 0 --robot mine.toml");
+    assert!(studio.ask("GET /api/v1/meshes/base HTTP/1.1\r\n").ends_with("solid base"));
+    assert_eq!(studio.interrupt().0, Some(0));
+}
+
 /// The same question by the command line and by the server.
 #[track_caller]
 fn same(desk: &Desk, studio: &Studio, line: &str, path: &str, body: &str) {

@@ -3,6 +3,7 @@
 pub(crate) mod compare;
 pub(crate) mod forward;
 pub(crate) mod inverse;
+pub(crate) mod mesh;
 pub(crate) mod mobility;
 pub(crate) mod pose;
 pub(crate) mod robot;

@@ -8,6 +8,7 @@ use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::study::{self, Study};
+use crate::wire::Binary;
 use crate::wire::study::StudyRequest;
 
 /// A motion, sample by sample, as an Arrow stream
@@ -22,7 +23,7 @@ use crate::wire::study::StudyRequest;
     operation_id = "study",
     request_body = StudyRequest,
     responses(
-        (status = 200, description = "The samples", body = Vec<u8>, content_type = "application/vnd.apache.arrow.stream"),
+        (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.arrow.stream"),
         (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
         (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
     )
@@ -71,7 +72,7 @@ pub(crate) async fn study_csv(
     operation_id = "study_parquet",
     request_body = StudyRequest,
     responses(
-        (status = 200, description = "The samples", body = Vec<u8>, content_type = "application/vnd.apache.parquet"),
+        (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.parquet"),
         (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
         (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
     )

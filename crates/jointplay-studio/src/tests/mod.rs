@@ -1,19 +1,23 @@
 //! The server from outside: what it answers, what it refuses.
 
+mod meshes;
 mod pose;
 mod questions;
 mod refusals;
 mod studies;
 
+use std::path::Path;
+
 use axum::Router;
 use axum::body::Body;
 use axum::http::{HeaderMap, Request, StatusCode, header};
 use http_body_util::BodyExt as _;
-use jointplay::format::robot;
+use jointplay::format::robot::{self, Robot};
 use serde_json::Value;
 use tower::ServiceExt as _;
 
-use crate::app;
+use crate::app::{self, App};
+use crate::meshes::Folder;
 
 const PORT: u16 = 4816;
 const HOST: &str = "127.0.0.1:4816";
@@ -37,15 +41,25 @@ impl Answer {
     }
 }
 
+fn app(robot: Robot, folder: Option<&Path>) -> Result<App, robot::Error> {
+    let folder = Folder::of(folder, &robot)?;
+    Ok(App::new(robot, folder))
+}
+
 fn server() -> Router {
-    app::router(app::App::new(robot::paper()), PORT)
+    app::router(app(robot::paper(), None).unwrap(), PORT)
 }
 
 /// Sends one request to a server of the paper's robot.
 fn send(request: Request<Body>) -> Answer {
+    send_to(server(), request)
+}
+
+/// Sends one request to a server.
+fn send_to(server: Router, request: Request<Body>) -> Answer {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async {
-        let response = server().oneshot(request).await.unwrap();
+        let response = server.oneshot(request).await.unwrap();
         let (head, body) = response.into_parts();
         let bytes = body.collect().await.unwrap().to_bytes().to_vec();
         Answer { status: head.status, headers: head.headers, bytes }

@@ -13,7 +13,7 @@ use jointplay::virtualization::{Polar, SolveOptions, Solver};
 use tower::ServiceExt as _;
 
 use super::{HOST, PORT, post, refused};
-use crate::app::{self, App};
+use crate::app;
 
 const STUDY: &str = "/api/v1/study";
 const PAPER: &str =
@@ -174,7 +174,7 @@ fn long_study() -> Request<Body> {
 
 #[test]
 fn whoever_goes_away_ends_the_study() {
-    let app = App::new(robot::paper());
+    let app = super::app(robot::paper(), None).unwrap();
     let router = app::router(app.clone(), PORT);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async {

@@ -27,6 +27,12 @@ pub(crate) struct Pair(pub(crate) [f64; 2]);
 #[schema(value_type = Vec<f64>, min_items = 3, max_items = 3)]
 pub(crate) struct Triple(pub(crate) [f64; 3]);
 
+/// Bytes of another format.
+#[derive(ToSchema)]
+#[schema(value_type = String, format = Binary)]
+#[expect(dead_code, reason = "described only")]
+pub(crate) struct Binary(Vec<u8>);
+
 /// q_1, q_2, q_3 [m].
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, ToSchema)]
 #[schema(value_type = Vec<RodLength>, min_items = 3, max_items = 3)]

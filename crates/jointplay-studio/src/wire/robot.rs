@@ -1,6 +1,6 @@
 //! The robot, as told.
 
-use jointplay::format::robot::Robot;
+use jointplay::format::robot::{Mesh, MeshFormat, Robot};
 use jointplay::gpr::Gpr;
 use jointplay::virtualization::{MAX_VIRTUAL_JOINTS, Motion, Virtualization, built_in};
 use serde::Serialize;
@@ -28,8 +28,49 @@ pub(crate) struct RobotDocument {
     pub(crate) kutzbach_mobility: i64,
     /// The virtualizations that there are.
     pub(crate) virtualizations: Vec<VirtualizationDocument>,
+    /// What the base looks like; `null` where its file names no mesh.
+    #[schema(required = true)]
+    pub(crate) base_mesh: Option<MeshDocument>,
+    /// What the platform looks like; `null` where its file names no mesh.
+    #[schema(required = true)]
+    pub(crate) platform_mesh: Option<MeshDocument>,
     /// The model where a request names none.
     pub(crate) default_model: ModelChoice,
+}
+
+/// A shape.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct MeshDocument {
+    /// Where this server has it.
+    pub(crate) url: &'static str,
+    /// Its format.
+    pub(crate) format: MeshFormatName,
+}
+
+/// The format of a shape.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum MeshFormatName {
+    /// STL, in mm.
+    Stl,
+    /// OBJ, in mm.
+    Obj,
+    /// glTF in one file, in m.
+    Gltf,
+    /// Binary glTF, in m.
+    Glb,
+}
+
+impl MeshDocument {
+    fn new(mesh: Option<&Mesh>, url: &'static str) -> Option<Self> {
+        let format = match mesh?.format {
+            MeshFormat::Stl => MeshFormatName::Stl,
+            MeshFormat::Obj => MeshFormatName::Obj,
+            MeshFormat::Gltf => MeshFormatName::Gltf,
+            MeshFormat::Glb => MeshFormatName::Glb,
+        };
+        Some(Self { url, format })
+    }
 }
 
 /// One limb.
@@ -119,6 +160,11 @@ impl RobotDocument {
                     joints: joints(gpr, virtualization),
                 })
                 .collect(),
+            base_mesh: MeshDocument::new(robot.base_mesh.as_ref(), "/api/v1/meshes/base"),
+            platform_mesh: MeshDocument::new(
+                robot.platform_mesh.as_ref(),
+                "/api/v1/meshes/platform",
+            ),
             default_model: ModelChoice::default(),
         }
     }

@@ -1,0 +1,57 @@
+//! Shapes named in the robot file, from its folder and from nowhere else.
+
+use std::path::{Path, PathBuf};
+
+use jointplay::format::robot::{self, Mesh, MeshFormat, Robot};
+
+/// The largest shape that is served [bytes].
+const LARGEST: u64 = 50_000_000;
+
+/// The folder of the robot file, where shapes are.
+#[derive(Clone)]
+pub(crate) struct Folder(Option<PathBuf>);
+
+impl Folder {
+    /// The folder of a robot file, with every shape that the file names in it.
+    pub(crate) fn of(folder: Option<&Path>, robot: &Robot) -> Result<Self, robot::Error> {
+        let folder = Self(folder.map(Path::to_owned));
+        for mesh in [&robot.base_mesh, &robot.platform_mesh].into_iter().flatten() {
+            folder.find(mesh)?;
+        }
+        Ok(folder)
+    }
+
+    /// Where a shape really is; looked up anew each time, since links may be changed.
+    fn find(&self, mesh: &Mesh) -> Result<PathBuf, robot::Error> {
+        let no = |why: &dyn ToString| mesh.unreadable(why.to_string());
+        let folder = self.0.as_ref().ok_or_else(|| no(&"the robot is not from a file"))?;
+        let folder = folder.canonicalize().map_err(|error| no(&error))?;
+        let file = folder.join(&mesh.path).canonicalize().map_err(|error| no(&error))?;
+        if !file.starts_with(&folder) {
+            return Err(no(&"it leads out of the robot file's folder"));
+        }
+        let found = file.metadata().map_err(|error| no(&error))?;
+        if !found.is_file() {
+            return Err(no(&"it is no file"));
+        }
+        if found.len() > LARGEST {
+            return Err(no(&format!("it is longer than {LARGEST} bytes, the most that is served")));
+        }
+        Ok(file)
+    }
+
+    /// The bytes of a shape.
+    pub(crate) fn read(&self, mesh: &Mesh) -> Result<Vec<u8>, robot::Error> {
+        std::fs::read(self.find(mesh)?).map_err(|error| mesh.unreadable(error.to_string()))
+    }
+}
+
+/// The media type of a shape.
+pub(crate) fn media_type(format: MeshFormat) -> &'static str {
+    match format {
+        MeshFormat::Stl => "model/stl",
+        MeshFormat::Obj => "model/obj",
+        MeshFormat::Gltf => "model/gltf+json",
+        MeshFormat::Glb => "model/gltf-binary",
+    }
+}
