@@ -16,7 +16,7 @@ pub struct Marker {
     pub kind: TableKind,
     /// How many chunks are done.
     pub chunks: u64,
-    /// How long the table is with these [bytes].
+    /// How long the table is with these, in bytes.
     pub bytes: u64,
     /// Their columns summed up.
     pub totals: Totals,

@@ -116,7 +116,12 @@ impl Table {
         match &self.kind {
             Kind::Csv => {
                 let parts = blocks.par_iter().map(|block| csv(&self.columns, block)).collect();
-                Ok(Encoded { parts, ..Encoded::default() })
+                #[cfg_attr(
+                    not(feature = "parquet"),
+                    expect(clippy::needless_update, reason = "only Parquet has groups")
+                )]
+                let encoded = Encoded { parts, ..Encoded::default() };
+                Ok(encoded)
             }
             #[cfg(feature = "parquet")]
             Kind::Parquet(schema) => schema.encode(&self.columns, blocks),
@@ -127,7 +132,10 @@ impl Table {
     ///
     /// # Errors
     /// [`TableError::Parquet`].
-    #[cfg_attr(not(feature = "parquet"), expect(unused_variables, clippy::unnecessary_wraps))]
+    #[cfg_attr(
+        not(feature = "parquet"),
+        expect(unused_variables, reason = "only Parquet keeps an index")
+    )]
     pub fn note(&self, index: &mut Index, encoded: &Encoded, at: u64) -> Result<(), TableError> {
         #[cfg(feature = "parquet")]
         if let Some(group) = &encoded.group {
@@ -140,7 +148,10 @@ impl Table {
     ///
     /// # Errors
     /// [`TableError::Parquet`].
-    #[cfg_attr(not(feature = "parquet"), expect(unused_variables, clippy::unnecessary_wraps))]
+    #[cfg_attr(
+        not(feature = "parquet"),
+        expect(unused_variables, reason = "only Parquet keeps an index")
+    )]
     pub fn foot(&self, index: &Index) -> Result<Vec<u8>, TableError> {
         match &self.kind {
             Kind::Csv => Ok(Vec::new()),
@@ -153,7 +164,10 @@ impl Table {
     ///
     /// # Errors
     /// [`TableError::Parquet`] for anything else.
-    #[cfg_attr(not(feature = "parquet"), expect(unused_variables, clippy::unnecessary_wraps))]
+    #[cfg_attr(
+        not(feature = "parquet"),
+        expect(unused_variables, reason = "only Parquet keeps an index")
+    )]
     pub fn index(&self, foot: &[u8]) -> Result<Index, TableError> {
         match &self.kind {
             Kind::Csv => Ok(Index::default()),
