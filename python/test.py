@@ -132,7 +132,7 @@ def main() -> None:
         run([python, "-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", wheel])
         run([python, "-m", "pip", "check", "--quiet"])
         say(f"tests in {found[one]}")
-        run([python, "-m", "pytest", "-p", "no:cacheprovider"], cwd=PYTHON)
+        run([python, "-m", "pytest", "-p", "no:cacheprovider", "--hypothesis-seed=1"], cwd=PYTHON)
         if one == newest:
             say("types")
             checked = ["src/jointplay", "tests/typed.py", "speed.py", "test.py"]

@@ -44,17 +44,8 @@ fn joints() -> impl Strategy<Value = (usize, Vec<Joint>)> {
                 let joints =
                     ends.zip(made).enumerate().map(|(k, (ends, (kind, place, flat, turned)))| {
                         let upright = Pose::from_parts(place.translation, Rotation3::identity());
-                        Joint {
-                            name: format!("j{k}"),
-                            kind,
-                            links: if turned { [ends[1], ends[0]] } else { ends },
-                            frames: [if flat { upright } else { place }; 2],
-                            actuated: false,
-                            guess: Vec::new(),
-                            limits: Vec::new(),
-                            clearance: Play::default(),
-                            stiffness: Play::default(),
-                        }
+                        let links = if turned { [ends[1], ends[0]] } else { ends };
+                        joint(&format!("j{k}"), kind, links, if flat { upright } else { place })
                     });
                 (links, joints.collect())
             })
@@ -167,4 +158,54 @@ proptest! {
         // Counted = to first order − redundancy, always.
         prop_assert_eq!(counted, found.mobility as i64 - found.redundancy as i64);
     }
+}
+
+fn joint(name: &str, kind: JointKind, links: [usize; 2], frame: Pose) -> Joint {
+    Joint {
+        name: name.to_owned(),
+        kind,
+        links,
+        frames: [frame; 2],
+        actuated: false,
+        guess: Vec::new(),
+        limits: Vec::new(),
+        clearance: Play::default(),
+        stiffness: Play::default(),
+    }
+}
+
+/// Joints before a loop carry it whole, wherever the base is: what round-off leaves of them is no constraint.
+#[test]
+fn a_loop_of_fixed_joints_constrains_nothing() {
+    let by = Pose::from_parts(
+        Translation3::new(0.1, 0.2, -0.3),
+        Rotation3::new(Vector3::new(0.01, -0.47, -0.07)),
+    );
+    let joint = |name: &str, kind, links| joint(name, kind, links, by);
+    // The hinges stand between the base and the loop, or beyond it.
+    for turn in 0..4 {
+        let at = |links: [usize; 2]| links.map(|link| (link + turn) % 4);
+        let joints = vec![
+            joint("plate", JointKind::Fixed, at([0, 1])),
+            joint("near hinge", JointKind::Revolute, at([1, 2])),
+            joint("far hinge", JointKind::Revolute, at([2, 3])),
+            joint("second plate", JointKind::Fixed, at([1, 0])),
+        ];
+        let found = analysed(4, joints);
+        assert_eq!((found.mobility, found.rank, found.redundancy), (2, 0, 6), "turn {turn}");
+    }
+}
+
+#[test]
+fn a_loop_of_floating_joints_constrains_nothing() {
+    let place = Pose::from_parts(Translation3::new(0.4, -0.1, 0.7), Rotation3::identity());
+    let joints = [[0, 1], [1, 2], [0, 1]].map(|links| joint("", JointKind::Floating, links, place));
+    let mut numbered = joints.to_vec();
+    numbered.iter_mut().enumerate().for_each(|(k, joint)| joint.name = format!("j{k}"));
+    let dense = analysed(3, numbered.clone());
+    assert_eq!((dense.mobility, dense.rank, dense.redundancy), (12, 6, 0));
+    let mechanism = Mechanism::new("loose", names(3), numbered).unwrap();
+    let sparse = SparseSystem::new(&mechanism, DVector::zeros(18)).unwrap();
+    let sparse = sparse.mobility(RANK_THRESHOLD).unwrap();
+    assert_eq!((sparse.mobility, sparse.rank, sparse.redundancy), (12, 6, 0));
 }

@@ -6,6 +6,7 @@ use super::kinematics::{Kinematics, Placed, bracket, carried, minus};
 use super::{CLOSED, Mechanism};
 use crate::Error;
 use crate::constraint::{Configuration, Dimension, System};
+use crate::spatial::Pose;
 
 /// Most joint and virtual coordinates, or closure equations, of a mechanism that is analysed.
 pub const MAX_DENSE: usize = 240;
@@ -126,14 +127,16 @@ impl<'a> MechanismSystem<'a> {
     }
 
     fn loop_mismatches(&self, at: &Configuration) -> Vec<f64> {
-        let unit = self.characteristic_length;
+        self.placed(at, None).mismatches.iter().map(|mismatch| self.missed_by(mismatch)).collect()
+    }
+
+    /// Size of a mismatch, in radians and characteristic lengths.
+    fn missed_by(&self, mismatch: &Pose) -> f64 {
         // Half turns leave no antisymmetric part behind, but are no closure: 2 sin(θ/2) sees them.
-        let sizes = self.placed(at, None).mismatches.into_iter().map(|mismatch| {
-            let turned = (mismatch.rotation.matrix() - Matrix3::identity()).norm();
-            let shifted = mismatch.rotation * self.reference + mismatch.translation.vector;
-            (turned / std::f64::consts::SQRT_2).max((shifted - self.reference).norm() / unit)
-        });
-        sizes.collect()
+        let turned = (mismatch.rotation.matrix() - Matrix3::identity()).norm();
+        let shifted = mismatch.rotation * self.reference + mismatch.translation.vector;
+        let shift = (shifted - self.reference).norm() / self.characteristic_length;
+        (turned / std::f64::consts::SQRT_2).max(shift)
     }
 
     fn freedoms(&self) -> usize {
@@ -204,6 +207,15 @@ impl<'a> MechanismSystem<'a> {
                 self.kinematics.columns_of(j).for_each(|k| {
                     add(k, -sense, carried(mismatch, &placed.screws[k], &self.reference));
                 });
+            }
+            // Joints before a closed loop carry it whole: what is left of them is round-off, and no constraint.
+            if self.missed_by(mismatch) <= CLOSED {
+                let on_first: Vec<usize> = self.kinematics.path_to(first).map(|(j, _)| j).collect();
+                let shared = self.kinematics.path_to(second).map(|(j, _)| j);
+                for j in shared.filter(|j| on_first.contains(j)) {
+                    let columns = self.kinematics.columns_of(j);
+                    columns.for_each(|k| raw.view_mut((6 * l, k), (6, 1)).fill(0.0));
+                }
             }
         }
         self.combined(&raw)

@@ -118,10 +118,15 @@ impl JointRow {
         let triangle = DMatrix::from_fn(count, count, |i, j| basis[i].dot(&screws[order[j]].1));
         let rates =
             triangle.solve_upper_triangular(&onto).unwrap_or_else(|| DMatrix::zeros(count, 6));
-        let allowed =
-            basis.iter().fold(Matrix6::zeros(), |sum, unit| sum + unit * unit.transpose());
+        let mut refused = Matrix6::identity();
+        if count < 6 {
+            basis.iter().for_each(|unit| refused -= unit * unit.transpose());
+        } else {
+            // What round-off leaves of nothing is no constraint.
+            refused.fill(0.0);
+        }
         let follows = order.iter().map(|&k| screws[k].0).collect();
-        (follows, rates, Matrix6::identity() - allowed)
+        (follows, rates, refused)
     }
 
     /// Twist of the first link beyond that of the second, at the joint's point.
@@ -185,7 +190,8 @@ impl Linear {
                 values.push(blocks[block][(row, column)]);
             });
         }
-        let largest = values.iter().copied().map(f64::abs).fold(f64::MIN_POSITIVE, f64::max);
+        // No less than one joint that refuses anything would make it.
+        let largest = values.iter().copied().map(f64::abs).fold(1.0, f64::max);
         let entries = values.len();
         values.resize(entries + size, 0.0);
         let mut damping = DAMPING * largest;
