@@ -9,6 +9,7 @@
 //! | [`constraint`] | the interface that both speak to |
 //! | [`linalg`], [`spatial`] | ranks and null spaces, poses and tilts |
 //! | [`study`] | sweeps over many poses |
+//! | [`cell`] | robots with arms, stations, programs, timed and checked motion |
 //! | [`mod@format`] | robot files in, JSON and tables out |
 //! | [`plot`] | figures as SVG and PNG |
 
@@ -20,6 +21,7 @@ pub use jointplay_core::{
     Error, Unconverged, bulk, constraint, gpr, linalg, mechanism, mobility, nalgebra, sensitivity,
     spatial, virtualization,
 };
+pub use jointplay_cell as cell;
 pub use jointplay_format as format;
 pub use jointplay_plot as plot;
 pub use jointplay_study as study;

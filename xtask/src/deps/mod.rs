@@ -125,7 +125,8 @@ mod tests {
             &["jointplay-cell", "serde"],
             &["jointplay-cell", "serde"],
         );
-        check_imports("jointplay-cell", &["jointplay-core", "jointplay-study", "rayon"], &[]);
+        check_imports("jointplay-cell", &["jointplay-core", "rsruckig", "parry3d-f64"], &[]);
+        check_imports("jointplay-cell", &["jointplay-study"], &["jointplay-study"]);
         check_imports("jointplay-cell", &["jointplay-format"], &["jointplay-format"]);
     }
 

@@ -43,6 +43,8 @@ const STUDIO: &str = "jointplay-studio";
 
 const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "faer"]);
 const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror", "chacha20"]);
+/// Jerk-limited profiles and distances of bodies are others' crafts.
+const CELLS: Outside = Outside::Only(&["nalgebra", "thiserror", "rsruckig", "parry3d-f64"]);
 /// Arguments, catch-all errors and Python belong to ring 4, servers to the studio.
 const LIBRARIES: Outside = Outside::AllBut(&["clap", "anyhow", "pyo3", "tokio", "axum"]);
 const NONE: Outside = Outside::Only(&[]);
@@ -52,7 +54,7 @@ const CHORES: Outside = Outside::AllBut(&["clap", "anyhow", "pyo3"]);
 const TABLE: [Rule; 13] = [
     Rule { name: CORE, ring: "ring 0", ours: &[], outside: MATHEMATICS },
     Rule { name: STUDY, ring: "ring 1", ours: &[CORE], outside: STUDIES },
-    Rule { name: CELL, ring: "ring 1", ours: &[CORE, STUDY], outside: STUDIES },
+    Rule { name: CELL, ring: "ring 1", ours: &[CORE], outside: CELLS },
     Rule { name: FORMAT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
     Rule { name: PLOT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
     Rule { name: FACADE, ring: "ring 3", ours: &[CORE, STUDY, CELL, FORMAT, PLOT], outside: NONE },

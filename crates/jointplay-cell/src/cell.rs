@@ -1,0 +1,127 @@
+//! Robot, stations, wafers, bodies and zones together.
+
+use jointplay_core::spatial::Pose;
+
+use crate::robot::{EffectorId, HybridRobot};
+use crate::station::{SlotId, Station};
+use crate::wafer::Wafer;
+
+/// What a body is attached to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Carrier {
+    /// The base frame.
+    World,
+    /// The platform frame.
+    Platform,
+    /// The frame of a link of an arm, both by index: origin at its joint, x along the link.
+    Link {
+        /// Which arm.
+        arm: usize,
+        /// Which link.
+        link: usize,
+    },
+}
+
+/// A shape for collision checks, in a frame of its own.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Shape {
+    /// A box about its centre, half its sides [m].
+    Box {
+        /// Half of each side [m].
+        half: [f64; 3],
+    },
+    /// An upright cylinder about its centre.
+    Cylinder {
+        /// Radius [m].
+        radius: f64,
+        /// Half of its height [m].
+        half_height: f64,
+    },
+    /// All points no farther from a segment than a radius.
+    Capsule {
+        /// Ends of the segment [m].
+        ends: [[f64; 3]; 2],
+        /// Radius [m].
+        radius: f64,
+    },
+    /// The least convex body about points.
+    Convex {
+        /// The points [m].
+        points: Vec<[f64; 3]>,
+    },
+    /// A surface of triangles.
+    Mesh {
+        /// Corners [m].
+        vertices: Vec<[f64; 3]>,
+        /// Three corners each.
+        triangles: Vec<[u32; 3]>,
+    },
+}
+
+/// Something that may be run into.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Body {
+    /// What it is called.
+    pub name: String,
+    /// What it moves with.
+    pub carrier: Carrier,
+    /// Where its shape is in the carrier's frame.
+    pub carrier_from_shape: Pose,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+/// A region with a rule.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Zone {
+    /// What it is called.
+    pub name: String,
+    /// Whether bodies of the robot have to stay out of it, or wafers within it.
+    pub rule: ZoneRule,
+    /// Where it is.
+    pub base_from_shape: Pose,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+/// What a zone asks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ZoneRule {
+    /// No body of the robot and no carried wafer may enter.
+    KeepOut,
+    /// The centre of each effector stays within while its arm is retracted and the robot turns.
+    Safe,
+}
+
+/// Everything that a program runs in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// What it is called.
+    pub name: String,
+    /// The robot.
+    pub robot: HybridRobot,
+    /// All wafers are alike.
+    pub wafer: Wafer,
+    /// Places of wafers.
+    pub stations: Vec<Station>,
+    /// Slots that hold a wafer at the start.
+    pub occupied: Vec<SlotId>,
+    /// Effectors that carry one at the start.
+    pub carried: Vec<EffectorId>,
+    /// Bodies besides the wafers.
+    pub bodies: Vec<Body>,
+    /// Pairs of bodies, by index, whose distance is not asked for.
+    pub allowed_pairs: Vec<[usize; 2]>,
+    /// Regions with rules.
+    pub zones: Vec<Zone>,
+    /// Largest displacement of virtual joints that the mechanism is trusted to have play for [m].
+    pub play_budget: f64,
+    /// Least distance asked for between bodies [m].
+    pub clearance: f64,
+    /// Least distance of a wafer from the slots above and below it [m].
+    pub slot_clearance: f64,
+    /// Acceleration of gravity, down in the base frame [m/s²].
+    pub gravity: f64,
+    /// How far the loaded wafer's plane may be from the station's after compensation [rad].
+    pub plane_threshold: f64,
+}

@@ -1,0 +1,27 @@
+//! Hybrid robots and offline programming: from stations to a checked, timed motion.
+//!
+//! ```text
+//!   Program ──expand──▶ Step… ──timed──▶ Motion ──check──▶ Report
+//!               ▲                  ▲                 ▲
+//!             Cell               limits       bodies, zones, budgets
+//! ```
+//!
+//! | module | role |
+//! | --- | --- |
+//! | [`robot`] | a three-rod robot that carries planar arms: description, forward and inverse kinematics of the whole chain |
+//! | [`wafer`] | what is carried: plates that sag, arms that droop, and how the platform makes up for it |
+//! | [`station`] | where wafers are put: frames, slots, approach, and frames from taught points |
+//! | [`cell`] | robot, stations, wafers, bodies and zones together |
+//! | [`program`] | what the robot is told, and the steps that it comes to |
+//! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
+//! | [`check`] | what is wrong with a motion, by sample and by instruction |
+//!
+//! Pure mathematics in SI: no files, no clock, no threads.
+
+pub mod cell;
+pub mod check;
+pub mod motion;
+pub mod program;
+pub mod robot;
+pub mod station;
+pub mod wafer;
