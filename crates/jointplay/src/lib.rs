@@ -17,11 +17,11 @@
 #[cfg(doctest)]
 struct ReadmeCompiles;
 
+pub use jointplay_cell as cell;
 pub use jointplay_core::{
     Error, Unconverged, bulk, constraint, gpr, linalg, mechanism, mobility, nalgebra, sensitivity,
     spatial, virtualization,
 };
-pub use jointplay_cell as cell;
 pub use jointplay_format as format;
 pub use jointplay_plot as plot;
 pub use jointplay_study as study;
