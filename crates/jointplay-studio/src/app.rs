@@ -19,7 +19,7 @@ use crate::meshes::Folder;
 use crate::page;
 use crate::problem::Problem;
 use crate::routes::{compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study};
-use crate::work::Work;
+use crate::work::{Patience, Work};
 
 /// What all requests share.
 #[derive(Clone)]
@@ -30,8 +30,8 @@ pub(crate) struct App {
 }
 
 impl App {
-    pub(crate) fn new(robot: Robot, folder: Folder) -> Self {
-        Self { robot: Arc::new(robot), work: Work::new(), folder }
+    pub(crate) fn new(robot: Robot, folder: Folder, patience: Patience) -> Self {
+        Self { robot: Arc::new(robot), work: Work::new(patience), folder }
     }
 }
 
@@ -81,7 +81,10 @@ pub(crate) fn router(app: App, port: u16) -> Router {
         .fallback(fallback)
         .method_not_allowed_fallback(wrong_method)
         .layer(DefaultBodyLimit::max(LARGEST_BODY))
-        .layer(middleware::from_fn_with_state(Guard::new(port), guard::check))
+        .layer(middleware::from_fn_with_state(
+            Guard::new(port, app.work.patience.request),
+            guard::check,
+        ))
         .with_state(app)
 }
 

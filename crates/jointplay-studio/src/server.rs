@@ -10,6 +10,7 @@ use tokio::runtime::{Builder, Runtime};
 
 use crate::app::{self, App};
 use crate::meshes::Folder;
+use crate::work::Patience;
 
 /// The port that is taken where none is asked for, if it is free.
 pub const DEFAULT_PORT: u16 = 4816;
@@ -66,7 +67,7 @@ impl Server {
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let runtime = Builder::new_current_thread().enable_all().build()?;
-        let app = App::new(robot, folder);
+        let app = App::new(robot, folder, Patience::default());
         Ok(Self { listener, address, runtime, app })
     }
 

@@ -53,6 +53,11 @@ export async function robot(): Promise<RobotDocument> {
   return (await ask('robot')).json() as Promise<RobotDocument>;
 }
 
+/** A shape that the robot file names. */
+export async function mesh(part: 'base' | 'platform'): Promise<ArrayBuffer> {
+  return (await ask(`meshes/${part}`)).arrayBuffer();
+}
+
 export function modelChoice(virtualization: string, solver: string, metric: Metric): ModelChoice {
   const choice = { virtualization, solver } as ModelChoice;
   return typeof metric === 'number'
@@ -68,9 +73,13 @@ export function apiCommand(command: Command): Timed {
     : { kind: 'tilt_xy', about_x_rad: radians(command.about_x_deg), about_y_rad: radians(command.about_y_deg), height };
 }
 
-/** One pose under several models; a height of the platform's centre is that of the first. */
-export async function pose(command: Timed, models: ModelChoice[], bounds: boolean): Promise<PoseDocument> {
-  return (await ask('pose', { command, models, mobility: true, bounds })).json() as Promise<PoseDocument>;
+/**
+ * One pose under several models; a height of the platform's centre is that of the first.
+ * With the rods from which it comes, the robot stops where its way meets a limit.
+ */
+export async function pose(command: Timed, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
+  const from = from_rods_m ? { from_rods_m } : {};
+  return (await ask('pose', { command, models, ...from })).json() as Promise<PoseDocument>;
 }
 
 /** What is plotted of a motion, or moves the robot. */

@@ -14,6 +14,9 @@ class Measure {
   /** Whether nothing is asked that is not answered. */
   settled = true;
 
+  /** How large the robot file's own shapes are drawn, along x, y and z [mm]. */
+  shapes: Record<string, number[]> = {};
+
   drawn(pose: PoseDocument | null, took_ms: number): void {
     this.took_ms = took_ms;
     this.pictures += 1;

@@ -18,6 +18,7 @@ use tower::ServiceExt as _;
 
 use crate::app::{self, App};
 use crate::meshes::Folder;
+use crate::work::Patience;
 
 const PORT: u16 = 4816;
 const HOST: &str = "127.0.0.1:4816";
@@ -43,7 +44,7 @@ impl Answer {
 
 fn app(robot: Robot, folder: Option<&Path>) -> Result<App, robot::Error> {
     let folder = Folder::of(folder, &robot)?;
-    Ok(App::new(robot, folder))
+    Ok(App::new(robot, folder, Patience::default()))
 }
 
 fn server() -> Router {
