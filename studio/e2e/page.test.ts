@@ -141,6 +141,7 @@ test('limits stop the robot on its way, and say why', async () => {
 
 test('the platform is dragged by its three handles', async () => {
   await open('#pose=xy,0,0,500,axis');
+  await drawn(page, 'pose.tilt.pitch_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.5) < 1e-9');
   const canvas = page.locator('.scene canvas').first();
   // The handles are found as a person finds them: by what the pointer says over them.
   const found = new Map(
