@@ -14,6 +14,7 @@
 //! | change units without changing decimals | [`units`] |
 //! | say an error of the core in mm and degrees | [`explain::explain`] |
 //! | give results to a program | [`report`] |
+//! | give a cell's motion to other programs | [`export`] |
 //! | read a study file, and write its table of any length | [`study::parse`], [`study::Table`] |
 //! | give a study to a spreadsheet or a data frame | [`table`] |
 //!
@@ -25,6 +26,7 @@
 pub mod catalogue;
 pub mod coordinates;
 pub mod explain;
+pub mod export;
 pub mod import;
 pub mod mechanism;
 pub mod place;
