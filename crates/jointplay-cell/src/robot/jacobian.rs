@@ -24,6 +24,9 @@ pub struct EffectorJacobian {
     pub angular: [Vector3<f64>; MAX_AXES],
 }
 
+/// Of O_p, and angular.
+type Velocity = (Vector3<f64>, Vector3<f64>);
+
 impl HybridRobot {
     /// How fast the wafer of an effector goes by each axis.
     ///
@@ -67,10 +70,7 @@ impl HybridRobot {
     ///
     /// The planar model keeps the centroid of the sockets on that of the balls, and Σ b_k × d_k = 0 about it, b_k and d_k from the centroid to socket and ball;
     /// differentiated, the turn about the normal is n · Σ b_k × ḋ_k / Σ b_k · d_k.
-    fn platform_velocities(
-        &self,
-        platform: &Forward,
-    ) -> Result<[(Vector3<f64>, Vector3<f64>); RODS], CellError> {
+    fn platform_velocities(&self, platform: &Forward) -> Result<[Velocity; RODS], CellError> {
         let mut velocities = [(Vector3::zeros(), Vector3::zeros()); RODS];
         if self.model.virtualization != Kernel::Planar {
             for (k, velocity) in velocities.iter_mut().enumerate() {

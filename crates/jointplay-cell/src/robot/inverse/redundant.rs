@@ -130,7 +130,7 @@ impl Redundant<'_> {
         let velocities = self.plan.span_velocities(self.planar, now.pair);
         let span = Matrix2::from_columns(&velocities);
         let Some(inverse) = span.try_inverse() else { return Vector2::zeros() };
-        let mut directions = [[0.0; 4]; 2];
+        let mut directions = [Slopes::default(); 2];
         let frees = [
             (2, self.plan.last.filter(|_| self.last.is_none()), free[0]),
             (3, self.plan.first, free[1]),
@@ -146,7 +146,8 @@ impl Redundant<'_> {
         let mut curvature = Matrix2::zeros();
         for a in 0..self.ranges.count {
             let (u, half) = (STEEPNESS * self.share(&now.own, a), self.ranges.half(a));
-            let along = Vector2::new(directions[0][a], directions[1][a]) * (STEEPNESS / half);
+            let along = directions.map(|direction| direction[a] * STEEPNESS / half);
+            let along = Vector2::from(along);
             gradient += along * u.sinh();
             curvature += along * along.transpose() * u.cosh();
         }

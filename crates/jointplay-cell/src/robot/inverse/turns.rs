@@ -100,8 +100,8 @@ impl Turns {
         let mut combinations = 1_i64;
         for m in 0..self.count {
             let (mut least, mut most) = (0.0, 0.0);
-            for a in 0..ranges.count {
-                let ends = [ranges.min[a] - own[a], ranges.max[a] - own[a]];
+            for (a, now) in own.iter().enumerate().take(ranges.count) {
+                let ends = [ranges.min[a] - now, ranges.max[a] - now];
                 let products = ends.map(|end| end * self.duals[m][a]);
                 least += products[0].min(products[1]);
                 most += products[0].max(products[1]);
