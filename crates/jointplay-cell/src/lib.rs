@@ -21,9 +21,12 @@
 
 pub mod cell;
 pub mod check;
+mod error;
 pub mod motion;
 pub mod program;
 pub mod robot;
 pub mod station;
 pub mod surface;
 pub mod wafer;
+
+pub use error::CellError;
