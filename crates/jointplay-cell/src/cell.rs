@@ -98,6 +98,8 @@ pub enum ZoneRule {
 pub struct Cell {
     /// What it is called.
     pub name: String,
+    /// What of it is assumed rather than known, each with its reason.
+    pub assumed: Vec<String>,
     /// The robot.
     pub robot: HybridRobot,
     /// All wafers are alike.
