@@ -145,17 +145,6 @@ pub struct HybridRobot {
     pub assumed: Vec<String>,
 }
 
-/// Where a wafer is to lie, in the base frame.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct WaferTarget {
-    /// Its centre, on the plane that it rests on [m].
-    pub center: nalgebra::Vector3<f64>,
-    /// Normal of that plane, upward, of any length.
-    pub normal: nalgebra::Vector3<f64>,
-    /// Its heading about the normal, from the shortest rotation of level to the normal [rad]; `None` leaves it to the arm.
-    pub heading: Option<f64>,
-}
-
 /// An effector of a robot, by arm and place on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct EffectorId {

@@ -1,9 +1,11 @@
-//! What is carried: plates that sag, arms that droop.
+//! What is carried: plates that sag, arms that droop, and how the platform makes up for it.
 
+mod compensation;
 mod droop;
 mod plate;
 mod sag;
 
+pub use compensation::{BrokenWay, Reached, Unreachable, drooped};
 pub use droop::{Deflection, DroopError};
 pub use sag::{Sag, SagError, sag};
 
