@@ -6,7 +6,7 @@ use super::samples::turns;
 use super::{Error, Recording};
 use crate::units::{deg, mm};
 
-/// Name of the macro's file.
+/// Name of the macro's file; `NOT-SAFE-` stands before it, and before those of the motors, where something is wrong with the motion.
 pub const MACRO: &str = "load-motors.bas";
 
 /// A file `motor-NAME.csv` for each axis with lines `time,value` in s and mm or degrees, and [`MACRO`], as names and contents.
@@ -29,10 +29,12 @@ pub fn solidworks(recording: &Recording<'_>, rate: f64) -> Result<Vec<(String, S
             let _ = writeln!(text, "{},{value}", sample.time);
         }
     }
-    let names = axes.iter().map(|axis| format!("motor-{}.csv", file_name(&axis.name)));
+    // Lines of numbers have no room for a word: the names say it.
+    let mark = if recording.flaws.is_empty() { "" } else { "NOT-SAFE-" };
+    let names = axes.iter().map(|axis| format!("{mark}motor-{}.csv", file_name(&axis.name)));
     let mut files: Vec<(String, String)> = names.zip(texts).collect();
     let text = loader(recording, &files);
-    files.push((MACRO.to_owned(), text));
+    files.push((format!("{mark}{MACRO}"), text));
     Ok(files)
 }
 
