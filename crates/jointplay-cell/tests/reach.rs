@@ -40,7 +40,13 @@ fn no_positions_are_beyond_the_reach_and_some_come_close_to_it() {
             nearest = nearest.min(distance);
             farthest = farthest.max(distance);
         }
-        assert!(least <= nearest + 1e-4 && farthest <= most + 1e-4, "{number}: {least} {nearest} {farthest} {most}");
-        assert!(nearest - least < 0.02 && most - farthest < 0.02, "{number}: {least} {nearest} {farthest} {most}");
+        assert!(
+            least <= nearest + 1e-4 && farthest <= most + 1e-4,
+            "{number}: {least} {nearest} {farthest} {most}"
+        );
+        assert!(
+            nearest - least < 0.02 && most - farthest < 0.02,
+            "{number}: {least} {nearest} {farthest} {most}"
+        );
     }
 }

@@ -187,7 +187,8 @@ fn parts(file: &[u8]) -> (Value, Vec<u8>) {
 /// The numbers of an accessor.
 fn numbers(root: &Value, bytes: &[u8], accessor: usize) -> Vec<f32> {
     let accessor = &root["accessors"][accessor];
-    let view = &root["bufferViews"][usize::try_from(accessor["bufferView"].as_u64().unwrap()).unwrap()];
+    let view =
+        &root["bufferViews"][usize::try_from(accessor["bufferView"].as_u64().unwrap()).unwrap()];
     let index = |value: &Value| usize::try_from(value.as_u64().unwrap()).unwrap();
     let start = index(&view["byteOffset"]);
     let bytes = &bytes[start..start + index(&view["byteLength"])];
@@ -209,11 +210,18 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
             assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
             let node = &root["nodes"][index(&channel["target"]["node"])];
             let values = numbers(&root, &bytes, index(&sampler["output"]));
-            moved.push((node["name"].as_str().unwrap().to_owned(), channel["target"]["path"].clone(), values));
+            moved.push((
+                node["name"].as_str().unwrap().to_owned(),
+                channel["target"]["path"].clone(),
+                values,
+            ));
         }
         // Nothing but the arm and the wafer moves.
         let names: Vec<&str> = moved.iter().map(|(name, ..)| name.as_str()).collect();
-        assert_eq!(names, ["upper link 1", "upper link 2", "upper link 3", "wafer of port 1", "wafer of port 1"]);
+        assert_eq!(
+            names,
+            ["upper link 1", "upper link 2", "upper link 3", "wafer of port 1", "wafer of port 1"]
+        );
         let (_, _, places) = moved.iter().find(|(_, path, _)| path == "translation").unwrap();
         let robot = &recording.cell.robot;
         let at = |time: f64| {
@@ -227,7 +235,10 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
         assert!(off.norm() < 1e-6, "{off}");
         let warned = root["asset"]["extras"]["warning"].is_string();
         assert_eq!(warned, !recording.flaws.is_empty());
-        assert_eq!(root["asset"]["extras"]["duration_s"].as_f64().unwrap(), recording.motion.duration());
+        assert_eq!(
+            root["asset"]["extras"]["duration_s"].as_f64().unwrap(),
+            recording.motion.duration()
+        );
     });
 }
 

@@ -18,7 +18,8 @@ impl HybridRobot {
     /// A search along the axes from the best of a grid of starts; exact for arms whose distance has one valley and one hill between neighbouring starts.
     pub fn reach(&self, id: EffectorId) -> Result<[f64; 2], CellError> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
-        let motors: Vec<usize> = self.axes_of(id)?.into_iter().filter(|&axis| axis >= RODS).collect();
+        let motors: Vec<usize> =
+            self.axes_of(id)?.into_iter().filter(|&axis| axis >= RODS).collect();
         // Squared, which is smooth at the axis too.
         let distance = |positions: &[f64]| {
             let center = self.effector_pose(positions, id)?.translation.vector;

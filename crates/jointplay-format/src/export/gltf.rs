@@ -120,9 +120,9 @@ impl Document {
         let mut told = Map::new();
         told.insert("duration_s".to_owned(), json!(recording.motion.duration()));
         if let Some(warning) = recording.warning() {
-            let all = recording.flaws.iter().map(|flaw| {
-                json!({ "from_s": flaw.from, "to_s": flaw.to, "message": flaw.message })
-            });
+            let all = recording.flaws.iter().map(
+                |flaw| json!({ "from_s": flaw.from, "to_s": flaw.to, "message": flaw.message }),
+            );
             told.insert("warning".to_owned(), json!(warning));
             told.insert("violations".to_owned(), all.collect());
         }
@@ -143,7 +143,8 @@ impl Document {
             "accessors": accessors,
         });
         if !self.channels.is_empty() {
-            let name = if recording.flaws.is_empty() { "program" } else { "program, NOT SAFE TO RUN" };
+            let name =
+                if recording.flaws.is_empty() { "program" } else { "program, NOT SAFE TO RUN" };
             root["animations"] =
                 json!([{ "name": name, "channels": self.channels, "samplers": self.samplers }]);
         }
@@ -153,7 +154,8 @@ impl Document {
         }
         let total = 12 + 8 + text.len() + 8 + bytes.len();
         let length = u32::try_from(total).map_err(|_| Error::TooLarge { bytes: total })?;
-        let part = |length: usize| u32::try_from(length).expect("less than all of it").to_le_bytes();
+        let part =
+            |length: usize| u32::try_from(length).expect("less than all of it").to_le_bytes();
         let mut file = Vec::with_capacity(total);
         file.extend(b"glTF");
         file.extend(2_u32.to_le_bytes());

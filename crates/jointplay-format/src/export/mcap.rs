@@ -85,10 +85,12 @@ pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
         .library(concat!("jointplay ", env!("CARGO_PKG_VERSION")));
     let mut file = File { writer: options.create(Cursor::new(Vec::new()))?, sequence: 0 };
     let point = [("builtin_interfaces/Duration", TIME)];
-    let states = file.topic("/joint_states", "sensor_msgs/msg/JointState", JOINT_STATE, &[
-        ("std_msgs/Header", HEADER),
-        ("builtin_interfaces/Time", TIME),
-    ])?;
+    let states = file.topic(
+        "/joint_states",
+        "sensor_msgs/msg/JointState",
+        JOINT_STATE,
+        &[("std_msgs/Header", HEADER), ("builtin_interfaces/Time", TIME)],
+    )?;
     let trajectory = file.topic(
         "/joint_trajectory",
         "trajectory_msgs/msg/JointTrajectory",
@@ -100,20 +102,26 @@ pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
             point[0],
         ],
     )?;
-    let tf = file.topic("/tf", "tf2_msgs/msg/TFMessage", TF, &[
-        ("geometry_msgs/TransformStamped", TRANSFORM_STAMPED),
-        ("std_msgs/Header", HEADER),
-        ("builtin_interfaces/Time", TIME),
-        ("geometry_msgs/Transform", TRANSFORM),
-        ("geometry_msgs/Vector3", VECTOR),
-        ("geometry_msgs/Quaternion", QUATERNION),
-    ])?;
+    let tf = file.topic(
+        "/tf",
+        "tf2_msgs/msg/TFMessage",
+        TF,
+        &[
+            ("geometry_msgs/TransformStamped", TRANSFORM_STAMPED),
+            ("std_msgs/Header", HEADER),
+            ("builtin_interfaces/Time", TIME),
+            ("geometry_msgs/Transform", TRANSFORM),
+            ("geometry_msgs/Vector3", VECTOR),
+            ("geometry_msgs/Quaternion", QUATERNION),
+        ],
+    )?;
     let program = file.topic("/program", "std_msgs/msg/String", STRING, &[])?;
     let violations = file.topic("/violations", "std_msgs/msg/String", STRING, &[])?;
     file.about(recording)?;
 
     let motion = recording.motion;
-    let names: Vec<&str> = recording.cell.robot.axes.iter().map(|axis| axis.name.as_str()).collect();
+    let names: Vec<&str> =
+        recording.cell.robot.axes.iter().map(|axis| axis.name.as_str()).collect();
     let mut flaws: Vec<_> = recording.flaws.iter().collect();
     flaws.sort_by(|a, b| a.from.total_cmp(&b.from));
     let mut flaws = flaws.into_iter().peekable();
@@ -126,7 +134,11 @@ pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
                 file.push(program, start, text(recording.line(step)))?;
             }
             let of_step = [start, motion.times[step + 1]];
-            file.push(trajectory, start, joint_trajectory(recording, &names, of_step, &samples[k..]))?;
+            file.push(
+                trajectory,
+                start,
+                joint_trajectory(recording, &names, of_step, &samples[k..]),
+            )?;
             step += 1;
         }
         while let Some(flaw) = flaws.next_if(|flaw| flaw.from <= sample.time) {
@@ -199,7 +211,8 @@ fn joint_trajectory(
     [start, end]: [f64; 2],
     from_here: &[Sample],
 ) -> Vec<u8> {
-    let within = from_here.iter().skip_while(|one| one.time <= start).take_while(|one| one.time < end);
+    let within =
+        from_here.iter().skip_while(|one| one.time <= start).take_while(|one| one.time < end);
     let ends = [recording.motion.at(start), recording.motion.at(end)];
     let points: Vec<&Sample> =
         std::iter::once(&ends[0]).chain(within).chain(std::iter::once(&ends[1])).collect();

@@ -46,8 +46,10 @@ pub fn samples(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Erro
         }
     }
     let real = |name: String, values| Column { name, values: Values::Real(values) };
-    let count = |name: &str, values| Column { name: name.to_owned(), values: Values::Count(values) };
-    let mut columns = vec![real("time_s".to_owned(), time), count("line", line), count("step", step)];
+    let count =
+        |name: &str, values| Column { name: name.to_owned(), values: Values::Count(values) };
+    let mut columns =
+        vec![real("time_s".to_owned(), time), count("line", line), count("step", step)];
     for (axis, state) in axes.iter().zip(states) {
         let unit = if turns(axis.kind) { "deg" } else { "mm" };
         for (end, values) in ["", "_per_s", "_per_s2"].iter().zip(state) {

@@ -134,10 +134,7 @@ impl Track {
 
 /// Whether sample `k` of a series has to be told for the rest to follow by straight interpolation: the ends, and wherever it differs from a neighbour.
 pub(super) fn is_key<T: PartialEq>(series: &[T], k: usize) -> bool {
-    k == 0
-        || k + 1 == series.len()
-        || series[k] != series[k - 1]
-        || series[k] != series[k + 1]
+    k == 0 || k + 1 == series.len() || series[k] != series[k - 1] || series[k] != series[k + 1]
 }
 
 /// Frames of the robot, nowhere yet.

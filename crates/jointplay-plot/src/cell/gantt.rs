@@ -65,15 +65,23 @@ impl Gantt {
     /// * `lines` – text of the program, of which lines are quoted
     /// * `wrong` – when something is wrong [s]
     #[must_use]
-    pub fn new(title: &str, axes: Vec<String>, motion: &Motion, lines: &str, wrong: &[[f64; 2]]) -> Self {
+    pub fn new(
+        title: &str,
+        axes: Vec<String>,
+        motion: &Motion,
+        lines: &str,
+        wrong: &[[f64; 2]],
+    ) -> Self {
         let quoted: Vec<&str> = lines.lines().map(str::trim).collect();
         let mut spans: Vec<Span> = Vec::new();
         let mut instruction = None;
         for (k, step) in motion.steps.iter().enumerate() {
             let (from, to) = (motion.times[k], motion.times[k + 1]);
             if instruction == Some(step.instruction) {
-                if let Some(span) =
-                    spans.iter_mut().rev().find(|span| matches!(span.kind, SpanKind::Instruction(_)))
+                if let Some(span) = spans
+                    .iter_mut()
+                    .rev()
+                    .find(|span| matches!(span.kind, SpanKind::Instruction(_)))
                 {
                     span.to = to;
                 }
@@ -119,7 +127,8 @@ impl Gantt {
         if wrong {
             rows.push("violations");
         }
-        let label = rows.iter().map(|name| width(name, TICK)).fold(0.0, f64::max).min(0.3 * self.width);
+        let label =
+            rows.iter().map(|name| width(name, TICK)).fold(0.0, f64::max).min(0.3 * self.width);
         let left = label + 18.0;
         let room = self.width - left - MARGIN;
         let bands = (self.duration / SHORTEST).ceil().clamp(1.0, MOST_BANDS);
@@ -138,13 +147,8 @@ impl Gantt {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 12")]
         for band in 0..bands as u32 {
             let from = f64::from(band) * length;
-            let place = Band {
-                left,
-                room,
-                top: top + f64::from(band) * high,
-                from,
-                to: from + length,
-            };
+            let place =
+                Band { left, room, top: top + f64::from(band) * high, from, to: from + length };
             self.band(&mut svg, &place, &rows);
         }
         self.legend(&mut svg, top + bands * high + 12.0, wrong);
@@ -220,7 +224,10 @@ impl Gantt {
         svg.path(&frame, &format!(" stroke=\"{INK}\" stroke-width=\"1\""));
         for tick in &ticks.major {
             let x = band.across(tick.value);
-            svg.path(&format!("M{} {}v4", px(x), px(bottom)), &format!(" stroke=\"{INK}\" stroke-width=\"1\""));
+            svg.path(
+                &format!("M{} {}v4", px(x), px(bottom)),
+                &format!(" stroke=\"{INK}\" stroke-width=\"1\""),
+            );
             let half = 0.5 * width(&tick.label, TICK);
             let x = x.min(self.width - half - 2.0);
             svg.text((x, bottom + 16.0), TICK, Anchor::Middle, &tick.label, "");

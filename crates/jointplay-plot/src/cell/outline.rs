@@ -49,7 +49,8 @@ mod tests {
 
     #[test]
     fn a_box_covers_its_base() {
-        let corners = outline(&Shape::Box { half: [1.0, 2.0, 3.0] }, &Pose::translation(1.0, 0.0, 9.0));
+        let corners =
+            outline(&Shape::Box { half: [1.0, 2.0, 3.0] }, &Pose::translation(1.0, 0.0, 9.0));
         assert_eq!(corners, [[0.0, -2.0], [2.0, -2.0], [2.0, 2.0], [0.0, 2.0]]);
     }
 

@@ -24,7 +24,8 @@ const AXES: f64 = 26.0;
 const FORBIDDEN: &str = " fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
 const ALLOWED: &str = " fill=\"#009e73\" fill-opacity=\"0.05\" stroke=\"#009e73\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
 const BODY: &str = " fill=\"#d9d9d6\" stroke=\"#8c8c8c\" stroke-width=\"1\"";
-const STATION: &str = " fill=\"#ffffff\" fill-opacity=\"0.8\" stroke=\"#222222\" stroke-width=\"1.4\"";
+const STATION: &str =
+    " fill=\"#ffffff\" fill-opacity=\"0.8\" stroke=\"#222222\" stroke-width=\"1.4\"";
 const ROBOT: &str = " fill=\"#ececec\" stroke=\"#5c5c5c\" stroke-width=\"1.2\"";
 
 /// An effector with what it reaches and where it goes.
@@ -109,7 +110,10 @@ impl<'a> TopView<'a> {
         for &at in &self.wrong {
             let (x, y) = camera.at(at);
             let data = format!("M{} {}l9 9m0 -9l-9 9", px(x - 4.5), px(y - 4.5));
-            svg.path(&data, &format!(" stroke=\"{}\" stroke-width=\"2.4\"", Colour::VERMILLION.hex()));
+            svg.path(
+                &data,
+                &format!(" stroke=\"{}\" stroke-width=\"2.4\"", Colour::VERMILLION.hex()),
+            );
         }
         axes(&mut svg, (MARGIN, bottom + 34.0));
         bar(&mut svg, 1.0 / scale, (self.width - MARGIN, bottom + 34.0), 0.2 * self.width);
@@ -156,7 +160,11 @@ impl<'a> TopView<'a> {
         if size.is_normal() && size < 1e6 {
             Ok((low, high))
         } else {
-            Err(Error::Extent { what: format!("the cell {:?}", self.cell.name), found: size, unit: "m" })
+            Err(Error::Extent {
+                what: format!("the cell {:?}", self.cell.name),
+                found: size,
+                unit: "m",
+            })
         }
     }
 
@@ -194,7 +202,8 @@ impl<'a> TopView<'a> {
             let colour = effector_colour(k).hex();
             for reach in track.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
                 let dash = if k % 2 == 0 { "2 4" } else { "7 4" };
-                let look = format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
+                let look =
+                    format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
                 svg.path(&circle(camera, [0.0; 2], reach), &look);
             }
             // Points that would fall on each other on the page are left out.
@@ -231,7 +240,11 @@ impl<'a> TopView<'a> {
             svg.path(&dot(arrow[1], 2.6), &format!(" fill=\"{INK}\""));
             let normal = frame.rotation * nalgebra::Vector3::z();
             let lean = normal.x.hypot(normal.y).atan2(normal.z).to_degrees();
-            let slots = if station.slots > 1 { format!(", {} slots", station.slots) } else { String::new() };
+            let slots = if station.slots > 1 {
+                format!(", {} slots", station.slots)
+            } else {
+                String::new()
+            };
             let tilt = if lean > 5e-4 { format!(", {}°", short(lean)) } else { String::new() };
             let text = format!("{}{slots}{tilt}", station.name);
             let half = 0.5 * width(&text, TICK);
@@ -247,11 +260,13 @@ impl<'a> TopView<'a> {
     fn legend_rows(&self) -> Vec<Vec<(String, String)>> {
         let mut entries: Vec<(String, String)> = Vec::new();
         for (k, track) in self.tracks.iter().enumerate() {
-            let name = &self.cell.robot.arms[track.effector.arm].effectors[track.effector.effector].name;
+            let name =
+                &self.cell.robot.arms[track.effector.arm].effectors[track.effector.effector].name;
             let colour = effector_colour(k).hex();
             let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"");
             let dash = if k % 2 == 0 { "2 4" } else { "7 4" };
-            let reach = format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
+            let reach =
+                format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
             entries.push((element("M0 0h20", &look), format!("wafer centre of {name}")));
             entries.push((element("M0 0h20", &reach), format!("reach of {name}")));
         }
@@ -289,7 +304,11 @@ impl<'a> TopView<'a> {
         let total: f64 = entries.iter().map(|(_, text)| entry_width(text)).sum::<f64>() - 16.0;
         let mut x = 0.5 * (self.width - total);
         for (drawn, text) in entries {
-            svg.elements(&format!("<g transform=\"translate({} {})\">\n{drawn}</g>\n", px(x), px(y)));
+            svg.elements(&format!(
+                "<g transform=\"translate({} {})\">\n{drawn}</g>\n",
+                px(x),
+                px(y)
+            ));
             svg.text((x + 26.0, y + HALF_CAPITAL * TICK), TICK, Anchor::Start, text, "");
             x += entry_width(text);
         }

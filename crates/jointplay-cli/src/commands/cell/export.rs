@@ -96,8 +96,8 @@ impl Export {
         let planned = self.input.plan()?;
         if !planned.is_sound() && !self.despite_errors {
             let violations = planned.report.violations.iter();
-            let told =
-                violations.map(|one| (one.place, jointplay::format::report::explain_violation(one)));
+            let told = violations
+                .map(|one| (one.place, jointplay::format::report::explain_violation(one)));
             return Err(Failure::Unsolved(format!(
                 "{}\nnothing is exported, as this is not safe to run; --despite-errors exports it all the same",
                 planned.input.shown(told)
@@ -118,11 +118,19 @@ impl Export {
             rate_hz: self.rate.0,
             files: files.iter().map(|(name, _)| self.out.join(name)).collect(),
         };
-        if self.input.json() { output::json(&written) } else { output::text(&told(&written, &files)) }
+        if self.input.json() {
+            output::json(&written)
+        } else {
+            output::text(&told(&written, &files))
+        }
     }
 
     /// Names and contents.
-    fn files(&self, planned: &Planned, dialect: &Dialect) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    fn files(
+        &self,
+        planned: &Planned,
+        dialect: &Dialect,
+    ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
         let recording = planned.recording();
         let mut kinds = self.to.clone();
         kinds.dedup();
@@ -204,10 +212,8 @@ fn mcap(_: &Recording<'_>, _: f64) -> Result<Vec<u8>, Failure> {
 }
 
 fn told(written: &Written, files: &[(String, Vec<u8>)]) -> String {
-    let mut text = format!(
-        "{:.3} s of motion at {} samples a second\n",
-        written.duration_s, written.rate_hz
-    );
+    let mut text =
+        format!("{:.3} s of motion at {} samples a second\n", written.duration_s, written.rate_hz);
     if written.violations > 0 {
         text.push_str("NOT SAFE TO RUN, as every file says\n");
     }

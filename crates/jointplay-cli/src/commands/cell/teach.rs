@@ -56,9 +56,9 @@ struct Point(Vector3<f64>);
 
 fn point(text: &str) -> Result<Point, String> {
     let values = text.split(',').map(length).collect::<Result<Vec<f64>, String>>()?;
-    let values: [f64; 3] = values
-        .try_into()
-        .map_err(|values: Vec<f64>| format!("a point has 3 coordinates, {} are given", values.len()))?;
+    let values: [f64; 3] = values.try_into().map_err(|values: Vec<f64>| {
+        format!("a point has 3 coordinates, {} are given", values.len())
+    })?;
     Ok(Point(Vector3::from(values.map(m_from_mm))))
 }
 
@@ -167,8 +167,7 @@ fn one(text: &mut String, station: &StationReport, limit: f64) {
         let _ = writeln!(text, "  drift (mm)           {}", fixed(drift, 3));
     }
     if let Some(plane) = &station.plane {
-        let distances: Vec<String> =
-            plane.distances_um.iter().map(|&one| fixed(one, 1)).collect();
+        let distances: Vec<String> = plane.distances_um.iter().map(|&one| fixed(one, 1)).collect();
         let verdict = match plane.verdict {
             "fits" => "fits",
             "unproven" => "unproven: three points always lie in a plane, teach a fourth",

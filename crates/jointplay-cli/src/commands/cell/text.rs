@@ -118,7 +118,8 @@ fn lines(text: &mut String, report: &CellReport) {
         };
         #[expect(clippy::cast_precision_loss, reason = "a count of runs")]
         let each = runs.iter().map(|one| one.duration_s).sum::<f64>() / runs.len() as f64;
-        let nearest = runs.iter().filter_map(|one| one.nearest.as_ref().map(|pair| pair.distance_mm));
+        let nearest =
+            runs.iter().filter_map(|one| one.nearest.as_ref().map(|pair| pair.distance_mm));
         let nearest = nearest.reduce(f64::min).map_or("–".to_owned(), |mm| fixed(mm, 2));
         let _ = writeln!(
             text,

@@ -225,6 +225,10 @@ mod tests {
         refuse("\ndecimals = 6", "\ndecimals = 20", "0 to 12");
         refuse("extension = \"txt\"", "extension = \"../x\"", "letters and digits");
         refuse("still =", "stil =", "unknown key");
-        refuse("still = [\"WAIT {duration}\"]\n", "", "either `axes`, `line` and `still`, or `point`");
+        refuse(
+            "still = [\"WAIT {duration}\"]\n",
+            "",
+            "either `axes`, `line` and `still`, or `point`",
+        );
     }
 }

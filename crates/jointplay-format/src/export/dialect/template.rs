@@ -6,8 +6,7 @@ use crate::place::nearest;
 /// Names that stand for something, by where.
 pub(super) const ENDS: &[&str] = &["cell", "robot", "axes", "positions", "time"];
 pub(super) const INSTRUCTION: &[&str] = &["number", "line", "text"];
-pub(super) const STEP: &[&str] =
-    &["number", "phase", "time", "duration", "positions", "effector"];
+pub(super) const STEP: &[&str] = &["number", "phase", "time", "duration", "positions", "effector"];
 pub(super) const POINT: &[&str] = &["number", "time", "positions", "velocities"];
 pub(super) const WAFER: &[&str] = &["effector", "station", "slot"];
 pub(super) const AXIS: &[&str] = &["name", "value", "number"];
@@ -40,7 +39,11 @@ impl Template {
                     }
                     let Some(&name) = known.iter().find(|&&one| one == name) else {
                         let nearest = nearest(&name, known.iter().copied());
-                        return Err(Problem::Name { found: name, nearest, known: known.join(", ") });
+                        return Err(Problem::Name {
+                            found: name,
+                            nearest,
+                            known: known.join(", "),
+                        });
                     };
                     parts.push((std::mem::take(&mut plain), name));
                 }

@@ -65,7 +65,12 @@ pub(super) struct Parts {
 
 impl Parts {
     /// Nodes of what moves with a track.
-    pub(super) fn of_track(&mut self, document: &mut Document, cell: &Cell, part: Part) -> Vec<usize> {
+    pub(super) fn of_track(
+        &mut self,
+        document: &mut Document,
+        cell: &Cell,
+        part: Part,
+    ) -> Vec<usize> {
         let robot = &cell.robot;
         let carrier = match part {
             Part::Wafer => {
@@ -73,7 +78,9 @@ impl Parts {
                     let half_height = 0.5 * cell.wafer.thickness;
                     let shape = Shape::Cylinder { radius: 0.5 * cell.wafer.diameter, half_height };
                     let up = Pose::translation(0.0, 0.0, half_height);
-                    document.mesh_at("wafer", &shape, &up, Material::Wafer).expect("a wafer is a body")
+                    document
+                        .mesh_at("wafer", &shape, &up, Material::Wafer)
+                        .expect("a wafer is a body")
                 });
                 return vec![document.node("wafer", made, &Pose::identity())];
             }
@@ -126,7 +133,9 @@ impl Parts {
                 let radius = 0.5 * cell.wafer.diameter + wider;
                 let down = Pose::translation(0.0, 0.0, -2.0 * half_height);
                 let shape = Shape::Cylinder { radius, half_height };
-                document.mesh_at("slot", &shape, &down, Material::Station).expect("a slot is a body")
+                document
+                    .mesh_at("slot", &shape, &down, Material::Station)
+                    .expect("a slot is a body")
             });
             for slot in 1..=station.slots {
                 let name = format!("{} {slot}", station.name);
@@ -145,9 +154,15 @@ impl Parts {
 }
 
 /// Nodes of the bodies with one carrier.
-fn bodies(document: &mut Document, cell: &Cell, carrier: Carrier, material: Material) -> Vec<usize> {
+fn bodies(
+    document: &mut Document,
+    cell: &Cell,
+    carrier: Carrier,
+    material: Material,
+) -> Vec<usize> {
     let carried = cell.bodies.iter().filter(|body| body.carrier == carrier);
-    let show = |body: &Body| document.show(&body.name, &body.shape, &body.carrier_from_shape, material);
+    let show =
+        |body: &Body| document.show(&body.name, &body.shape, &body.carrier_from_shape, material);
     carried.flat_map(show).collect()
 }
 
@@ -159,7 +174,13 @@ impl Document {
     }
 
     /// A mesh of a shape that is displaced within it.
-    fn mesh_at(&mut self, name: &str, shape: &Shape, at: &Pose, material: Material) -> Option<usize> {
+    fn mesh_at(
+        &mut self,
+        name: &str,
+        shape: &Shape,
+        at: &Pose,
+        material: Material,
+    ) -> Option<usize> {
         let surface = shape.surface();
         if surface.triangles.is_empty() {
             return None;
@@ -194,7 +215,8 @@ impl Document {
 
     /// A node with a mesh.
     fn node(&mut self, name: &str, mesh: usize, at: &Pose) -> usize {
-        let turn: [f64; 4] = UnitQuaternion::from_rotation_matrix(&at.rotation).into_inner().coords.into();
+        let turn: [f64; 4] =
+            UnitQuaternion::from_rotation_matrix(&at.rotation).into_inner().coords.into();
         let place: [f64; 3] = at.translation.vector.into();
         let mut node = json!({ "name": name, "mesh": mesh });
         if place != [0.0; 3] {

@@ -7,7 +7,11 @@ const HEAD: [u8; 4] = [0, 1, 0, 0];
 pub(super) struct Cdr(Vec<u8>);
 
 /// Whole seconds and nanoseconds of a time [s].
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "nanoseconds of a day fit")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "nanoseconds of a day fit"
+)]
 pub(super) fn split(time: f64) -> (i32, u32) {
     let nanoseconds = (time.max(0.0) * 1e9).round() as u64;
     (
@@ -89,12 +93,8 @@ mod tests {
         let mut message = Cdr::new();
         message.string("ab");
         message.numbers(&[1.5]);
-        let expected: Vec<u8> = [
-            &HEAD[..],
-            &[3, 0, 0, 0, b'a', b'b', 0, 0],
-            &[1, 0, 0, 0, 0, 0, 0, 0],
-        ]
-        .concat();
+        let expected: Vec<u8> =
+            [&HEAD[..], &[3, 0, 0, 0, b'a', b'b', 0, 0], &[1, 0, 0, 0, 0, 0, 0, 0]].concat();
         assert_eq!(message.0[..20], expected);
         assert_eq!(message.0[20..], 1.5_f64.to_le_bytes());
     }
