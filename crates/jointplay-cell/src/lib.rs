@@ -20,10 +20,11 @@
 
 pub mod cell;
 pub mod check;
+mod error;
 pub mod motion;
 pub mod program;
 pub mod robot;
 pub mod station;
 pub mod wafer;
 
-fn wafer_pose_later(_: &cell::Cell, _: &[f64], _: robot::EffectorId, _: bool) -> Result<jointplay_core::spatial::Pose, String> { Err("later".into()) }
+pub use error::CellError;
