@@ -19,7 +19,7 @@ pub fn moves(robot: &HybridRobot, axis: usize, effector: EffectorId) -> bool {
 /// The loaded limits hold as soon as one effector that the axis moves carries a wafer.
 #[must_use]
 pub fn dynamics(robot: &HybridRobot, axis: usize, step: &Step) -> Dynamics {
-    let limits = unshared(robot, axis, step);
+    let limits = limits_of(robot, axis, step);
     Dynamics {
         velocity: limits.velocity * step.speed,
         acceleration: limits.acceleration * step.speed,
@@ -28,7 +28,7 @@ pub fn dynamics(robot: &HybridRobot, axis: usize, step: &Step) -> Dynamics {
 }
 
 /// Limits of an axis during a step, whatever share of them the program asks for.
-pub(crate) fn unshared(robot: &HybridRobot, axis: usize, step: &Step) -> Dynamics {
+pub fn limits_of(robot: &HybridRobot, axis: usize, step: &Step) -> Dynamics {
     let loaded = step.loaded.iter().any(|&effector| moves(robot, axis, effector));
     let axis = &robot.axes[axis];
     if loaded { axis.loaded } else { axis.empty }

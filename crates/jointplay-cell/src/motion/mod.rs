@@ -7,13 +7,14 @@
 
 mod axes;
 mod cubic;
+pub(crate) mod drooped;
 mod limits;
 mod line;
 mod pace;
 mod plan;
 mod spline;
 
-pub use limits::{dynamics, moves};
+pub use limits::{dynamics, limits_of, moves};
 pub use plan::{MotionError, MotionOptions, StepProblem, timed};
 
 use crate::program::Step;

@@ -1,6 +1,7 @@
 //! From steps to a motion.
 
 use super::axes::together;
+use super::drooped::wafer_pose;
 use super::limits::{dynamics, moves};
 use super::line::Task;
 use super::pace::Pace;
@@ -149,7 +150,7 @@ fn along(
     }
     let robot = &cell.robot;
     let loaded = step.loaded.contains(&effector);
-    let pose = |positions: &[f64]| super::super::wafer_pose_later(cell, positions, effector, loaded);
+    let pose = |positions: &[f64]| wafer_pose(cell, positions, effector, loaded);
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| moves(robot, axis, effector)).collect();
     // Two motors of an arm place the wafer's centre; from three on they also turn it.
