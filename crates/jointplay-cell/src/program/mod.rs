@@ -1,8 +1,22 @@
 //! What the robot is told, and the steps that it comes to.
+//!
+//! ```text
+//!    Program ──names──▶ instructions ──one after the other──▶ Step…
+//!                            ▲                  ▲
+//!              no end, no name: errors    wafers, reach, limits: errors
+//! ```
 
+mod expand;
+mod presence;
+mod problem;
+mod resolve;
+mod sequence;
 mod step;
 mod syntax;
 
+pub use expand::expand;
+pub use problem::{Count, ProgramError, ProgramProblem};
+pub use resolve::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use step::{Handover, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,
