@@ -176,10 +176,9 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
         "cylinder" => {
             let radius = inner.length("radius_mm", Span::Positive);
             let height = inner.length("height_mm", Span::Positive);
-            radius.zip(height).map(|(radius, height)| Shape::Cylinder {
-                radius,
-                half_height: height / 2.0,
-            })
+            radius
+                .zip(height)
+                .map(|(radius, height)| Shape::Cylinder { radius, half_height: height / 2.0 })
         }
         "capsule" => {
             let (from, to) = (inner.point("from_mm"), inner.point("to_mm"));

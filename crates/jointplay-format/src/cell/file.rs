@@ -75,9 +75,10 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
     );
     kind?;
     let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
-    let occupied = occupied.into_iter().enumerate().flat_map(|(station, slots)| {
-        slots.into_iter().map(move |slot| SlotId { station, slot })
-    });
+    let occupied = occupied
+        .into_iter()
+        .enumerate()
+        .flat_map(|(station, slots)| slots.into_iter().map(move |slot| SlotId { station, slot }));
     Some(Cell {
         name: name?,
         assumed,
@@ -111,7 +112,11 @@ fn effectors(robot: &HybridRobot) -> Effectors {
 }
 
 /// The effectors of a list of names; all that are known, where the key is left out.
-pub(super) fn named_effectors(entry: &Entry, reader: &Reader, known: &Effectors) -> Vec<EffectorId> {
+pub(super) fn named_effectors(
+    entry: &Entry,
+    reader: &Reader,
+    known: &Effectors,
+) -> Vec<EffectorId> {
     let names: Vec<String> = known.iter().map(|(name, _)| name.clone()).collect();
     let mut seen = BTreeMap::new();
     let of = |entry: Entry| {

@@ -35,17 +35,16 @@ pub(super) fn named(name: &str, files: &mut Files) -> Result<Vec<u8>, String> {
 pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let reader = table.reader;
     let file = table.needed("file");
-    let unit = table.entry("unit").map_or(Some(true), |unit| {
-        unit.word(reader, "unit", &[("mm", true), ("m", false)])
-    });
+    let unit = table
+        .entry("unit")
+        .map_or(Some(true), |unit| unit.word(reader, "unit", &[("mm", true), ("m", false)]));
     let convex = table.entry("convex").map_or(Some(false), |convex| convex.flag(reader));
     let file = file?;
     let name = file.line(reader)?;
     let (is_mm, convex) = (unit?, convex?);
     let mesh = named(name, files).and_then(|bytes| parse(name, &bytes));
-    let mesh = mesh
-        .map_err(|why| file.wrong(reader, Fault::File { name: name.to_owned(), why }))
-        .ok()?;
+    let mesh =
+        mesh.map_err(|why| file.wrong(reader, Fault::File { name: name.to_owned(), why })).ok()?;
     let length = |value: f32| if is_mm { m_from_mm(f64::from(value)) } else { f64::from(value) };
     let vertices = mesh.vertices.iter().map(|vertex| vertex.map(length)).collect();
     Some(if convex {

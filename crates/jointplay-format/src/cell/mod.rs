@@ -4,9 +4,11 @@
 
 mod bodies;
 mod edit;
+pub mod explain;
 mod file;
 mod mesh;
 mod problem;
+pub mod robot;
 mod stations;
 mod tree;
 

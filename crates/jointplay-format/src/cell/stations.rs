@@ -50,12 +50,7 @@ pub(super) fn read(
 }
 
 /// Notes a name that was there before.
-pub(super) fn unique(
-    table: &Table,
-    what: &str,
-    name: &str,
-    names: &mut BTreeMap<String, usize>,
-) {
+pub(super) fn unique(table: &Table, what: &str, name: &str, names: &mut BTreeMap<String, usize>) {
     let entry = table.entry("name");
     let span = entry.map_or(table.span.clone(), |entry| entry.span());
     let line = table.reader.line(span.clone());
@@ -140,10 +135,11 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
     let (yaw, tilt) = lean(table);
     let taught = table.table("taught", "taught points");
     let drift = table.table("drift", "a drift");
-    let ways: Vec<&str> = [("tilt", tilt.is_some()), ("taught", taught.is_some()), ("drift", drift.is_some())]
-        .into_iter()
-        .filter_map(|(key, is_there)| is_there.then_some(key))
-        .collect();
+    let ways: Vec<&str> =
+        [("tilt", tilt.is_some()), ("taught", taught.is_some()), ("drift", drift.is_some())]
+            .into_iter()
+            .filter_map(|(key, is_there)| is_there.then_some(key))
+            .collect();
     if let [one, other, ..] = ways.as_slice() {
         table.wrong(Fault::Unfit(format!(
             "{} has both `{one}` and `{other}`, but its tilt can come from one of them only",
@@ -181,7 +177,8 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
     }
     let position = table.point("position_mm");
     if let Some(taught) = taught {
-        let threshold = taught.number_or("threshold_um", Span::Positive, TAUGHT_THRESHOLD_UM) * 1e-6;
+        let threshold =
+            taught.number_or("threshold_um", Span::Positive, TAUGHT_THRESHOLD_UM) * 1e-6;
         let points = taught.needed("points_mm").map(|entry| points(&entry, reader));
         taught.finish();
         if !reader.is_clean() {
@@ -226,12 +223,15 @@ fn check_reach(table: &Table, station: &Station) {
     if station.retract_reach >= reach {
         let entry = table.entry("retract_mm");
         let span = entry.map_or(table.span.clone(), |entry| entry.span());
-        table.reader.wrong(span, Fault::Unfit(format!(
-            "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the robot's axis",
-            mm(station.retract_reach),
-            table.whose,
-            reach * 1e3
-        )));
+        table.reader.wrong(
+            span,
+            Fault::Unfit(format!(
+                "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the robot's axis",
+                mm(station.retract_reach),
+                table.whose,
+                reach * 1e3
+            )),
+        );
     }
 }
 

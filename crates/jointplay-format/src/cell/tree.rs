@@ -170,11 +170,6 @@ impl<'r, 'a> Table<'r, 'a> {
         found.map_or(default, m_from_mm)
     }
 
-    /// A word that has to be there.
-    pub(super) fn text(&self, key: &'static str) -> Option<&'r str> {
-        self.needed(key)?.text(self.reader)
-    }
-
     /// A name that has to be there and that programs can write.
     pub(super) fn name(&self, key: &'static str) -> Option<String> {
         self.needed(key)?.name(self.reader)
