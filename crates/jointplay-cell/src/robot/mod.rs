@@ -18,6 +18,7 @@ mod planar;
 mod positions;
 mod reach;
 
+pub use checked::Part;
 pub use forward::{ChainPose, Effect};
 pub use inverse::{
     Branch, BrokenLimit, Configuration, Elbow, Inverse, OutOfReach, Reaching, Standing, WaferTarget,
