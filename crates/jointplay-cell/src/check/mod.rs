@@ -20,9 +20,7 @@ mod solid;
 mod travel;
 mod watch;
 
-pub use report::{
-    InstructionRow, Kind, PairDistance, Report, Share, Unit, Verdict, Violation,
-};
+pub use report::{InstructionRow, Kind, PairDistance, Report, Share, Unit, Verdict, Violation};
 
 use crate::cell::Cell;
 use crate::motion::{Motion, Sample};
@@ -72,12 +70,10 @@ pub fn check(cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
     let mut sample = Sample::default();
     if !motion.steps.is_empty() {
         check.begin(0);
-        for (number, time) in motion.sample_times(options.rate).enumerate() {
+        for time in motion.sample_times(options.rate) {
             motion.fill(time, &mut sample);
-            check.sample(number, before.as_ref(), &sample);
-            let mut old = before.unwrap_or_default();
-            std::mem::swap(&mut old, &mut sample);
-            before = Some(old);
+            check.up_to(before.take(), &sample);
+            before = Some(sample.clone());
         }
     }
     check.finished()
@@ -173,22 +169,32 @@ impl<'a> Check<'a> {
         }
     }
 
-    fn sample(&mut self, number: usize, before: Option<&Sample>, sample: &Sample) {
-        self.samples += 1;
+    /// All samples up to one, that of each step's end among them: what is asked changes there.
+    fn up_to(&mut self, before: Option<Sample>, sample: &Sample) {
         let mut before = before;
         while self.step < sample.step {
+            let mut rest = self.motion.at(self.motion.times[self.step]);
+            rest.time = self.motion.times[self.step + 1];
+            rest.step = self.step;
+            rest.positions.copy_from_slice(&self.motion.steps[self.step].to);
+            for values in [&mut rest.velocities, &mut rest.accelerations, &mut rest.jerks] {
+                values.fill(0.0);
+            }
+            self.sample(before.as_ref(), &rest);
             self.end();
             self.begin(self.step + 1);
-            // Rules and wafers changed between the samples; the axes were at rest when they did.
-            before = None;
+            before = Some(rest);
         }
-        let (motion, index) = (self.motion, sample.step);
+        self.sample(before.as_ref(), sample);
+    }
+
+    fn sample(&mut self, before: Option<&Sample>, sample: &Sample) {
+        self.samples += 1;
+        let (motion, index) = (self.motion, self.step);
         let step = &motion.steps[index];
-        let when = When { time: sample.time, sample: number, index, step };
+        let when = When { time: sample.time, sample: self.samples, index, step };
         if let Some(before) = before {
             self.watch.advance(&self.scene, before, sample);
-        } else if number > 0 {
-            self.watch.lose();
         }
         for (moved, velocity) in self.moved.iter_mut().zip(&sample.velocities) {
             *moved |= *velocity != 0.0;
@@ -234,8 +240,7 @@ impl<'a> Check<'a> {
                     unit: Unit::Acceleration,
                 };
                 let cell = self.cell;
-                self.found
-                    .add(when, &hit, || (vec![effector_name(cell, id)], String::new()));
+                self.found.add(when, &hit, || (vec![effector_name(cell, id)], String::new()));
             }
             if let Some(row) = self.rows.last_mut() {
                 let share = if push.held > 0.0 { push.needed / push.held } else { f64::INFINITY };
@@ -264,7 +269,10 @@ impl<'a> Check<'a> {
                     };
                     let cell = self.cell;
                     self.found.add(when, &hit, || {
-                        (vec![effector_name(cell, *id), cell.zones[*zone].name.clone()], String::new())
+                        (
+                            vec![effector_name(cell, *id), cell.zones[*zone].name.clone()],
+                            String::new(),
+                        )
                     });
                 }
             }
@@ -289,12 +297,8 @@ impl<'a> Check<'a> {
                 *all += time;
             }
         }
-        let wafers = self
-            .scene
-            .items
-            .iter()
-            .filter(|item| item.role == Role::Wafer && item.laid)
-            .count();
+        let wafers =
+            self.scene.items.iter().filter(|item| item.role == Role::Wafer && item.laid).count();
         let duration = self.motion.duration();
         let hourly = (wafers > 0 && duration > 0.0).then(|| 3600.0 * wafers as f64 / duration);
         Report {

@@ -218,19 +218,30 @@ impl Violation {
         let (unit, worst, limit) = (self.symbol(), self.worst, self.limit);
         match self.kind {
             Kind::Position => {
-                format!("axis {} comes to {worst:.6} {unit}, beyond its limit of {limit:.6} {unit}", name(0))
+                format!(
+                    "axis {} comes to {worst:.6} {unit}, beyond its limit of {limit:.6} {unit}",
+                    name(0)
+                )
             }
             Kind::Velocity => {
-                format!("axis {} runs at {worst:.4} {unit}, its limit is {limit:.4} {unit}", name(0))
+                format!(
+                    "axis {} runs at {worst:.4} {unit}, its limit is {limit:.4} {unit}",
+                    name(0)
+                )
             }
             Kind::Acceleration => format!(
                 "axis {} accelerates by {worst:.4} {unit}, its limit is {limit:.4} {unit}",
                 name(0)
             ),
             Kind::Jerk => {
-                format!("axis {} jerks by {worst:.3} {unit}, its limit is {limit:.3} {unit}", name(0))
+                format!(
+                    "axis {} jerks by {worst:.3} {unit}, its limit is {limit:.3} {unit}",
+                    name(0)
+                )
             }
-            Kind::Tilt => format!("the platform leans by {worst:.6} rad, its limit is {limit:.6} rad"),
+            Kind::Tilt => {
+                format!("the platform leans by {worst:.6} rad, its limit is {limit:.6} rad")
+            }
             Kind::Play => format!(
                 "the virtual joints move by {worst:.3e} m, the play budget is {limit:.3e} m"
             ),

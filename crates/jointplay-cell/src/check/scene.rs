@@ -2,14 +2,14 @@
 
 use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 use super::solid::{Placed, Solid};
 use crate::cell::{Carrier, Cell, Shape, ZoneRule};
-use crate::motion::drooped::drooped;
 use crate::program::{Handover, Path, Phase, Step};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
+use crate::wafer::{Droop, drooped};
 
 /// What holds an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -128,11 +128,34 @@ impl<'a> Scene<'a> {
             for effector in 0..described.effectors.len() {
                 let id = EffectorId { arm, effector };
                 let loaded = self.carried_by(id).is_some();
-                poses.push(drooped(self.cell, &chain, id, loaded).map_err(|why| (false, why))?);
+                let rigid = chain.base_from_wafer[arm][effector];
+                let pose = self.lowered(&chain.platform, id, rigid, loaded);
+                poses.push(pose.map_err(|why| (false, why))?);
             }
             wafers.push(poses);
         }
         Ok(Places { platform: chain.platform, links: chain.base_from_link, wafers })
+    }
+
+    /// A wafer frame, its arm drooping.
+    fn lowered(
+        &self,
+        platform: &Forward,
+        id: EffectorId,
+        rigid: Pose,
+        loaded: bool,
+    ) -> Result<Pose, String> {
+        let arm = &self.cell.robot.arms[id.arm];
+        if arm.droop == Droop::Rigid {
+            return Ok(rigid);
+        }
+        let joint = (platform.base_from_platform * Point3::from(arm.mount)).coords;
+        let out = rigid.translation.vector - joint;
+        let normal = rigid.rotation * Vector3::z();
+        let reach = (out - normal * out.dot(&normal)).norm();
+        let load = if loaded { self.cell.wafer.mass() } else { 0.0 };
+        let by = arm.droop.at(reach, load, self.cell.gravity).map_err(|error| error.to_string())?;
+        Ok(drooped(&rigid, &joint, by))
     }
 
     /// Where an item is.
@@ -178,11 +201,7 @@ impl Item {
 /// A slot in words: the station, and the slot's number where there are several.
 pub(super) fn slot_name(cell: &Cell, slot: SlotId) -> String {
     let station = &cell.stations[slot.station];
-    if station.slots > 1 {
-        format!("{} {}", station.name, slot.slot)
-    } else {
-        station.name.clone()
-    }
+    if station.slots > 1 { format!("{} {}", station.name, slot.slot) } else { station.name.clone() }
 }
 
 /// An effector's name.
@@ -233,8 +252,7 @@ impl Scene<'_> {
         }
         let general = Rule::Apart(self.cell.clearance);
         let (Some(slot), Some(id)) = (step.slot, acting(step)) else { return general };
-        let (inside, other) =
-            if first.holder.moves() { (first, second) } else { (second, first) };
+        let (inside, other) = if first.holder.moves() { (first, second) } else { (second, first) };
         let reaches = inside.holder == Holder::Effector(id) || self.is_last_link(inside.holder, id);
         if !reaches || other.holder.moves() {
             return general;

@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 
 use crate::cell::Cell;
 use crate::motion::Sample;
-use crate::motion::drooped::wafer_pose;
 use crate::robot::EffectorId;
+use crate::wafer::Unreachable;
 
 /// What a wafer's effector has to push it sideways with, and what friction can, by mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,14 +27,18 @@ const STEP: f64 = 1e-4;
 /// with the acceleration c̈ of the wafer's centre in the base frame, all turning included, and the normal n of its plane: in-plane acceleration and gravity along the tilted plane against normal acceleration and g cos α.
 ///
 /// # Errors
-/// As [`wafer_pose`].
+/// As [`Cell::wafer_pose`].
 ///
 /// # Numerics
 /// c̈ is the second difference of the centre over the parabola of velocities and accelerations through the sample: off by the square of the step.
 ///
 /// # Assumptions
 /// Coulomb friction at the centre of mass: what the pads bear of the wafer's turning about its own centre is left out.
-pub(super) fn push(cell: &Cell, sample: &Sample, effector: EffectorId) -> Result<Push, String> {
+pub(super) fn push(
+    cell: &Cell,
+    sample: &Sample,
+    effector: EffectorId,
+) -> Result<Push, Unreachable> {
     let on_parabola = |t: f64| -> Vec<f64> {
         let axes = 0..sample.positions.len();
         axes.map(|k| {
@@ -42,12 +46,11 @@ pub(super) fn push(cell: &Cell, sample: &Sample, effector: EffectorId) -> Result
         })
         .collect()
     };
-    let now = wafer_pose(cell, &sample.positions, effector, true)?;
-    let before = wafer_pose(cell, &on_parabola(-STEP), effector, true)?;
-    let after = wafer_pose(cell, &on_parabola(STEP), effector, true)?;
+    let now = cell.wafer_pose(effector, &sample.positions, true)?;
+    let before = cell.wafer_pose(effector, &on_parabola(-STEP), true)?;
+    let after = cell.wafer_pose(effector, &on_parabola(STEP), true)?;
     let center = now.translation.vector;
-    let acceleration = ((after.translation.vector - center)
-        - (center - before.translation.vector))
+    let acceleration = ((after.translation.vector - center) - (center - before.translation.vector))
         / (STEP * STEP);
     let force = acceleration + Vector3::new(0.0, 0.0, cell.gravity);
     let normal: Vector3<f64> = now.rotation.matrix().column(2).into_owned();

@@ -54,10 +54,7 @@ impl Solid {
         // The library's cylinders stand along y.
         let upright = Pose::from_parts(
             Vector3::zeros().into(),
-            nalgebra::Rotation3::from_axis_angle(
-                &Vector3::x_axis(),
-                std::f64::consts::FRAC_PI_2,
-            ),
+            nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2),
         );
         let (mut placed, mut margin) = (*carrier_from_shape, 0.0);
         let (parry, extent) = match shape {
@@ -187,12 +184,12 @@ pub(super) fn distance(a: Placed<'_>, b: Placed<'_>) -> f64 {
     let (pose_a, pose_b) = (a.pose(), b.pose());
     let margin = a.solid.margin + b.solid.margin;
     let shapes: (&dyn Queried, &dyn Queried) = (&*a.solid.shape.0, &*b.solid.shape.0);
-    let apart = query::distance(&pose_a, shapes.0, &pose_b, shapes.1)
-        .map_or(0.0, |found| found.distance);
+    let apart =
+        query::distance(&pose_a, shapes.0, &pose_b, shapes.1).map_or(0.0, |found| found.distance);
     if apart == 0.0 {
         // An iteration that does not end also answers 0: the bound by the balls is then the honest one.
         let touching = query::intersection_test(&pose_a, shapes.0, &pose_b, shapes.1);
-        if touching == Ok(false) {
+        if touching.is_ok_and(|found| !found.intersecting) {
             return between_balls(a, b).max(f64::MIN_POSITIVE);
         }
     }
@@ -267,8 +264,9 @@ mod tests {
 
     #[test]
     fn a_point_within_and_outside() {
-        let zone = Solid::new(&Shape::Cylinder { radius: 0.4, half_height: 0.5 }, &Pose::identity())
-            .unwrap();
+        let zone =
+            Solid::new(&Shape::Cylinder { radius: 0.4, half_height: 0.5 }, &Pose::identity())
+                .unwrap();
         let placed = Placed { solid: &zone, base_from_carrier: &Pose::identity() };
         assert_eq!(outside(placed, &Vector3::new(0.1, 0.2, 0.3)), 0.0);
         assert!((outside(placed, &Vector3::new(0.0, 0.5, 0.3)) - 0.1).abs() < 1e-9);

@@ -74,7 +74,8 @@ impl Gearing {
         let dt = to.time - from.time;
         let mut axes = [0.0; MAX_AXES];
         for (axis, moved) in axes.iter_mut().enumerate().take(from.positions.len()) {
-            *moved = path(dt, |s| (s.velocities[axis], s.accelerations[axis], s.jerks[axis]), from, to);
+            *moved =
+                path(dt, |s| (s.velocities[axis], s.accelerations[axis], s.jerks[axis]), from, to);
         }
         let mean = |values: &[f64]| (values[0] + values[1] + values[2]) / 3.0;
         let lean: f64 = (0..RODS)
@@ -102,12 +103,7 @@ impl Gearing {
 }
 
 /// Length of the way of one coordinate between two samples, at most: its largest speed for the whole time.
-fn path(
-    dt: f64,
-    of: impl Fn(&Sample) -> (f64, f64, f64),
-    from: &Sample,
-    to: &Sample,
-) -> f64 {
+fn path(dt: f64, of: impl Fn(&Sample) -> (f64, f64, f64), from: &Sample, to: &Sample) -> f64 {
     let ((v0, a0, j0), (v1, a1, j1)) = (of(from), of(to));
     let acceleration = a0.abs().max(a1.abs()) + dt * j0.abs().max(j1.abs());
     dt * (v0.abs().max(v1.abs()) + 0.5 * dt * acceleration)

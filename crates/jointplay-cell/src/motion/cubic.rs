@@ -95,8 +95,11 @@ mod tests {
 
     #[test]
     fn ends_are_met_and_states_are_derivatives_of_each_other() {
-        let curve =
-            Curve::through(1.0, 3.0, &[(0.5, 8.0), (0.5, -8.0), (0.0, 5.0), (0.5, -8.0), (0.5, 8.0)]);
+        let curve = Curve::through(
+            1.0,
+            3.0,
+            &[(0.5, 8.0), (0.5, -8.0), (0.0, 5.0), (0.5, -8.0), (0.5, 8.0)],
+        );
         assert_eq!(curve.at(0.0)[..3], [1.0, 0.0, 0.0]);
         assert_eq!(curve.at(curve.duration()), [3.0, 0.0, 0.0, 0.0]);
         let before = curve.at(curve.duration() - 1e-9);

@@ -92,8 +92,8 @@ impl Task<'_> {
                 let mut strays = false;
                 for share in [0.25, 0.5, 0.75] {
                     let s = pair[0] + share * (pair[1] - pair[0]);
-                    let pose = (self.pose)(&spline.positions(s))
-                        .map_err(|why| Stuck { at: s, why })?;
+                    let pose =
+                        (self.pose)(&spline.positions(s)).map_err(|why| Stuck { at: s, why })?;
                     let (off, turned) = target.strays(&pose, s);
                     deviation = deviation.max(off);
                     plane = plane.max(turned);
@@ -294,9 +294,8 @@ impl Target {
         let off = pose.translation.vector - (self.start + self.way * s);
         // Both in the base frame: an upright plane has its normal's x and y small.
         let tilt = normal(pose) - self.normal(s);
-        let turned = self
-            .heading
-            .map_or(0.0, |(first, change)| wrapped(heading(pose) - first - change * s));
+        let turned =
+            self.heading.map_or(0.0, |(first, change)| wrapped(heading(pose) - first - change * s));
         [off.x, off.y, off.z, tilt.x, tilt.y, turned]
     }
 

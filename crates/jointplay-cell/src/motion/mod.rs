@@ -7,7 +7,6 @@
 
 mod axes;
 mod cubic;
-pub(crate) mod drooped;
 mod limits;
 mod line;
 mod pace;
@@ -165,9 +164,7 @@ impl Motion {
                         q,
                         slope * rate,
                         curvature * rate * rate + slope * acceleration,
-                        third * rate.powi(3)
-                            + 3.0 * curvature * rate * acceleration
-                            + slope * jerk,
+                        third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk,
                     ];
                     sample.set(axis, state);
                 }

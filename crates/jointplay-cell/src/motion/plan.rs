@@ -1,7 +1,6 @@
 //! From steps to a motion.
 
 use super::axes::together;
-use super::drooped::wafer_pose;
 use super::limits::{dynamics, moves};
 use super::line::Task;
 use super::pace::Pace;
@@ -150,7 +149,9 @@ fn along(
     }
     let robot = &cell.robot;
     let loaded = step.loaded.contains(&effector);
-    let pose = |positions: &[f64]| wafer_pose(cell, positions, effector, loaded);
+    let pose = |positions: &[f64]| {
+        cell.wafer_pose(effector, positions, loaded).map_err(|error| error.to_string())
+    };
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| moves(robot, axis, effector)).collect();
     // Two motors of an arm place the wafer's centre; from three on they also turn it.

@@ -29,8 +29,8 @@ impl Spline {
             let curvature = curvatures(&h, &y);
             for k in 0..pieces {
                 let third = (curvature[k + 1] - curvature[k]) / h[k];
-                let slope = (y(k + 1) - y(k)) / h[k]
-                    - h[k] * (2.0 * curvature[k] + curvature[k + 1]) / 6.0;
+                let slope =
+                    (y(k + 1) - y(k)) / h[k] - h[k] * (2.0 * curvature[k] + curvature[k + 1]) / 6.0;
                 jets[k][axis] = [y(k), slope, curvature[k], third];
             }
         }
@@ -123,8 +123,7 @@ mod tests {
     #[test]
     fn halving_the_intervals_takes_the_error_by_sixteen() {
         let error = |pieces: u32| {
-            let knots: Vec<f64> =
-                (0..=pieces).map(|k| f64::from(k) / f64::from(pieces)).collect();
+            let knots: Vec<f64> = (0..=pieces).map(|k| f64::from(k) / f64::from(pieces)).collect();
             let values: Vec<Vec<f64>> = knots.iter().map(|s| vec![(3.0 * s).sin()]).collect();
             let spline = Spline::through(&knots, &values);
             (0..1000)
