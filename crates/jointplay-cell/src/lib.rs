@@ -15,13 +15,18 @@
 //! | [`program`] | what the robot is told, and the steps that it comes to |
 //! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
+//! | [`surface`] | shapes as triangles, for whoever shows them |
 //!
 //! Pure mathematics in SI: no files, no clock, no threads.
 
 pub mod cell;
 pub mod check;
+mod error;
 pub mod motion;
 pub mod program;
 pub mod robot;
 pub mod station;
+pub mod surface;
 pub mod wafer;
+
+pub use error::CellError;

@@ -1,0 +1,64 @@
+//! Pictures of a cell and of its motion.
+
+use jointplay::format::export;
+use jointplay::plot::cell::{Gantt, TopView, Track};
+use jointplay::plot::{self};
+
+use super::input::Planned;
+use crate::failure::Failure;
+
+/// Width of a PNG figure [px].
+const PNG_WIDTH: u32 = 1800;
+/// Points of the ways of wafer centres [Hz].
+const POINTS: f64 = 50.0;
+
+/// Names of the four pictures.
+pub(super) const PICTURES: [&str; 4] = ["top.svg", "top.png", "gantt.svg", "gantt.png"];
+
+/// The cell from above and the axes over time, as SVG and PNG.
+pub(super) fn pictures(planned: &Planned) -> Result<[(String, Vec<u8>); 4], Failure> {
+    let (top, gantt) = (top_view(planned)?, gantt(planned));
+    let failed = |name: &'static str| {
+        move |source: plot::Error| Failure::Figure { figure: name.to_owned(), source }
+    };
+    let [top_svg, top_png, gantt_svg, gantt_png] = PICTURES;
+    Ok([
+        (top_svg.to_owned(), top.to_svg().map_err(failed(top_svg))?.into_bytes()),
+        (top_png.to_owned(), top.to_png(PNG_WIDTH).map_err(failed(top_png))?),
+        (gantt_svg.to_owned(), gantt.to_svg().map_err(failed(gantt_svg))?.into_bytes()),
+        (gantt_png.to_owned(), gantt.to_png(PNG_WIDTH).map_err(failed(gantt_png))?),
+    ])
+}
+
+fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
+    let robot = &planned.cell().robot;
+    let ways = export::tracks(&planned.recording(), POINTS)?;
+    let mut view = TopView::new(planned.cell());
+    for (effector, points) in planned.effectors().into_iter().zip(ways) {
+        let reach = robot.reach(effector)?;
+        view.tracks.push(Track { effector, reach, points });
+    }
+    // Where effectors that carry a wafer, or reach into a station, are when something is worst.
+    for one in &planned.report.violations {
+        let pose = robot.forward(&planned.motion.at(one.worst_time).positions)?;
+        let step = &planned.motion.steps[one.step];
+        let mut ids = step.loaded.clone();
+        if ids.is_empty() {
+            ids = planned.effectors();
+        }
+        for id in ids {
+            let at = pose.base_from_wafer[id.arm][id.effector].translation.vector;
+            view.wrong.push([at.x, at.y]);
+        }
+    }
+    Ok(view)
+}
+
+fn gantt(planned: &Planned) -> Gantt {
+    let robot = &planned.cell().robot;
+    let axes = robot.axes.iter().map(|axis| axis.name.clone()).collect();
+    let wrong: Vec<[f64; 2]> =
+        planned.report.violations.iter().map(|one| [one.start, one.end]).collect();
+    let title = format!("{}: axes over time", planned.cell().name);
+    Gantt::new(&title, axes, &planned.motion, &planned.input.text, &wrong)
+}
