@@ -90,7 +90,9 @@ pub enum ProgramProblem {
         may_to: Vec<String>,
     },
     /// Two effectors that have to be two.
-    #[error("SWAP takes two effectors, one that fetches and one that lays down; effector {effector} cannot be both")]
+    #[error(
+        "SWAP takes two effectors, one that fetches and one that lays down; effector {effector} cannot be both"
+    )]
     SameEffector {
         /// Name of the one.
         effector: String,
@@ -126,7 +128,9 @@ pub enum ProgramProblem {
         allowed: usize,
     },
     /// More than anyone waits for.
-    #[error("{what} comes to {found} instructions one after the other, but at most {allowed} are allowed; lower the number of passes")]
+    #[error(
+        "{what} comes to {found} instructions one after the other, but at most {allowed} are allowed; lower the number of passes"
+    )]
     TooLong {
         /// Which command: REPEAT, CALL or the program.
         what: &'static str,

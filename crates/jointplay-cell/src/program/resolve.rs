@@ -6,8 +6,8 @@ use jointplay_core::spatial::Tilt;
 
 use super::problem::Count;
 use super::{
-    AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem,
-    SlotName, SlotNumber,
+    AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
+    SlotNumber,
 };
 use crate::cell::Cell;
 use crate::robot::{EffectorId, HybridRobot};
@@ -33,17 +33,40 @@ pub(super) struct Line {
 pub(super) enum Act {
     Home,
     Move(Vec<(usize, f64)>),
-    MoveLine { effector: EffectorId, by: [f64; 3] },
-    Get { from: Slot, effector: EffectorId },
-    Put { to: Slot, effector: EffectorId },
-    Transfer { from: Slot, to: Slot, effector: EffectorId },
-    Swap { at: Slot, get: EffectorId, put: EffectorId },
-    Goto { to: Slot, effector: EffectorId },
+    MoveLine {
+        effector: EffectorId,
+        by: [f64; 3],
+    },
+    Get {
+        from: Slot,
+        effector: EffectorId,
+    },
+    Put {
+        to: Slot,
+        effector: EffectorId,
+    },
+    Transfer {
+        from: Slot,
+        to: Slot,
+        effector: EffectorId,
+    },
+    Swap {
+        at: Slot,
+        get: EffectorId,
+        put: EffectorId,
+    },
+    Goto {
+        to: Slot,
+        effector: EffectorId,
+    },
     Wait(f64),
     Speed(f64),
     Tilt(Tilt),
     Call(usize),
-    Repeat { times: u64, body: Vec<Line> },
+    Repeat {
+        times: u64,
+        body: Vec<Line>,
+    },
     /// What has a name that is not known: nothing is known of the wafers behind it.
     Unclear,
 }
@@ -60,7 +83,11 @@ pub(super) struct Slot {
 pub(super) enum Number {
     Fixed(i128),
     /// `offset ± pass` of a REPEAT, counted from the outermost of its body or routine.
-    Counted { repeat: usize, offset: i64, down: bool },
+    Counted {
+        repeat: usize,
+        offset: i64,
+        down: bool,
+    },
 }
 
 /// Looks all names up.
@@ -87,7 +114,8 @@ pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<
             .collect(),
     };
     let mut errors = resolver.errors;
-    let mut counter = Counter { program, resolved: &resolved, known: BTreeMap::new(), running: Vec::new() };
+    let mut counter =
+        Counter { program, resolved: &resolved, known: BTreeMap::new(), running: Vec::new() };
     let ends = match counter.block(&resolved.body, 0) {
         Ok(extent) if extent.instructions <= MAX_INSTRUCTIONS => true,
         Ok(extent) => {
@@ -104,8 +132,7 @@ pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<
 }
 
 fn too_long(place: Place, what: &'static str, found: u64) -> ProgramError {
-    let problem =
-        ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS };
+    let problem = ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS };
     ProgramError { place, problem, more: 0 }
 }
 
@@ -191,7 +218,11 @@ impl<'p> Resolver<'p> {
                 }
                 let may = [(get, fetches), (put, lays)]
                     .map(|(name, id)| self.may_use(name.place, id, slot.station));
-                may.iter().all(|may| *may).then_some(Act::Swap { at: slot, get: fetches, put: lays })?
+                may.iter().all(|may| *may).then_some(Act::Swap {
+                    at: slot,
+                    get: fetches,
+                    put: lays,
+                })?
             }
             Command::Wait { seconds } => {
                 let ok = seconds.is_finite() && *seconds >= 0.0;
@@ -357,7 +388,8 @@ impl<'p> Resolver<'p> {
             self.error(place, problem);
             return None;
         }
-        let where_ = format!("stations {} and {} are open to several effectors", one.name, other.name);
+        let where_ =
+            format!("stations {} and {} are open to several effectors", one.name, other.name);
         self.only_one(place, &where_, &both)
     }
 
@@ -375,10 +407,11 @@ impl<'p> Resolver<'p> {
             }
             Some(SlotNumber::Counted { counter, offset, down }) => {
                 let is_it = |it: &Option<&Name>| it.is_some_and(|it| it.text == counter.text);
-                let number = counters
-                    .iter()
-                    .rposition(is_it)
-                    .map(|repeat| Number::Counted { repeat, offset: *offset, down: *down });
+                let number = counters.iter().rposition(is_it).map(|repeat| Number::Counted {
+                    repeat,
+                    offset: *offset,
+                    down: *down,
+                });
                 if number.is_none() {
                     let known = counters.iter().flatten().map(|it| it.text.clone()).collect();
                     self.unknown("the counter", counter, known);
@@ -463,7 +496,12 @@ impl Counter<'_> {
         Err(ProgramError { place, problem, more: 0 })
     }
 
-    fn routine(&mut self, place: Place, index: usize, outer: usize) -> Result<Extent, ProgramError> {
+    fn routine(
+        &mut self,
+        place: Place,
+        index: usize,
+        outer: usize,
+    ) -> Result<Extent, ProgramError> {
         if let Some(from) = self.running.iter().position(|&running| running == index) {
             let circle = self.running[from..].iter().chain([&index]);
             let name = |&routine: &usize| self.program.routines[routine].name.text.clone();

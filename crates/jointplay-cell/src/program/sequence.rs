@@ -115,7 +115,11 @@ impl<'c> Robot<'c> {
     }
 
     /// Before a slot, retracted, at its height and tilt: above its resting plane with a wafer, below without.
-    pub(super) fn goto(&mut self, effector: EffectorId, slot: SlotId) -> Result<(), ProgramProblem> {
+    pub(super) fn goto(
+        &mut self,
+        effector: EffectorId,
+        slot: SlotId,
+    ) -> Result<(), ProgramProblem> {
         let way = self.waypoints(effector, slot);
         let (what, target) = if self.loaded.contains(&effector) {
             ("the retracted place above", &way.retracted_above)
@@ -234,7 +238,9 @@ impl<'c> Robot<'c> {
         let mut to = self.positions.clone();
         // Level already is level to the bit.
         let is_level = rods[0] == rods[1] && rods[1] == rods[2];
-        if let (false, Ok(rods)) = (is_level && tilt == Tilt::LEVEL, gpr.inverse(tilt, gpr.plane_height(&rods))) {
+        if let (false, Ok(rods)) =
+            (is_level && tilt == Tilt::LEVEL, gpr.inverse(tilt, gpr.plane_height(&rods)))
+        {
             to[..RODS].copy_from_slice(&rods);
         }
         to
@@ -318,12 +324,16 @@ impl<'c> Robot<'c> {
                 };
                 format!(
                     "axis {} to {:.3} {unit}, but its limits are {:.3} to {:.3} {unit}",
-                    axis.name, position * factor, min * factor, max * factor
+                    axis.name,
+                    position * factor,
+                    min * factor,
+                    max * factor
                 )
             }
             BrokenLimit::Tilt { pitch, max } => format!(
                 "the platform to a tilt of {:.4} deg, but it leans by at most {:.4} deg",
-                pitch.to_degrees(), max.to_degrees()
+                pitch.to_degrees(),
+                max.to_degrees()
             ),
         };
         if broken.is_empty() {

@@ -29,6 +29,9 @@ pub use parser::{MAX_BYTES, MAX_DEPTH, parse};
 pub use problem::{Error, Problem};
 pub use write::write;
 
+/// The program of the cell that comes along: a lot of 25 wafers, processed, and brought back.
+pub const EXAMPLE: &str = include_str!("../../../../cells/example.program");
+
 /// What stands at a place of a text, for messages that show it.
 #[must_use]
 pub fn place(text: &str, at: jointplay_cell::program::Place) -> crate::place::Place {
