@@ -186,7 +186,8 @@ impl Input {
 
     /// Why the program cannot run in this cell: bad input, or the answer is no where it is all about reach and limits.
     fn refused(&self, errors: &[ProgramError]) -> Failure {
-        let text = self.shown(errors.iter().map(|one| (one.place, one.to_string())));
+        let explain = |one| program::explain(&self.text, one).with_excerpt(&self.label);
+        let text = errors.iter().map(explain).collect::<Vec<_>>().join("\n");
         let out_of_reach = |one: &ProgramError| {
             matches!(
                 one.problem,
