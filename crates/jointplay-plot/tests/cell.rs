@@ -201,7 +201,8 @@ fn gantt(duration: f64) -> Gantt {
 
 #[test]
 fn axes_over_time() {
-    let expected = ["axes", "q1", "T", "violations", "GET port SLOT 1 WITH A", "moves empty", "violation"];
+    let expected =
+        ["axes", "q1", "T", "violations", "GET port SLOT 1 WITH A", "moves empty", "violation"];
     check(&gantt(8.0).to_svg().unwrap(), &expected);
 }
 

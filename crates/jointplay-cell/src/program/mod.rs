@@ -7,6 +7,7 @@
 //! ```
 
 mod expand;
+mod extent;
 mod presence;
 mod problem;
 mod resolve;
@@ -15,8 +16,9 @@ mod step;
 mod syntax;
 
 pub use expand::expand;
+pub use extent::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use problem::{Count, ProgramError, ProgramProblem};
-pub use resolve::{MAX_CALLS, MAX_INSTRUCTIONS};
+
 pub use step::{Handover, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,

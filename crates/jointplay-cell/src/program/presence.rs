@@ -65,10 +65,6 @@ impl<'c> Presence<'c> {
         self.slots.get(&slot).copied().unwrap_or(State { holds: self.elsewhere, since: None })
     }
 
-    pub(super) fn is_loaded(&self, id: EffectorId) -> bool {
-        self.effector(id).holds == Holds::Wafer
-    }
-
     /// Effectors that carry a wafer, in order.
     pub(super) fn loaded(&self) -> Vec<EffectorId> {
         let loaded = self.effectors.iter().filter(|(_, state)| state.holds == Holds::Wafer);

@@ -2,7 +2,7 @@
 
 use super::Place;
 use crate::robot::MotionKind;
-use crate::wafer::compensation::Unreachable;
+use crate::wafer::{SagError, Unreachable};
 
 /// Something wrong with a program in its cell, at its place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -90,7 +90,9 @@ pub enum ProgramProblem {
         may_to: Vec<String>,
     },
     /// Two effectors that have to be two.
-    #[error("SWAP takes two effectors, one that fetches and one that lays down; effector {effector} cannot be both")]
+    #[error(
+        "SWAP takes two effectors, one that fetches and one that lays down; effector {effector} cannot be both"
+    )]
     SameEffector {
         /// Name of the one.
         effector: String,
@@ -126,7 +128,9 @@ pub enum ProgramProblem {
         allowed: usize,
     },
     /// More than anyone waits for.
-    #[error("{what} comes to {found} instructions one after the other, but at most {allowed} are allowed; lower the number of passes")]
+    #[error(
+        "{what} comes to {found} instructions one after the other, but at most {allowed} are allowed; lower the number of passes"
+    )]
     TooLong {
         /// Which command: REPEAT, CALL or the program.
         what: &'static str,
@@ -191,13 +195,25 @@ pub enum ProgramProblem {
         /// One message a limit.
         limits: Vec<String>,
     },
+    /// A wafer that its supports do not carry.
+    #[error("effector {effector} does not carry the wafer: {source}")]
+    Sag {
+        /// Its name.
+        effector: String,
+        /// Why.
+        source: Box<SagError>,
+    },
     /// A place that the wafer cannot be brought to.
-    #[error("{target} cannot be reached: {source}")]
+    #[error("{target} cannot be reached by effector {effector}, {}: {source}", if *.loaded { "loaded" } else { "empty" })]
     Unreachable {
-        /// Which place of which slot, and by what.
+        /// Which place, of which slot.
         target: String,
+        /// Name of the effector.
+        effector: String,
+        /// Whether it carries a wafer.
+        loaded: bool,
         /// What stops it.
-        source: Unreachable,
+        source: Box<Unreachable>,
     },
 }
 

@@ -4,19 +4,13 @@ use std::collections::BTreeMap;
 
 use jointplay_core::spatial::Tilt;
 
-use super::problem::Count;
+use super::extent::ends;
 use super::{
-    AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem,
-    SlotName, SlotNumber,
+    AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
+    SlotNumber,
 };
 use crate::cell::Cell;
 use crate::robot::{EffectorId, HybridRobot};
-
-/// Most instructions that a program may come to, routines and passes counted out.
-pub const MAX_INSTRUCTIONS: u64 = 20_000;
-
-/// How deep CALL and REPEAT may stand within each other.
-pub const MAX_CALLS: usize = 64;
 
 /// A program with its names looked up.
 pub(super) struct Resolved {
@@ -33,17 +27,40 @@ pub(super) struct Line {
 pub(super) enum Act {
     Home,
     Move(Vec<(usize, f64)>),
-    MoveLine { effector: EffectorId, by: [f64; 3] },
-    Get { from: Slot, effector: EffectorId },
-    Put { to: Slot, effector: EffectorId },
-    Transfer { from: Slot, to: Slot, effector: EffectorId },
-    Swap { at: Slot, get: EffectorId, put: EffectorId },
-    Goto { to: Slot, effector: EffectorId },
+    MoveLine {
+        effector: EffectorId,
+        by: [f64; 3],
+    },
+    Get {
+        from: Slot,
+        effector: EffectorId,
+    },
+    Put {
+        to: Slot,
+        effector: EffectorId,
+    },
+    Transfer {
+        from: Slot,
+        to: Slot,
+        effector: EffectorId,
+    },
+    Swap {
+        at: Slot,
+        get: EffectorId,
+        put: EffectorId,
+    },
+    Goto {
+        to: Slot,
+        effector: EffectorId,
+    },
     Wait(f64),
     Speed(f64),
     Tilt(Tilt),
     Call(usize),
-    Repeat { times: u64, body: Vec<Line> },
+    Repeat {
+        times: u64,
+        body: Vec<Line>,
+    },
     /// What has a name that is not known: nothing is known of the wafers behind it.
     Unclear,
 }
@@ -60,7 +77,11 @@ pub(super) struct Slot {
 pub(super) enum Number {
     Fixed(i128),
     /// `offset ± pass` of a REPEAT, counted from the outermost of its body or routine.
-    Counted { repeat: usize, offset: i64, down: bool },
+    Counted {
+        repeat: usize,
+        offset: i64,
+        down: bool,
+    },
 }
 
 /// Looks all names up.
@@ -87,26 +108,13 @@ pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<
             .collect(),
     };
     let mut errors = resolver.errors;
-    let mut counter = Counter { program, resolved: &resolved, known: BTreeMap::new(), running: Vec::new() };
-    let ends = match counter.block(&resolved.body, 0) {
-        Ok(extent) if extent.instructions <= MAX_INSTRUCTIONS => true,
-        Ok(extent) => {
-            let place = program.body.first().map_or_else(Place::default, |first| first.place);
-            errors.push(too_long(place, "the program", extent.instructions));
-            false
+    match ends(program, &resolved) {
+        Ok(()) => (Some(resolved), errors),
+        Err((place, problem)) => {
+            errors.push(ProgramError { place, problem, more: 0 });
+            (None, errors)
         }
-        Err(error) => {
-            errors.push(error);
-            false
-        }
-    };
-    (ends.then_some(resolved), errors)
-}
-
-fn too_long(place: Place, what: &'static str, found: u64) -> ProgramError {
-    let problem =
-        ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS };
-    ProgramError { place, problem, more: 0 }
+    }
 }
 
 struct Resolver<'p> {
@@ -191,7 +199,11 @@ impl<'p> Resolver<'p> {
                 }
                 let may = [(get, fetches), (put, lays)]
                     .map(|(name, id)| self.may_use(name.place, id, slot.station));
-                may.iter().all(|may| *may).then_some(Act::Swap { at: slot, get: fetches, put: lays })?
+                may.iter().all(|may| *may).then_some(Act::Swap {
+                    at: slot,
+                    get: fetches,
+                    put: lays,
+                })?
             }
             Command::Wait { seconds } => {
                 let ok = seconds.is_finite() && *seconds >= 0.0;
@@ -357,7 +369,8 @@ impl<'p> Resolver<'p> {
             self.error(place, problem);
             return None;
         }
-        let where_ = format!("stations {} and {} are open to several effectors", one.name, other.name);
+        let where_ =
+            format!("stations {} and {} are open to several effectors", one.name, other.name);
         self.only_one(place, &where_, &both)
     }
 
@@ -375,10 +388,11 @@ impl<'p> Resolver<'p> {
             }
             Some(SlotNumber::Counted { counter, offset, down }) => {
                 let is_it = |it: &Option<&Name>| it.is_some_and(|it| it.text == counter.text);
-                let number = counters
-                    .iter()
-                    .rposition(is_it)
-                    .map(|repeat| Number::Counted { repeat, offset: *offset, down: *down });
+                let number = counters.iter().rposition(is_it).map(|repeat| Number::Counted {
+                    repeat,
+                    offset: *offset,
+                    down: *down,
+                });
                 if number.is_none() {
                     let known = counters.iter().flatten().map(|it| it.text.clone()).collect();
                     self.unknown("the counter", counter, known);
@@ -406,78 +420,4 @@ pub(super) fn effectors(robot: &HybridRobot) -> Vec<EffectorId> {
 
 pub(super) fn effector_name(robot: &HybridRobot, id: EffectorId) -> &str {
     &robot.arms[id.arm].effectors[id.effector].name
-}
-
-/// What a block comes to.
-#[derive(Clone, Copy)]
-struct Extent {
-    instructions: u64,
-    /// How many blocks and routines stand within each other.
-    depth: usize,
-}
-
-/// Counts how many instructions a program comes to, before any is run.
-struct Counter<'p> {
-    program: &'p Program,
-    resolved: &'p Resolved,
-    /// Of routines that have been counted.
-    known: BTreeMap<usize, Extent>,
-    /// Routines that are being counted, the caller before the called.
-    running: Vec<usize>,
-}
-
-impl Counter<'_> {
-    fn block(&mut self, body: &[Line], outer: usize) -> Result<Extent, ProgramError> {
-        let mut sum = Extent { instructions: 0, depth: 0 };
-        for line in body {
-            let (what, instructions, depth) = match &line.act {
-                Act::Repeat { times, body } => {
-                    self.enter(line.place, outer + 1)?;
-                    let each = self.block(body, outer + 1)?;
-                    // An empty pass takes its time to run through as well.
-                    let all = each.instructions.max(1).saturating_mul(*times);
-                    ("this REPEAT", all, 1 + each.depth)
-                }
-                Act::Call(routine) => {
-                    self.enter(line.place, outer + 1)?;
-                    let called = self.routine(line.place, *routine, outer + 1)?;
-                    self.enter(line.place, outer + 1 + called.depth)?;
-                    ("this CALL", called.instructions.saturating_add(1), 1 + called.depth)
-                }
-                _ => ("", 1, 0),
-            };
-            if instructions > MAX_INSTRUCTIONS {
-                return Err(too_long(line.place, what, instructions));
-            }
-            sum.instructions = sum.instructions.saturating_add(instructions);
-            sum.depth = sum.depth.max(depth);
-        }
-        Ok(sum)
-    }
-
-    fn enter(&self, place: Place, depth: usize) -> Result<(), ProgramError> {
-        if depth <= MAX_CALLS {
-            return Ok(());
-        }
-        let problem = ProgramProblem::TooDeep { allowed: MAX_CALLS };
-        Err(ProgramError { place, problem, more: 0 })
-    }
-
-    fn routine(&mut self, place: Place, index: usize, outer: usize) -> Result<Extent, ProgramError> {
-        if let Some(from) = self.running.iter().position(|&running| running == index) {
-            let circle = self.running[from..].iter().chain([&index]);
-            let name = |&routine: &usize| self.program.routines[routine].name.text.clone();
-            let problem = ProgramProblem::Recursive { routines: circle.map(name).collect() };
-            return Err(ProgramError { place, problem, more: 0 });
-        }
-        if let Some(&known) = self.known.get(&index) {
-            return Ok(known);
-        }
-        self.running.push(index);
-        let resolved = self.resolved;
-        let extent = self.block(&resolved.routines[index], outer)?;
-        self.running.pop();
-        self.known.insert(index, extent);
-        Ok(extent)
-    }
 }

@@ -1,5 +1,7 @@
 //! The robot on its way: what it does for each instruction, step by step.
 
+use std::collections::BTreeMap;
+
 use jointplay_core::spatial::{Pose, Tilt, leaning};
 use nalgebra::Vector3;
 
@@ -21,6 +23,8 @@ pub(super) struct Robot<'c> {
     tucked: bool,
     /// Motors that turn whole arms and nothing else.
     turning: Vec<bool>,
+    /// How high the plane of the sagging wafer is over the supports of each effector that has carried one [m].
+    sag: BTreeMap<EffectorId, f64>,
     instruction: usize,
     place: Place,
     loaded: Vec<EffectorId>,
@@ -46,6 +50,7 @@ impl<'c> Robot<'c> {
             positions: axes.iter().map(|axis| axis.home).collect(),
             tucked: true,
             turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
+            sag: BTreeMap::new(),
             instruction: 0,
             place: Place::default(),
             loaded: Vec::new(),
@@ -88,8 +93,10 @@ impl<'c> Robot<'c> {
         let loaded = self.loaded.contains(&effector);
         let name = effector_name(&self.cell.robot, effector);
         let stopped = |source| ProgramProblem::Unreachable {
-            target: format!("the end of this line for effector {name}"),
-            source,
+            target: "the end of this line".to_owned(),
+            effector: name.to_owned(),
+            loaded,
+            source: Box::new(source),
         };
         let pose = self.cell.wafer_pose(effector, &self.positions, loaded).map_err(stopped)?;
         let target = target_of(&pose, by);
@@ -115,12 +122,16 @@ impl<'c> Robot<'c> {
     }
 
     /// Before a slot, retracted, at its height and tilt: above its resting plane with a wafer, below without.
-    pub(super) fn goto(&mut self, effector: EffectorId, slot: SlotId) -> Result<(), ProgramProblem> {
+    pub(super) fn goto(
+        &mut self,
+        effector: EffectorId,
+        slot: SlotId,
+    ) -> Result<(), ProgramProblem> {
         let way = self.waypoints(effector, slot);
         let (what, target) = if self.loaded.contains(&effector) {
-            ("the retracted place above", &way.retracted_above)
+            ("the place retracted above", &way.retracted_above)
         } else {
-            ("the retracted place below", &way.retracted_below)
+            ("the place retracted below", &way.retracted_below)
         };
         self.before(Goal { what, effector, target, slot })
     }
@@ -136,7 +147,7 @@ impl<'c> Robot<'c> {
         let way = self.waypoints(effector, slot);
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
-        self.before(goal("the retracted place below", &way.retracted_below))?;
+        self.before(goal("the place retracted below", &way.retracted_below))?;
         if let Some(wait) = wait {
             self.stand(wait);
         }
@@ -144,7 +155,9 @@ impl<'c> Robot<'c> {
             self.line(Phase::Extend, goal("a via point below", via))?;
         }
         self.line(Phase::Extend, goal("the place below", &way.below))?;
-        self.line(Phase::Lift, goal("the resting place", &way.resting))?;
+        // Where its loaded wafer's plane will be the slot's, the empty effector already comes to.
+        let resting = self.sagged(effector, &way.resting)?;
+        self.line(Phase::Lift, goal("the place of rest in", &resting))?;
         self.hand_over(Handover::Taken(effector, slot));
         self.loaded.push(effector);
         self.loaded.sort_unstable();
@@ -152,7 +165,7 @@ impl<'c> Robot<'c> {
         for via in way.via_above.iter().rev() {
             self.line(Phase::Retract, goal("a via point above", via))?;
         }
-        self.line(Phase::Retract, goal("the retracted place above", &way.retracted_above))?;
+        self.line(Phase::Retract, goal("the place retracted above", &way.retracted_above))?;
         self.level();
         self.reach_into(slot, first);
         Ok(())
@@ -171,12 +184,12 @@ impl<'c> Robot<'c> {
         let way = self.waypoints(effector, slot);
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
-        self.before(goal("the retracted place above", &way.retracted_above))?;
+        self.before(goal("the place retracted above", &way.retracted_above))?;
         for via in &way.via_above {
             self.line(Phase::Extend, goal("a via point above", via))?;
         }
         self.line(Phase::Extend, goal("the place above", &way.above))?;
-        self.line(Phase::Lower, goal("the resting place", &way.resting))?;
+        self.line(Phase::Lower, goal("the place of rest in", &way.resting))?;
         self.hand_over(Handover::Left(effector, slot));
         let left = self.steps.len() - 1;
         self.loaded.retain(|&id| id != effector);
@@ -184,7 +197,7 @@ impl<'c> Robot<'c> {
         for via in way.via_below.iter().rev() {
             self.line(Phase::Retract, goal("a via point below", via))?;
         }
-        self.line(Phase::Retract, goal("the retracted place below", &way.retracted_below))?;
+        self.line(Phase::Retract, goal("the place retracted below", &way.retracted_below))?;
         self.level();
         self.reach_into(slot, first);
         Ok(left)
@@ -234,22 +247,46 @@ impl<'c> Robot<'c> {
         let mut to = self.positions.clone();
         // Level already is level to the bit.
         let is_level = rods[0] == rods[1] && rods[1] == rods[2];
-        if let (false, Ok(rods)) = (is_level && tilt == Tilt::LEVEL, gpr.inverse(tilt, gpr.plane_height(&rods))) {
+        if let (false, Ok(rods)) =
+            (is_level && tilt == Tilt::LEVEL, gpr.inverse(tilt, gpr.plane_height(&rods)))
+        {
             to[..RODS].copy_from_slice(&rods);
         }
         to
     }
 
-    fn reached(&self, goal: Goal<'_>) -> Result<Vec<f64>, ProgramProblem> {
+    /// A place at which the sagging wafer's mean plane lies in that of the target.
+    fn sagged(
+        &mut self,
+        effector: EffectorId,
+        target: &WaferTarget,
+    ) -> Result<WaferTarget, ProgramProblem> {
+        let height = match self.sag.get(&effector) {
+            Some(&height) => height,
+            None => {
+                let name = || effector_name(&self.cell.robot, effector).to_owned();
+                let sag = self.cell.sag(effector);
+                let sag = sag.map_err(|source| ProgramProblem::Sag {
+                    effector: name(),
+                    source: Box::new(source),
+                })?;
+                self.sag.insert(effector, sag.plane_height);
+                sag.plane_height
+            }
+        };
+        let center = target.center - target.normal.normalize() * height;
+        Ok(WaferTarget { center, ..*target })
+    }
+
+    fn reached(&mut self, goal: Goal<'_>) -> Result<Vec<f64>, ProgramProblem> {
         let Goal { what, effector, target, slot } = goal;
         let loaded = self.loaded.contains(&effector);
-        let reached = self.cell.reach(effector, target, loaded, &self.positions);
+        let target = if loaded { self.sagged(effector, target)? } else { *target };
+        let reached = self.cell.reach(effector, &target, loaded, &self.positions);
         reached.map(|it| it.positions).map_err(|source| {
-            let name = effector_name(&self.cell.robot, effector);
-            let with = if loaded { "loaded" } else { "empty" };
-            let slot = slot_name(self.cell, slot);
-            let target = format!("{what} {slot} for effector {name}, {with}");
-            ProgramProblem::Unreachable { target, source }
+            let target = format!("{what} {}", slot_name(self.cell, slot));
+            let effector = effector_name(&self.cell.robot, effector).to_owned();
+            ProgramProblem::Unreachable { target, effector, loaded, source: Box::new(source) }
         })
     }
 
@@ -318,12 +355,16 @@ impl<'c> Robot<'c> {
                 };
                 format!(
                     "axis {} to {:.3} {unit}, but its limits are {:.3} to {:.3} {unit}",
-                    axis.name, position * factor, min * factor, max * factor
+                    axis.name,
+                    position * factor,
+                    min * factor,
+                    max * factor
                 )
             }
             BrokenLimit::Tilt { pitch, max } => format!(
                 "the platform to a tilt of {:.4} deg, but it leans by at most {:.4} deg",
-                pitch.to_degrees(), max.to_degrees()
+                pitch.to_degrees(),
+                max.to_degrees()
             ),
         };
         if broken.is_empty() {

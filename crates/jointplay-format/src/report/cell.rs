@@ -3,10 +3,12 @@
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{Kind, PairDistance, Report, Share, Unit, Verdict, Violation};
 use jointplay_cell::motion::Motion;
+use jointplay_cell::program::Place;
 use jointplay_cell::robot::MotionKind;
 use serde::Serialize;
 
 use crate::export::Flaw;
+use crate::place;
 use crate::units::{deg, mm};
 
 /// What `cell check` and `cell run` answer.
@@ -216,6 +218,20 @@ pub fn flaws(report: &Report) -> Vec<Flaw> {
         message: format!("line {}: {}: {}", one.place.line, one.kind, explain_violation(one)),
     };
     report.violations.iter().map(flaw).collect()
+}
+
+/// A message at a place of a program, with its line and carets under the command.
+///
+/// # Arguments
+/// * `file` – what the program is called
+#[must_use]
+pub fn excerpt(program: &str, at: Place, message: &str, file: &str) -> String {
+    let text = program.lines().nth(at.line.wrapping_sub(1)).unwrap_or_default();
+    let command = text.split('#').next().unwrap_or_default().trim_end();
+    let width = command.chars().count().saturating_sub(at.column.saturating_sub(1));
+    let (column, text) = (at.column.max(1), text.to_owned());
+    let place = place::Place { line: at.line, column, width, text };
+    place::Error { place, problem: Box::new(message) }.with_excerpt(file)
 }
 
 fn distance(pair: &PairDistance) -> DistanceReport {

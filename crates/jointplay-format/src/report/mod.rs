@@ -22,7 +22,7 @@ use crate::units::{deg, mm};
 
 pub use cell::{
     AxisReport, CellReport, DistanceReport, InstructionReport, ShareReport, ViolationReport, cell,
-    explain_violation, flaws,
+    excerpt, explain_violation, flaws,
 };
 pub use compare::{CompareReport, ModelReport, compare};
 pub use forward::{ForwardReport, PlatformReport, forward};

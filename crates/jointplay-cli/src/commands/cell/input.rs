@@ -6,7 +6,7 @@ use clap::Args;
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report, Verdict, check};
 use jointplay::cell::motion::{Motion, MotionOptions, timed};
-use jointplay::cell::program::{Place, Program, expand};
+use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, expand};
 use jointplay::cell::robot::EffectorId;
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
@@ -179,10 +179,24 @@ impl Input {
             }
         }
         let excerpt = |(at, message): &(Place, String)| {
-            let place = program::place(&self.text, *at);
-            Placed { place, problem: Box::new(message.clone()) }.with_excerpt(&self.label)
+            report::excerpt(&self.text, *at, message, &self.label)
         };
         told.iter().map(excerpt).collect::<Vec<_>>().join("\n")
+    }
+
+    /// Why the program cannot run in this cell: bad input, or the answer is no where it is all about reach and limits.
+    fn refused(&self, errors: &[ProgramError]) -> Failure {
+        let explain = |one| program::explain(&self.text, one).with_excerpt(&self.label);
+        let text = errors.iter().map(explain).collect::<Vec<_>>().join("\n");
+        let out_of_reach = |one: &ProgramError| {
+            matches!(
+                one.problem,
+                ProgramProblem::Range { .. }
+                    | ProgramProblem::Limits { .. }
+                    | ProgramProblem::Unreachable { .. }
+            )
+        };
+        if errors.iter().all(out_of_reach) { Failure::Unsolved(text) } else { Failure::Robot(text) }
     }
 }
 
