@@ -58,6 +58,11 @@ impl CellFiles {
         }
     }
 
+    /// The texts of cell and program.
+    pub(crate) fn into_texts(self) -> (String, String) {
+        (self.cell, self.program)
+    }
+
     /// What the cell's file is called.
     pub(crate) fn name(&self) -> Option<String> {
         let name = self.path.as_ref()?.file_name()?;
@@ -198,7 +203,8 @@ impl Plan {
 
     /// What `jointplay cell check` says of it.
     pub(crate) fn document(&self) -> Option<report::CellReport> {
-        let (cell, motion, report) = (self.cell.as_ref()?, self.motion.as_ref()?, self.report.as_ref()?);
+        let (cell, motion, report) =
+            (self.cell.as_ref()?, self.motion.as_ref()?, self.report.as_ref()?);
         Some(report::cell(cell, &self.program_text, motion, report))
     }
 

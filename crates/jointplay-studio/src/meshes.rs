@@ -24,7 +24,8 @@ impl Folder {
     /// Where a shape really is.
     fn find(&self, mesh: &Mesh) -> Result<PathBuf, robot::Error> {
         let folder = self.0.as_deref();
-        let folder = folder.ok_or_else(|| mesh.unreadable("the robot is not from a file".to_owned()))?;
+        let folder =
+            folder.ok_or_else(|| mesh.unreadable("the robot is not from a file".to_owned()))?;
         within(folder, &mesh.path, LARGEST).map_err(|why| mesh.unreadable(why))
     }
 

@@ -9,6 +9,7 @@ use jointplay::format::robot::{self, Robot};
 use tokio::runtime::{Builder, Runtime};
 
 use crate::app::{self, App};
+use crate::cell::{CellFiles, Desk};
 use crate::meshes::Folder;
 use crate::work::Patience;
 
@@ -69,6 +70,13 @@ impl Server {
         let runtime = Builder::new_current_thread().enable_all().build()?;
         let app = App::new(robot, folder, Patience::default());
         Ok(Self { listener, address, runtime, app })
+    }
+
+    /// Shows a cell beside the robot.
+    #[must_use]
+    pub fn with_cell(mut self, files: CellFiles) -> Self {
+        self.app.desk = Some(Desk::new(files));
+        self
     }
 
     /// Where a browser finds the page.

@@ -16,6 +16,8 @@ const width = (side: Side) => load(`width.${side}`, WIDTH.usual, size);
 
 class Layout {
   plots = $state(true);
+  /** Which part of the page is shown, where there is a cell. */
+  part = $state<'robot' | 'cell'>(load('part', 'cell', (value) => value === 'robot' || value === 'cell'));
   plotsHeight = $state(load('plotsHeight', 300, (value) => typeof value === 'number' && value >= 160));
   closed = $state<Record<string, boolean>>(load('closed', {}, object));
   docks = $state.raw<Docks>(tidy(load('docks', null, object), PANELS));
@@ -51,6 +53,11 @@ class Layout {
   setWidth(side: Side, to: number): void {
     this.widths[side] = Math.round(Math.min(Math.max(to, WIDTH.least), WIDTH.most));
     save(`width.${side}`, this.widths[side]);
+  }
+
+  setPart(part: 'robot' | 'cell'): void {
+    this.part = part;
+    save('part', part);
   }
 
   toggleDocks(): void {
