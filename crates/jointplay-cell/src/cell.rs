@@ -4,7 +4,7 @@ use jointplay_core::spatial::Pose;
 
 use crate::robot::{EffectorId, HybridRobot};
 use crate::station::{SlotId, Station};
-use crate::wafer::Wafer;
+use crate::wafer::{Sag, SagError, Wafer, sag};
 
 /// What a body is attached to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -98,6 +98,8 @@ pub enum ZoneRule {
 pub struct Cell {
     /// What it is called.
     pub name: String,
+    /// What of it is assumed rather than known, each with its reason.
+    pub assumed: Vec<String>,
     /// The robot.
     pub robot: HybridRobot,
     /// All wafers are alike.
@@ -124,4 +126,18 @@ pub struct Cell {
     pub gravity: f64,
     /// How far the loaded wafer's plane may be from the station's after compensation [rad].
     pub plane_threshold: f64,
+}
+
+impl Cell {
+    /// How the cell's wafer sags on an effector; the same for all places of it, so that it is found once.
+    ///
+    /// # Errors
+    /// Those of [`sag`].
+    ///
+    /// # Panics
+    /// If the robot has no such effector.
+    pub fn sag(&self, effector: EffectorId) -> Result<Sag, SagError> {
+        let support = &self.robot.arms[effector.arm].effectors[effector.effector].support;
+        sag(&self.wafer, support, self.gravity)
+    }
 }

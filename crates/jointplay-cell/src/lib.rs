@@ -20,8 +20,11 @@
 
 pub mod cell;
 pub mod check;
+mod error;
 pub mod motion;
 pub mod program;
 pub mod robot;
 pub mod station;
 pub mod wafer;
+
+pub use error::CellError;

@@ -12,6 +12,7 @@
 //! | list the files that come with the program | [`catalogue::entries`] |
 //! | read `FROM:TO:STEP` | [`steps::parse`] |
 //! | change units without changing decimals | [`units`] |
+//! | read, lay out or write a program of a cell | [`program::parse`], [`program::format`](fn@program::format), [`program::write`] |
 //! | say an error of the core in mm and degrees | [`explain::explain`] |
 //! | give results to a program | [`report`] |
 //! | read a study file, and write its table of any length | [`study::parse`], [`study::Table`] |
@@ -28,6 +29,7 @@ pub mod explain;
 pub mod import;
 pub mod mechanism;
 pub mod place;
+pub mod program;
 pub mod report;
 pub mod robot;
 pub mod steps;

@@ -1,9 +1,42 @@
 //! A three-rod robot that carries planar arms.
+//!
+//! | file | role |
+//! | --- | --- |
+//! | `checked` | what makes a robot |
+//! | `model` | where the platform sits over the rods, by a virtualization |
+//! | `planar` | an arm as arrows that turn in its plane |
+//! | `forward`, `jacobian` | from positions to poses, and how fast |
+//! | `inverse` | from a wafer's plane, centre and heading to all positions that reach it |
+
+mod checked;
+mod forward;
+mod inverse;
+mod jacobian;
+mod model;
+mod planar;
+mod positions;
+
+pub use forward::{ChainPose, Effect};
+pub use inverse::{
+    Branch, BrokenLimit, Configuration, Elbow, Inverse, OutOfReach, Reaching, Standing, WaferTarget,
+};
+pub use jacobian::EffectorJacobian;
+pub use model::PlatformModel;
+pub use positions::Positions;
 
 use jointplay_core::gpr::Gpr;
 
 /// Number of rods; their positions come first among those of all axes.
 pub const RODS: usize = 3;
+
+/// Most joints of an arm.
+pub const MAX_JOINTS: usize = 4;
+
+/// Most arms.
+pub const MAX_ARMS: usize = 2;
+
+/// Most axes: those of the rods, and a motor for each joint.
+pub const MAX_AXES: usize = RODS + MAX_ARMS * MAX_JOINTS;
 
 /// What an axis may do.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,8 +90,10 @@ pub struct ArmJoint {
     pub zero: f64,
     /// Axes that move it, as indices into [`HybridRobot::axes`] from [`RODS`] on, each with its belt ratio.
     pub drives: Vec<(usize, f64)>,
-    /// Length of the link after it, along its x axis [m].
+    /// Where the next joint is along the x axis of the link after it [m]; on the last link the wafer's place says it.
     pub length: f64,
+    /// Where the next joint is along the y axis of the link after it [m].
+    pub offset: f64,
     /// Rise of the link after it above the one before, along the platform normal [m].
     pub rise: f64,
 }
@@ -100,6 +135,8 @@ pub struct HybridRobot {
     pub name: String,
     /// The robot under the platform.
     pub gpr: Gpr,
+    /// Where the platform sits over the rods.
+    pub model: PlatformModel,
     /// Rods first, then the motors of the arms.
     pub axes: Vec<Axis>,
     /// One or two.

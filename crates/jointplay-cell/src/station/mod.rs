@@ -1,5 +1,10 @@
 //! Where wafers are put.
 
+pub mod teach;
+mod waypoints;
+
+pub use waypoints::Waypoints;
+
 use jointplay_core::spatial::Pose;
 
 use crate::robot::EffectorId;
@@ -22,6 +27,8 @@ pub struct Station {
     pub name: String,
     /// Where it is.
     pub base_from_station: Pose,
+    /// What is known of where it is.
+    pub origin: Origin,
     /// How many slots it has, from the lowest.
     pub slots: usize,
     /// From slot to slot, along z of its frame [m]; of no meaning with one slot.
@@ -40,6 +47,17 @@ pub struct Station {
     pub effectors: Vec<EffectorId>,
     /// Seconds that it works on a wafer before giving it back [s].
     pub process_time: f64,
+}
+
+/// What a station's frame comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Origin {
+    /// As drawn.
+    Nominal,
+    /// The nominal place and yaw, laid into the plane of taught points.
+    Taught(teach::PlaneFit),
+    /// The places of the first and the last slot.
+    Drift(teach::Drift),
 }
 
 /// Heights of handing over.

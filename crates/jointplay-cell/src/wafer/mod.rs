@@ -1,4 +1,13 @@
-//! What is carried: plates that sag, arms that droop.
+//! What is carried: plates that sag, arms that droop, and how the platform makes up for it.
+
+mod compensation;
+mod droop;
+mod plate;
+mod sag;
+
+pub use compensation::{BrokenWay, Reached, Unreachable, drooped};
+pub use droop::{Deflection, DroopError};
+pub use sag::{Sag, SagError, sag};
 
 /// What a wafer is made of.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,6 +31,28 @@ pub struct Wafer {
     pub thickness: f64,
     /// What it is made of.
     pub material: Material,
+}
+
+impl Wafer {
+    /// Mass [kg].
+    #[must_use]
+    pub fn mass(&self) -> f64 {
+        let area = std::f64::consts::PI * self.diameter * self.diameter / 4.0;
+        area * self.thickness * self.material.density
+    }
+
+    /// Weight of a unit of area, q [Pa].
+    #[must_use]
+    pub fn weight_by_area(&self, gravity: f64) -> f64 {
+        self.material.density * gravity * self.thickness
+    }
+
+    /// Bending stiffness D = E h³ / 12 (1 − ν²) [N m].
+    #[must_use]
+    pub fn stiffness(&self) -> f64 {
+        let Material { young, poisson, .. } = self.material;
+        young * self.thickness.powi(3) / (12.0 * (1.0 - poisson * poisson))
+    }
 }
 
 /// What a wafer rests on.

@@ -1,0 +1,145 @@
+//! What can be wrong with a description, as facts.
+
+/// Why a description makes no robot, station or cell. Lengths are in m, angles in rad.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CellError {
+    /// A number is NaN or infinite.
+    #[error("{what} is {value}, but has to be a finite number")]
+    NotFinite {
+        /// Which number.
+        what: String,
+        /// What was found.
+        value: f64,
+    },
+    /// A number that has to be positive is not.
+    #[error("{what} is {value} {unit}, but has to be positive")]
+    NotPositive {
+        /// Which number.
+        what: String,
+        /// What was found, in `unit`.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A number that has to lie within limits does not.
+    #[error("{what} is {value} {unit}, but has to lie from {min} to {max} {unit}")]
+    OutOfRange {
+        /// Which number.
+        what: String,
+        /// What was found, in `unit`.
+        value: f64,
+        /// Least allowed, in `unit`.
+        min: f64,
+        /// Greatest allowed, in `unit`.
+        max: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A lower limit is not below its upper limit.
+    #[error("the limits of {what} are reversed: least {min} {unit}, most {max} {unit}")]
+    LimitsReversed {
+        /// Of what.
+        what: String,
+        /// Lower limit, in `unit`.
+        min: f64,
+        /// Upper limit, in `unit`.
+        max: f64,
+        /// Their unit.
+        unit: &'static str,
+    },
+    /// Two things of one kind have the same name.
+    #[error("two {what} are called {name:?}; each needs a name of its own")]
+    NameTwice {
+        /// Which kind of thing.
+        what: &'static str,
+        /// The name.
+        name: String,
+    },
+    /// A name without letters.
+    #[error("the name of {what} is empty")]
+    NoName {
+        /// Of what.
+        what: String,
+    },
+    /// Too few or too many of something.
+    #[error("{what}: there are {found}, but {min} to {max} are possible")]
+    Count {
+        /// Of what.
+        what: String,
+        /// How many there are.
+        found: usize,
+        /// Least number.
+        min: usize,
+        /// Greatest number.
+        max: usize,
+    },
+    /// Something is named by an index that it does not have.
+    #[error("{what} refers to {kind} {index}, but they are {min} to {max}, counted from 0")]
+    NoSuch {
+        /// What refers.
+        what: String,
+        /// To which kind of thing.
+        kind: &'static str,
+        /// The index.
+        index: usize,
+        /// Least index.
+        min: usize,
+        /// Greatest index.
+        max: usize,
+    },
+    /// A motor that moves nothing.
+    #[error("axis {axis} moves no joint; let a joint be driven by it, or leave it out")]
+    IdleAxis {
+        /// Its name.
+        axis: String,
+    },
+    /// A motor whose zero, kind or limits contradict what it is there for.
+    #[error("axis {axis}: {why}")]
+    WrongAxis {
+        /// Its name.
+        axis: String,
+        /// What is wrong and what to try.
+        why: String,
+    },
+    /// An arm whose motors cannot bring the wafer to places beside each other.
+    #[error(
+        "the motors of arm {arm} move the wafer of effector {effector} along {directions} of the 2 directions of their plane; let a second motor turn or slide a joint of its own"
+    )]
+    NotMovable {
+        /// Name of the arm.
+        arm: String,
+        /// Name of the effector.
+        effector: String,
+        /// Independent directions found, 0 or 1.
+        directions: usize,
+    },
+    /// An effector that the robot does not have.
+    #[error("there is no effector {effector} on an arm {arm}, counted from 0")]
+    NoSuchEffector {
+        /// Index of the arm.
+        arm: usize,
+        /// Index of the effector on it.
+        effector: usize,
+    },
+    /// Positions for another number of axes.
+    #[error("{found} positions are given, but the robot has {expected} axes")]
+    WrongLength {
+        /// How many were given.
+        found: usize,
+        /// How many axes there are.
+        expected: usize,
+    },
+    /// A target plane that no tilt of the platform reaches.
+    #[error(
+        "the normal ({}, {}, {}) does not point up: its z has to be positive, and its length not zero",
+        normal[0], normal[1], normal[2]
+    )]
+    NormalNotUp {
+        /// What was given.
+        normal: [f64; 3],
+    },
+    /// The robot under the platform cannot be computed.
+    #[error(transparent)]
+    Platform(#[from] jointplay_core::Error),
+}

@@ -1,0 +1,189 @@
+//! From positions of all axes to where everything is.
+
+use jointplay_core::gpr::Forward;
+use jointplay_core::spatial::Pose;
+use nalgebra::{Rotation3, Translation3, Vector3};
+
+use super::planar::Planar;
+use super::{EffectorId, HybridRobot, MotionKind, RODS};
+use crate::CellError;
+
+/// Where everything of a robot is; rigid, nothing droops.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ChainPose {
+    /// The platform over its rods.
+    pub platform: Forward,
+    /// For each arm and link: origin at its joint, x along the link.
+    pub base_from_link: Vec<Vec<Pose>>,
+    /// For each arm and effector: origin at the centre of the wafer on its resting plane, x along its heading.
+    pub base_from_wafer: Vec<Vec<Pose>>,
+}
+
+/// What a change of positions does to an effector that it was not meant for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effect {
+    /// Which effector.
+    pub effector: EffectorId,
+    /// Its wafer frame before.
+    pub before: Pose,
+    /// Its wafer frame after.
+    pub after: Pose,
+}
+
+impl Effect {
+    /// How far the centre of its wafer goes, in the base frame [m].
+    #[must_use]
+    pub fn shift(&self) -> Vector3<f64> {
+        self.after.translation.vector - self.before.translation.vector
+    }
+
+    /// How far the plane of its wafer tilts [rad].
+    #[must_use]
+    pub fn tilting(&self) -> f64 {
+        let (before, after) = (self.before.rotation.matrix(), self.after.rotation.matrix());
+        before
+            .column(2)
+            .cross(&after.column(2))
+            .norm()
+            .atan2(before.column(2).dot(&after.column(2)))
+    }
+}
+
+impl HybridRobot {
+    /// Where everything is for given positions.
+    ///
+    /// ```text
+    ///    base_from_wafer  =  base_from_platform(rods) · platform_from_link(motors) · link_from_wafer
+    /// ```
+    ///
+    /// # Arguments
+    /// * `positions` – of all axes, rods first ([m], [rad])
+    ///
+    /// # Errors
+    /// [`CellError::WrongLength`], [`CellError::NotFinite`], and those of the platform model.
+    pub fn forward(&self, positions: &[f64]) -> Result<ChainPose, CellError> {
+        self.check_positions(positions)?;
+        let platform = self.platform(positions)?;
+        let base_from_platform = platform.base_from_platform;
+        let base_from_link = self.arms.iter().map(|arm| {
+            let mut link = base_from_platform * Translation3::from(arm.mount);
+            let mut length = Translation3::identity();
+            let link_of = |joint: &super::ArmJoint| {
+                let driven = joint.drives.iter().map(|&(axis, ratio)| ratio * positions[axis]);
+                let value = joint.zero + driven.sum::<f64>();
+                let rise = Translation3::new(0.0, 0.0, joint.rise);
+                link = link * length * rise;
+                match joint.kind {
+                    MotionKind::Turn => {
+                        link *= Rotation3::from_axis_angle(&Vector3::z_axis(), value);
+                    }
+                    MotionKind::Slide => link *= Translation3::new(value, 0.0, 0.0),
+                }
+                length = Translation3::new(joint.length, joint.offset, 0.0);
+                link
+            };
+            arm.joints.iter().map(link_of).collect()
+        });
+        let base_from_wafer = (0..self.arms.len()).map(|arm| {
+            let effectors = 0..self.arms[arm].effectors.len();
+            let wafer_of =
+                |effector| base_from_platform * self.wafer(EffectorId { arm, effector }, positions);
+            effectors.map(wafer_of).collect()
+        });
+        Ok(ChainPose {
+            platform,
+            base_from_link: base_from_link.collect(),
+            base_from_wafer: base_from_wafer.collect(),
+        })
+    }
+
+    /// Where the wafer of one effector is: its centre on the resting plane, x along its heading.
+    ///
+    /// # Errors
+    /// As [`Self::forward`], and [`CellError::NoSuchEffector`].
+    ///
+    /// # Numerics
+    /// Does not allocate.
+    pub fn effector_pose(&self, positions: &[f64], id: EffectorId) -> Result<Pose, CellError> {
+        self.check_effector(id)?;
+        self.check_positions(positions)?;
+        Ok(self.platform(positions)?.base_from_platform * self.wafer(id, positions))
+    }
+
+    /// What going from one set of positions to another does to all effectors but one: they share the tilt, and may share motors.
+    ///
+    /// # Errors
+    /// As [`Self::forward`].
+    pub fn effects_on_others(
+        &self,
+        id: EffectorId,
+        from: &[f64],
+        to: &[f64],
+    ) -> Result<Vec<Effect>, CellError> {
+        self.check_positions(from)?;
+        self.check_positions(to)?;
+        let before = self.platform(from)?.base_from_platform;
+        let after = self.platform(to)?.base_from_platform;
+        let others = self.effectors().filter(|&other| other != id).map(|effector| Effect {
+            effector,
+            before: before * self.wafer(effector, from),
+            after: after * self.wafer(effector, to),
+        });
+        Ok(others.collect())
+    }
+
+    /// All effectors, arm by arm.
+    pub fn effectors(&self) -> impl Iterator<Item = EffectorId> + '_ {
+        self.arms.iter().enumerate().flat_map(|(arm, one)| {
+            (0..one.effectors.len()).map(move |effector| EffectorId { arm, effector })
+        })
+    }
+
+    /// Axes that move an effector's wafer, rods first, as indices.
+    ///
+    /// # Errors
+    /// [`CellError::NoSuchEffector`]
+    pub fn axes_of(&self, id: EffectorId) -> Result<Vec<usize>, CellError> {
+        self.check_effector(id)?;
+        let mut axes: Vec<usize> = (0..RODS).collect();
+        axes.extend(Planar::new(self, id).axes());
+        axes.sort_unstable();
+        Ok(axes)
+    }
+
+    pub(super) fn platform(&self, positions: &[f64]) -> Result<Forward, CellError> {
+        let rods = [positions[0], positions[1], positions[2]];
+        Ok(self.model.forward(&self.gpr, rods)?)
+    }
+
+    /// platform_from_wafer.
+    fn wafer(&self, id: EffectorId, positions: &[f64]) -> Pose {
+        let planar = Planar::new(self, id);
+        let own = planar.own(positions);
+        let center = planar.tip(&own).push(planar.height);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), planar.heading(&own));
+        Pose::from_parts(Translation3::from(center), turn)
+    }
+
+    pub(super) fn check_positions(&self, positions: &[f64]) -> Result<(), CellError> {
+        if positions.len() != self.axes.len() {
+            let (found, expected) = (positions.len(), self.axes.len());
+            return Err(CellError::WrongLength { found, expected });
+        }
+        match positions.iter().zip(&self.axes).find(|(position, _)| !position.is_finite()) {
+            Some((&value, axis)) => {
+                let what = format!("the position of axis {}", axis.name);
+                Err(CellError::NotFinite { what, value })
+            }
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn check_effector(&self, id: EffectorId) -> Result<(), CellError> {
+        let EffectorId { arm, effector } = id;
+        match self.arms.get(arm).and_then(|arm| arm.effectors.get(effector)) {
+            Some(_) => Ok(()),
+            None => Err(CellError::NoSuchEffector { arm, effector }),
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Arms without a closed form: Newton's method from several starts.
+
+use jointplay_core::linalg::least_norm_of_three;
+use nalgebra::{Vector2, Vector3};
+
+use super::super::planar::{Planar, Slopes};
+use super::turns::Ranges;
+
+/// Starts along each axis, between its limits.
+const STARTS: usize = 5;
+
+const MOST_STEPS: usize = 40;
+
+/// Largest step, as a share of the ranges of the axes: farther, the arm is not what its tangent says.
+const LARGEST_STEP: f64 = 0.25;
+
+/// Two solutions nearer than this share of the ranges are one.
+const SAME: f64 = 1e-6;
+
+/// Most solutions that are listed.
+const MOST: usize = 16;
+
+/// Solutions near the starts, that nearest to `near` first.
+///
+/// Steps are the shortest ones, each axis counted in its range; an arm with more motors than are needed stays near its start, which is `near` if that leads to a solution.
+pub(super) fn solutions(
+    planar: &Planar,
+    ranges: &Ranges,
+    point: &Vector2<f64>,
+    heading: Option<f64>,
+    near: &Slopes,
+) -> Vec<Slopes> {
+    let free = ranges.count > 2 + usize::from(heading.is_some());
+    let first = descend(planar, ranges, point, heading, near);
+    let mut found: Vec<Slopes> = first.into_iter().collect();
+    if free && !found.is_empty() {
+        return found;
+    }
+    let apart = |one: &Slopes, other: &Slopes| {
+        let shares = (0..ranges.count).map(|a| ((one[a] - other[a]) / ranges.half(a)).powi(2));
+        shares.sum::<f64>().sqrt()
+    };
+    for start in 0..STARTS.pow(ranges.count as u32) {
+        let mut rest = start;
+        let mut own = [0.0; 4];
+        for (a, own) in own.iter_mut().enumerate().take(ranges.count) {
+            let share = ((rest % STARTS) as f64 + 0.5) / STARTS as f64;
+            *own = ranges.min[a] + share * (ranges.max[a] - ranges.min[a]);
+            rest /= STARTS;
+        }
+        let Some(solution) = descend(planar, ranges, point, heading, &own) else { continue };
+        if found.iter().all(|known| apart(known, &solution) > SAME) {
+            found.push(solution);
+        }
+    }
+    found.sort_by(|one, other| apart(one, near).total_cmp(&apart(other, near)));
+    found.truncate(if free { 1 } else { MOST });
+    found
+}
+
+fn descend(
+    planar: &Planar,
+    ranges: &Ranges,
+    point: &Vector2<f64>,
+    heading: Option<f64>,
+    start: &Slopes,
+) -> Option<Slopes> {
+    let mut own = *start;
+    // One column more than there are axes, for the heading that nobody asked for.
+    let count = ranges.count + 1;
+    let mut compliance = [1.0; 5];
+    for (a, compliance) in compliance.iter_mut().enumerate().take(ranges.count) {
+        *compliance = ranges.half(a).powi(2);
+    }
+    let size = point.norm() + planar.arrows().iter().map(|arrow| arrow.vector.norm()).sum::<f64>();
+    for _ in 0..MOST_STEPS {
+        let missing = point - planar.tip(&own);
+        let turn = heading.map_or(0.0, |heading| wrapped(heading - planar.heading(&own)));
+        if missing.norm() <= 1e-15 * size.max(f64::MIN_POSITIVE) * 8.0 && turn.abs() <= 1e-14 {
+            return Some(own);
+        }
+        let velocities = planar.tip_velocities(&own);
+        let mut columns = [Vector3::z() * if heading.is_some() { 0.0 } else { 1.0 }; 5];
+        for a in 0..ranges.count {
+            let turning = if heading.is_some() { planar.heading.1[a] } else { 0.0 };
+            columns[a] = velocities[a].push(turning);
+        }
+        columns[ranges.count] = columns[4];
+        let mut step = [0.0; 5];
+        let target = missing.push(turn);
+        if !least_norm_of_three(
+            &columns[..count],
+            &compliance[..count],
+            &target,
+            &mut step[..count],
+        ) {
+            return None;
+        }
+        let largest =
+            (0..ranges.count).map(|a| (step[a] / ranges.half(a)).abs()).fold(0.0, f64::max);
+        let share = (2.0 * LARGEST_STEP / largest).min(1.0);
+        for a in 0..ranges.count {
+            own[a] += share * step[a];
+        }
+    }
+    let missing = (point - planar.tip(&own)).norm();
+    (missing <= 1e-13 * size).then_some(own)
+}
+
+/// An angle from −π to π [rad].
+pub(in super::super) fn wrapped(angle: f64) -> f64 {
+    let turns = (angle / std::f64::consts::TAU).round();
+    angle - turns * std::f64::consts::TAU
+}

@@ -1,0 +1,110 @@
+//! How the positions of an arm follow from angles of its arrows.
+
+use nalgebra::Matrix4;
+
+use super::super::planar::{Planar, Slopes};
+
+/// Arrows of a belt-coupled arm count as equally long within this share of their length.
+const SAME_LENGTH: f64 = 1e-12;
+
+/// Which two unknowns are found from a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Pair {
+    /// Two arrows, each turning by itself.
+    Links([usize; 2]),
+    /// Two arrows of equal length and a third that turns by the mean of both: they move it along its own direction.
+    Belt([usize; 2], usize),
+    /// An arrow on a slide that turns with it.
+    Slide(usize),
+}
+
+/// The unknowns of an arm: the pair's two, then the turn of its last arrow, then that of its first.
+///
+/// ```text
+///    y = Y a        a: positions of the axes, n of each
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plan {
+    pub(super) pair: Pair,
+    /// Arrow that turns with the wafer, where it is not of the pair.
+    pub(super) last: Option<usize>,
+    /// Arrow at the platform, where it is not of the pair.
+    pub(super) first: Option<usize>,
+    pub(super) count: usize,
+    /// Y⁻¹, its unused part identity.
+    pub(super) inverse: Matrix4<f64>,
+    /// Y.
+    pub(super) forward: Matrix4<f64>,
+}
+
+impl Plan {
+    /// `None` where the arm is of no kind that has a closed form.
+    pub(super) fn new(planar: &Planar) -> Option<Self> {
+        let count = planar.axes().len();
+        let arrows = planar.arrows();
+        let mut rest: [usize; 4] = [0; 4];
+        let mut left = 0;
+        let last = if count > 2 {
+            Some(arrows.iter().position(|arrow| arrow.turn == planar.heading.1)?)
+        } else {
+            None
+        };
+        let first = if count > 3 { (0..arrows.len()).find(|&k| Some(k) != last) } else { None };
+        for k in (0..arrows.len()).filter(|&k| Some(k) != last && Some(k) != first) {
+            rest[left] = k;
+            left += 1;
+        }
+        let pair = match (planar.slides(), &rest[..left]) {
+            ([], &[i, j]) => Pair::Links([i, j]),
+            ([], &[i, j, k]) => {
+                let order = [[i, j, k], [i, k, j], [j, k, i]];
+                let [i, j, w] = order.into_iter().find(|&[i, j, w]| is_belt(planar, i, j, w))?;
+                Pair::Belt([i, j], w)
+            }
+            ([slide], &[g]) if slide.along.turn == arrows[g].turn => Pair::Slide(g),
+            _ => return None,
+        };
+        let rows: [Option<&Slopes>; 4] = match pair {
+            Pair::Links([i, j]) | Pair::Belt([i, j], _) => {
+                [Some(&arrows[i].turn), Some(&arrows[j].turn), None, None]
+            }
+            Pair::Slide(g) => [Some(&arrows[g].turn), Some(&planar.slides()[0].growth), None, None],
+        };
+        let rows =
+            [rows[0], rows[1], last.map(|k| &arrows[k].turn), first.map(|k| &arrows[k].turn)];
+        let mut forward = Matrix4::identity();
+        for (r, row) in rows.into_iter().enumerate() {
+            if let Some(row) = row {
+                forward.set_row(r, &nalgebra::RowVector4::from_row_slice(row));
+            }
+        }
+        let used = 2 + usize::from(last.is_some()) + usize::from(first.is_some());
+        if used != count || forward.determinant().abs() < 1e-9 {
+            return None;
+        }
+        let inverse = forward.try_inverse()?;
+        Some(Self { pair, last, first, count, inverse, forward })
+    }
+
+    /// Positions of the axes for given unknowns.
+    #[inline]
+    pub(super) fn positions(&self, unknown: &Slopes) -> Slopes {
+        (self.inverse * nalgebra::Vector4::from(*unknown)).into()
+    }
+
+    /// Unknowns at positions of the axes.
+    #[inline]
+    pub(super) fn unknown(&self, own: &Slopes) -> Slopes {
+        (self.forward * nalgebra::Vector4::from(*own)).into()
+    }
+}
+
+fn is_belt(planar: &Planar, i: usize, j: usize, w: usize) -> bool {
+    let arrows = planar.arrows();
+    let (one, other) = (arrows[i].vector.norm(), arrows[j].vector.norm());
+    let mean = (0..4).all(|a| {
+        let mean = 0.5 * (arrows[i].turn[a] + arrows[j].turn[a]);
+        (arrows[w].turn[a] - mean).abs() <= 1e-12
+    });
+    mean && (one - other).abs() <= SAME_LENGTH * one
+}

@@ -1,0 +1,113 @@
+//! How far positions are from a target, and Newton's method on the whole chain.
+
+use jointplay_core::linalg::svd;
+use jointplay_core::spatial::{Pose, leaning};
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::super::{EffectorId, HybridRobot, Positions};
+use super::WaferTarget;
+use super::newton::wrapped;
+use crate::CellError;
+
+/// Better than this, nothing is corrected: round-off of a metre [m and rad].
+const EXACT: f64 = 1e-13;
+
+/// Steps of Newton's method at most; it takes one or two.
+const MOST_STEPS: usize = 8;
+
+/// Lengths that angles are weighed against [m].
+const ARM: f64 = 0.1;
+
+/// What is missing to a target.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Missing {
+    /// To the centre [m].
+    pub(super) center: Vector3<f64>,
+    /// The turn that lays the wafer into the plane, about an axis within the plane [rad].
+    pub(super) tilt: Vector3<f64>,
+    /// Heading that the wafer has [rad].
+    pub(super) heading: f64,
+    /// Turn about the normal to the heading asked for [rad].
+    pub(super) turn: f64,
+}
+
+impl Missing {
+    /// # Arguments
+    /// * `normal` – that of the target, of length one
+    pub(super) fn of(base_from_wafer: &Pose, target: &WaferTarget, normal: &Vector3<f64>) -> Self {
+        let rotation = base_from_wafer.rotation.matrix();
+        let found = rotation.column(2).into_owned();
+        let level = leaning(normal);
+        let x = level.inverse() * rotation.column(0);
+        let heading = x.y.atan2(x.x);
+        Self {
+            center: target.center - base_from_wafer.translation.vector,
+            tilt: found.cross(normal),
+            heading,
+            turn: target.heading.map_or(0.0, |wanted| wrapped(wanted - heading)),
+        }
+    }
+
+    fn is_exact(&self, with_heading: bool) -> bool {
+        self.center.norm() <= EXACT
+            && self.tilt.norm() <= EXACT
+            && (!with_heading || self.turn.abs() <= EXACT)
+    }
+}
+
+impl HybridRobot {
+    /// Corrects positions of all axes together, where they are not exact yet; hands out how many steps it took and what is left.
+    pub(super) fn polish(
+        &self,
+        id: EffectorId,
+        target: &WaferTarget,
+        normal: &Vector3<f64>,
+        with_heading: bool,
+        positions: &mut Positions,
+    ) -> Result<(usize, Missing), CellError> {
+        let mut missing = Missing::of(&self.effector_pose(positions, id)?, target, normal);
+        for step in 0..MOST_STEPS {
+            if missing.is_exact(with_heading) {
+                return Ok((step, missing));
+            }
+            let jacobian = self.effector_jacobian(positions, id)?;
+            let axes = self.axes_of(id)?;
+            let rows = if with_heading { 6 } else { 5 };
+            // Two directions of the plane, for the tilt has no part along the normal.
+            let level = leaning(normal);
+            let (e_1, e_2) = (level * Vector3::x(), level * Vector3::y());
+            let mut a = DMatrix::zeros(rows, axes.len());
+            let mut b = DVector::zeros(rows);
+            let mut fill = |row: usize, of: &dyn Fn(Vector3<f64>, Vector3<f64>) -> f64, value| {
+                for (column, &axis) in axes.iter().enumerate() {
+                    a[(row, column)] = of(jacobian.linear[axis], jacobian.angular[axis]);
+                }
+                b[row] = value;
+            };
+            for k in 0..3 {
+                fill(k, &|linear, _| linear[k], missing.center[k]);
+            }
+            fill(3, &|_, angular| ARM * angular.dot(&e_1), ARM * missing.tilt.dot(&e_1));
+            fill(4, &|_, angular| ARM * angular.dot(&e_2), ARM * missing.tilt.dot(&e_2));
+            if with_heading {
+                fill(5, &|_, angular| ARM * angular.dot(normal), ARM * missing.turn);
+            }
+            let found = svd(&a)?;
+            let change = found.solve(&b, found.rank(1e-10));
+            let mut next = *positions;
+            for (&axis, change) in axes.iter().zip(change.iter()) {
+                next[axis] += change;
+            }
+            let then = Missing::of(&self.effector_pose(&next, id)?, target, normal);
+            let size = |missing: &Missing| {
+                let turn = if with_heading { missing.turn } else { 0.0 };
+                missing.center.norm() + ARM * (missing.tilt.norm() + turn.abs())
+            };
+            if size(&then) >= size(&missing) {
+                return Ok((step, missing));
+            }
+            (*positions, missing) = (next, then);
+        }
+        Ok((MOST_STEPS, missing))
+    }
+}

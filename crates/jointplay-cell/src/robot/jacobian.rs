@@ -1,0 +1,123 @@
+//! How fast a wafer goes when an axis does.
+
+use jointplay_core::gpr::Forward;
+use jointplay_core::virtualization::Kernel;
+use nalgebra::{Rotation3, Vector3};
+
+use super::planar::Planar;
+use super::{EffectorId, HybridRobot, MAX_AXES, RODS};
+use crate::CellError;
+
+/// Half the step of differences over rods, where the model has no derivative in closed form [m].
+const STEP: f64 = 1e-5;
+
+/// Velocity of a wafer by each axis, in the base frame.
+///
+/// ```text
+///    v = Σ_a linear_a ȧ        ω = Σ_a angular_a ȧ
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EffectorJacobian {
+    /// Of the wafer's centre, by axis [m/m or m/rad]; zero for axes that there are not.
+    pub linear: [Vector3<f64>; MAX_AXES],
+    /// Angular velocity of the wafer, by axis [rad/m or rad/rad].
+    pub angular: [Vector3<f64>; MAX_AXES],
+}
+
+/// Of O_p, and angular.
+type Velocity = (Vector3<f64>, Vector3<f64>);
+
+impl HybridRobot {
+    /// How fast the wafer of an effector goes by each axis.
+    ///
+    /// # Errors
+    /// As [`Self::effector_pose`].
+    ///
+    /// # Numerics
+    /// Closed form; for virtualizations other than planar, the part of the rods by central differences with a step of 10⁻⁵ m, to about 10⁻⁸ of itself.
+    /// Does not allocate.
+    pub fn effector_jacobian(
+        &self,
+        positions: &[f64],
+        id: EffectorId,
+    ) -> Result<EffectorJacobian, CellError> {
+        self.check_effector(id)?;
+        self.check_positions(positions)?;
+        let platform = self.platform(positions)?;
+        let turn = platform.base_from_platform.rotation;
+        let planar = Planar::new(self, id);
+        let own = planar.own(positions);
+        let tip = planar.tip(&own).push(planar.height);
+        let mut jacobian = EffectorJacobian {
+            linear: [Vector3::zeros(); MAX_AXES],
+            angular: [Vector3::zeros(); MAX_AXES],
+        };
+        let arm = turn * tip;
+        for (rod, (origin, angular)) in self.platform_velocities(&platform)?.into_iter().enumerate()
+        {
+            jacobian.linear[rod] = origin + angular.cross(&arm);
+            jacobian.angular[rod] = angular;
+        }
+        let velocities = planar.tip_velocities(&own);
+        for (k, &axis) in planar.axes().iter().enumerate() {
+            jacobian.linear[axis] = turn * velocities[k].push(0.0);
+            jacobian.angular[axis] = turn * Vector3::z() * planar.heading.1[k];
+        }
+        Ok(jacobian)
+    }
+
+    /// Velocity of O_p and angular velocity of the platform, by rod.
+    ///
+    /// The planar model keeps the centroid of the sockets on that of the balls, and Σ b_k × d_k = 0 about it, b_k and d_k from the centroid to socket and ball;
+    /// differentiated, the turn about the normal is n · Σ b_k × ḋ_k / Σ b_k · d_k.
+    fn platform_velocities(&self, platform: &Forward) -> Result<[Velocity; RODS], CellError> {
+        let mut velocities = [(Vector3::zeros(), Vector3::zeros()); RODS];
+        if self.model.virtualization != Kernel::Planar {
+            for (k, velocity) in velocities.iter_mut().enumerate() {
+                let at = |step: f64| {
+                    let mut rods = platform.rods;
+                    rods[k] += step;
+                    self.model.forward(&self.gpr, rods).map(|found| found.base_from_platform)
+                };
+                let (before, after) = (at(-STEP)?, at(STEP)?);
+                let shift = after.translation.vector - before.translation.vector;
+                let turn = (after.rotation * before.rotation.inverse()).into_inner();
+                // Twice the sine of the half turn: the vector of an antisymmetric part.
+                let twice = Vector3::new(
+                    turn[(2, 1)] - turn[(1, 2)],
+                    turn[(0, 2)] - turn[(2, 0)],
+                    turn[(1, 0)] - turn[(0, 1)],
+                );
+                *velocity = (shift / (2.0 * STEP), twice / (4.0 * STEP));
+            }
+            return Ok(velocities);
+        }
+        let balls = self.gpr.ball_centers(&platform.rods);
+        let sockets = self.gpr.platform().sockets();
+        let socket_center = (sockets[0] + sockets[1] + sockets[2]) / 3.0;
+        let ball_center = (balls[0] + balls[1] + balls[2]) / 3.0;
+        let turn: Rotation3<f64> = platform.base_from_platform.rotation;
+        let normal = turn * Vector3::z();
+        let from_center = sockets.map(|socket| turn * (socket - socket_center).push(0.0));
+        let to_ball = balls.map(|ball| ball - ball_center);
+        let spread: f64 = (0..3).map(|k| from_center[k].dot(&to_ball[k])).sum();
+        let upward = (balls[1] - balls[0]).cross(&(balls[2] - balls[0]));
+        let area = upward.dot(&normal);
+        for (k, velocity) in velocities.iter_mut().enumerate() {
+            // The plane turns about the line through the two other balls.
+            let side = balls[(k + 2) % 3] - balls[(k + 1) % 3];
+            let changed = Vector3::z().cross(&side) * -1.0 / area;
+            let tilting = normal.cross(&(changed - normal * normal.dot(&changed)));
+            let about_normal: f64 = (0..3)
+                .map(|j| {
+                    let ball = Vector3::z() * (f64::from(u8::from(j == k)) - 1.0 / 3.0);
+                    normal.dot(&from_center[j].cross(&ball))
+                })
+                .sum();
+            let angular = tilting + normal * (about_normal / spread);
+            let origin = Vector3::z() / 3.0 - angular.cross(&(turn * socket_center.push(0.0)));
+            *velocity = (origin, angular);
+        }
+        Ok(velocities)
+    }
+}

@@ -1,0 +1,162 @@
+//! How far an arm gives way at its end.
+
+use super::{Droop, DroopRow};
+
+/// Relative slack at the ends of a table, so that a reach computed to lie on its end is not beyond it by round-off.
+const SLACK: f64 = 1e-9;
+
+/// How the end of an arm gives way.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Deflection {
+    /// Down positive [m].
+    pub drop: f64,
+    /// Outer end down positive [rad].
+    pub slope: f64,
+}
+
+/// Why nothing is known of how an arm droops there.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DroopError {
+    /// Nearer or farther than was measured.
+    #[error(
+        "the droop at a reach of {reach} m is not known: the table goes from {min} to {max} m; measure there, or give a cantilever"
+    )]
+    Reach {
+        /// Asked for [m].
+        reach: f64,
+        /// Least of the table [m].
+        min: f64,
+        /// Greatest of the table [m].
+        max: f64,
+    },
+    /// Heavier than was measured, or lighter than nothing.
+    #[error("the droop under {load} kg is not known: the table goes from 0 to {max} kg")]
+    Load {
+        /// Asked for [kg].
+        load: f64,
+        /// Greatest of the table [kg].
+        max: f64,
+    },
+}
+
+impl Droop {
+    /// How the arm gives way at its end.
+    ///
+    /// ```text
+    ///    cantilever:   drop  =  q L⁴ / 8 EI  +  P L³ / 3 EI        q: own weight by length, P: load at the tip
+    ///                  slope =  q L³ / 6 EI  +  P L² / 2 EI
+    /// ```
+    /// A table is linear between its reaches, and between empty and loaded in proportion to the load.
+    ///
+    /// # Arguments
+    /// * `reach` – from the first joint to the centre of the wafer [m]
+    /// * `load` – mass that is carried [kg]
+    /// * `gravity` – acceleration; tables were measured under the one that they are used under [m/s²]
+    ///
+    /// # Errors
+    /// [`DroopError`] outside the table.
+    ///
+    /// # Source
+    /// [Roark], beams
+    pub fn at(&self, reach: f64, load: f64, gravity: f64) -> Result<Deflection, DroopError> {
+        match self {
+            Self::Rigid => Ok(Deflection::default()),
+            Self::Cantilever { stiffness, mass_per_length } => {
+                let (own, tip, l) = (mass_per_length * gravity, load * gravity, reach);
+                Ok(Deflection {
+                    drop: l.powi(3) * (own * l / 8.0 + tip / 3.0) / stiffness,
+                    slope: l.powi(2) * (own * l / 6.0 + tip / 2.0) / stiffness,
+                })
+            }
+            Self::Table { rows } => interpolated(rows, reach, load),
+        }
+    }
+}
+
+fn interpolated(rows: &[DroopRow], reach: f64, load: f64) -> Result<Deflection, DroopError> {
+    let (min, max) = match rows {
+        [first, .., last] => (first.reach, last.reach),
+        [only] => (only.reach, only.reach),
+        [] => (f64::NAN, f64::NAN),
+    };
+    let slack = SLACK * max.abs();
+    // Written so that NaN counts as outside.
+    if !(reach >= min - slack && reach <= max + slack) {
+        return Err(DroopError::Reach { reach, min, max });
+    }
+    let of = |row: &DroopRow| {
+        if !(load >= 0.0 && load <= row.load * (1.0 + SLACK)) {
+            return Err(DroopError::Load { load, max: row.load });
+        }
+        let share = if load == 0.0 { 0.0 } else { load / row.load };
+        Ok(Deflection {
+            drop: row.empty_drop + share * (row.loaded_drop - row.empty_drop),
+            slope: row.empty_slope + share * (row.loaded_slope - row.empty_slope),
+        })
+    };
+    let above = rows.partition_point(|row| row.reach < reach).clamp(1, rows.len().max(2) - 1);
+    let (near, far) = (&rows[above - 1], &rows[above.min(rows.len() - 1)]);
+    let (at_near, at_far) = (of(near)?, of(far)?);
+    let width = far.reach - near.reach;
+    let share = if width > 0.0 { ((reach - near.reach) / width).clamp(0.0, 1.0) } else { 0.0 };
+    Ok(Deflection {
+        drop: at_near.drop + share * (at_far.drop - at_near.drop),
+        slope: at_near.slope + share * (at_far.slope - at_near.slope),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(reach: f64, drop: f64) -> DroopRow {
+        DroopRow {
+            reach,
+            empty_drop: drop,
+            empty_slope: drop / 2.0,
+            loaded_drop: drop * 3.0,
+            loaded_slope: drop,
+            load: 0.2,
+        }
+    }
+
+    #[test]
+    fn a_cantilever_obeys_its_differential_equation() {
+        // E I w'''' = q, with w = w' = 0 at the joint, no moment and the load at the tip, integrated from the tip.
+        let (stiffness, mass_per_length, load, gravity, l) = (900.0, 2.5, 0.13, 9.81, 0.7);
+        let droop = Droop::Cantilever { stiffness, mass_per_length };
+        let found = droop.at(l, load, gravity).unwrap();
+        let steps = 20_000;
+        let (mut slope, mut drop) = (0.0, 0.0);
+        for k in 0..steps {
+            let dx = l / f64::from(steps);
+            let rest = l - (f64::from(k) + 0.5) * dx;
+            let moment = gravity * (load * rest + mass_per_length * rest * rest / 2.0);
+            let bend = moment / stiffness * dx;
+            drop += (slope + bend / 2.0) * dx;
+            slope += bend;
+        }
+        assert!((found.drop - drop).abs() < 1e-7 * drop, "{found:?} {drop}");
+        assert!((found.slope - slope).abs() < 1e-7 * slope, "{found:?} {slope}");
+    }
+
+    #[test]
+    fn tables_are_linear_between_their_rows_and_end_where_they_end() {
+        let droop = Droop::Table { rows: vec![row(0.2, 1e-4), row(0.4, 3e-4), row(0.5, 7e-4)] };
+        let drop = |reach, load| droop.at(reach, load, 9.81).unwrap().drop;
+        assert!((drop(0.2, 0.0) - 1e-4).abs() < 1e-18);
+        assert!((drop(0.3, 0.0) - 2e-4).abs() < 1e-18);
+        assert!((drop(0.45, 0.0) - 5e-4).abs() < 1e-18);
+        assert!((drop(0.5, 0.2) - 21e-4).abs() < 1e-18);
+        assert!((drop(0.3, 0.1) - 4e-4).abs() < 1e-18);
+        let error = droop.at(0.51, 0.0, 9.81).unwrap_err();
+        assert_eq!(error, DroopError::Reach { reach: 0.51, min: 0.2, max: 0.5 });
+        assert!(droop.at(f64::NAN, 0.0, 9.81).is_err());
+        let error = droop.at(0.3, 0.3, 9.81).unwrap_err();
+        assert_eq!(error, DroopError::Load { load: 0.3, max: 0.2 });
+        let single = Droop::Table { rows: vec![row(0.2, 1e-4)] };
+        assert_eq!(single.at(0.2, 0.0, 9.81).unwrap().drop, 1e-4);
+        assert!(Droop::Table { rows: vec![] }.at(0.2, 0.0, 9.81).is_err());
+    }
+}

@@ -1,0 +1,96 @@
+//! A free round plate under points that push up in a symmetric pattern.
+//!
+//! Everything here is free of units: radii in radii of the plate, forces in its weight, deflections in q a⁴/D with the weight by area q, and the bending stiffness D.
+
+/// Of series, terms smaller than this share of their sum are left out.
+const THRESHOLD: f64 = 1e-10;
+
+/// Most terms of a series; those near a point of the edge fall as 1/m³, so that the rest is below 10⁻⁶.
+const MOST_TERMS: usize = 400;
+
+/// Points at one radius that are pushed up alike, and together with the weight of the plate.
+///
+/// ```text
+///    p(θ)  =  1/(2πb) + 1/(πb) Σ_m cos(m φ) cos(m θ),     m = s, 2s, 3s, …
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Orbit {
+    /// Distance b from the centre.
+    pub(super) radius: f64,
+    /// Direction φ of one of them from the x axis [rad].
+    pub(super) angle: f64,
+    /// What the numbers of waves are multiples of: 3 for three points, 2 for four mirrored at both axes.
+    pub(super) symmetry: usize,
+}
+
+/// Deflection under the plate's weight, free of reactions, down positive; up to a constant.
+pub(super) fn under_weight(poisson: f64, radius: f64) -> f64 {
+    let square = radius * radius;
+    square * square / 64.0 - (3.0 + poisson) / (32.0 * (1.0 + poisson)) * square
+}
+
+impl Orbit {
+    /// Waves of the height that an orbit lifts the plate to at a radius, first the mean.
+    ///
+    /// Each wave is a biharmonic function within and without the circle of the points, joined with the jump of the shearing force there, and one that is regular in the whole plate and frees the edge of moment and force.
+    pub(super) fn waves(&self, poisson: f64, radius: f64) -> Vec<f64> {
+        let mut waves = vec![self.mean(poisson, radius)];
+        let mut sum = 0.0_f64;
+        for k in 1..=MOST_TERMS {
+            let wave = self.wave(poisson, radius, k * self.symmetry);
+            waves.push(wave);
+            sum += wave.abs();
+            // Waves near the points fall slowly, all others as powers: two small ones in a row end the series.
+            let small = |wave: &f64| wave.abs() <= THRESHOLD * sum / (k as f64);
+            if k > 8 && waves[k - 1..].iter().all(small) {
+                break;
+            }
+        }
+        waves
+    }
+
+    /// Height at a place from the waves at its radius.
+    pub(super) fn height(&self, waves: &[f64], angle: f64) -> f64 {
+        let wave = |(k, wave): (usize, &f64)| {
+            let m = (k * self.symmetry) as f64;
+            wave * (m * self.angle).cos() * (m * angle).cos()
+        };
+        waves.iter().enumerate().map(wave).sum()
+    }
+
+    fn mean(&self, poisson: f64, radius: f64) -> f64 {
+        let b = self.radius;
+        let edge = 2.0 * (1.0 + poisson) * (1.0 / b).ln() + (1.0 - poisson) * (1.0 - b * b);
+        let bowl = edge / (2.0 * (1.0 + poisson)) * radius * radius;
+        let beyond = if radius > b {
+            let log = (radius / b).ln();
+            (radius * radius + b * b) * log - radius * radius + b * b
+        } else {
+            0.0
+        };
+        (beyond - bowl) / 8.0
+    }
+
+    fn wave(&self, poisson: f64, radius: f64, m: usize) -> f64 {
+        let (b, power) = (self.radius, m as i32);
+        let m = m as f64;
+        let free = if radius <= b {
+            let within = (radius / b).powi(power);
+            within / (m - 1.0) - within * (radius / b).powi(2) / (m + 1.0)
+        } else {
+            let beyond = (b / radius).powi(power - 2);
+            beyond / (m - 1.0) - beyond * (b / radius).powi(2) / (m + 1.0)
+        };
+        let ratio = (3.0 + poisson) / (1.0 - poisson);
+        let toward = b.powi(power - 2);
+        let second = -(toward - m * toward * b * b / (m + 1.0)) / ratio;
+        let first = (ratio * toward / (m - 1.0) - (m + 1.0) * second) / m;
+        let edge = radius.powi(power) * (first + second * radius * radius);
+        b * b / (8.0 * m) * (free + edge)
+    }
+}
+
+/// What lifts a plate so that its edge is at height 0.
+pub(super) fn on_edge(poisson: f64) -> f64 {
+    under_weight(poisson, 1.0)
+}

@@ -1,0 +1,415 @@
+//! How a wafer hangs through between what it rests on.
+
+use nalgebra::{DMatrix, DVector};
+
+use jointplay_core::linalg::svd;
+
+use super::plate::{self, Orbit};
+use super::{Support, Wafer};
+
+/// Points of half a rail that may carry; with twice as many the sag changes by less than a thousandth.
+const RAIL_POINTS: usize = 16;
+
+/// Circles on which the plate is looked at for its lowest and highest points.
+const CIRCLES: usize = 48;
+
+/// Directions on each circle, within a quarter turn for rails and a third of a half turn for points.
+const DIRECTIONS: usize = 32;
+
+/// Relative slack, so that supports at the very edge are not beyond it by round-off.
+const SLACK: f64 = 1e-9;
+
+/// The shape of a wafer at rest, heights above the plane of its supports.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sag {
+    /// Height of the centre, negative where it hangs below the supports [m].
+    pub center: f64,
+    /// Height of the lowest point [m].
+    pub lowest: f64,
+    /// Height of the highest point [m].
+    pub highest: f64,
+    /// Height of the plane that fits the wafer with the least sum of squares [m].
+    pub plane_height: f64,
+    /// How that plane leans against the plane of the supports; 0, since all supports are symmetric [rad].
+    pub plane_tilt: f64,
+    /// Root of the mean square of the wafer's distance from that plane [m].
+    pub deviation: f64,
+    /// Largest part of the sag in the thickness: the theory is that of small deflections, good to about a fifth.
+    pub share_of_thickness: f64,
+}
+
+/// Why a wafer has no sag.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SagError {
+    /// A dimension or property that is not positive, or not finite.
+    #[error("{what} is {value} {unit}, but has to be positive")]
+    NotPositive {
+        /// What it is.
+        what: &'static str,
+        /// What was found, in `unit`.
+        value: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A ratio that no isotropic material has.
+    #[error("Poisson's ratio is {found}, but lies between -1 and 0.5")]
+    Poisson {
+        /// What was found.
+        found: f64,
+    },
+    /// Supports that the wafer does not reach, or does not rest on safely.
+    #[error(
+        "{what} of {found} m does not carry a wafer of {diameter} m: it has to lie between 0 and {most} m"
+    )]
+    Support {
+        /// What is wrong.
+        what: &'static str,
+        /// What was found [m].
+        found: f64,
+        /// Diameter of the wafer [m].
+        diameter: f64,
+        /// Largest allowed [m].
+        most: f64,
+    },
+    /// The forces on the rails cannot be computed.
+    #[error(transparent)]
+    Algebra(jointplay_core::Error),
+}
+
+/// How a wafer sags under its own weight.
+///
+/// ```text
+///    D ∇⁴w = q,    D = E h³ / 12 (1 − ν²),    q = ρ g h        edge free of moment, and of force but at the supports
+/// ```
+/// On its whole edge w = q a⁴ (5 + ν) / 64 (1 + ν) D at the centre.
+/// On points and rails w is the sum over the points that carry of exact solutions for the free plate, see docs/theory.md; rails may push up and not pull down, so that the plate may lift off them.
+///
+/// # Errors
+/// [`SagError`] for what is no wafer, and for supports that it would fall off.
+///
+/// # Assumptions
+/// Thin, isotropic, small deflections; no friction in the plane.
+///
+/// # Source
+/// [Timoshenko] for the edge; the sums of waves are our own derivation, docs/theory.md.
+pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagError> {
+    let poisson = checked(wafer, gravity)?;
+    let a = wafer.diameter / 2.0;
+    let unit = wafer.weight_by_area(gravity) * a.powi(4) / wafer.stiffness();
+    let within = |what, found: f64, most: f64| {
+        if found > 0.0 && found <= most * (1.0 + SLACK) {
+            return Ok((found / most).min(1.0));
+        }
+        Err(SagError::Support { what, found, diameter: wafer.diameter, most })
+    };
+    let shape = match *support {
+        Support::Edge => Shape { poisson, reactions: Vec::new(), lift: plate::on_edge(poisson) },
+        Support::ThreePoints { radius } => {
+            let radius = within("a circle of three points with a radius", radius, a)?;
+            let orbit = Orbit { radius, angle: 0.0, symmetry: 3 };
+            Shape::on(poisson, vec![(orbit, 1.0)])
+        }
+        Support::TwoRails { distance } => {
+            let half = within("a distance of two rails", distance, wafer.diameter)?;
+            Shape::on(poisson, rails(poisson, half).map_err(SagError::Algebra)?)
+        }
+    };
+    Ok(shape.seen(unit, wafer.thickness))
+}
+
+fn checked(wafer: &Wafer, gravity: f64) -> Result<f64, SagError> {
+    let material = &wafer.material;
+    let positive = [
+        ("the diameter of the wafer", wafer.diameter, "m"),
+        ("the thickness of the wafer", wafer.thickness, "m"),
+        ("Young's modulus", material.young, "Pa"),
+        ("the density", material.density, "kg/m³"),
+    ];
+    for (what, value, unit) in positive {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(SagError::NotPositive { what, value, unit });
+        }
+    }
+    if !(gravity >= 0.0 && gravity.is_finite()) {
+        return Err(SagError::NotPositive { what: "gravity", value: gravity, unit: "m/s²" });
+    }
+    let poisson = material.poisson;
+    if !(poisson > -1.0 && poisson < 0.5) {
+        return Err(SagError::Poisson { found: poisson });
+    }
+    Ok(poisson)
+}
+
+/// Heights of a plate of radius 1, see [`plate`].
+struct Shape {
+    poisson: f64,
+    /// What pushes it up, each with its share of the weight.
+    reactions: Vec<(Orbit, f64)>,
+    /// Added everywhere, so that the supports are at height 0.
+    lift: f64,
+}
+
+impl Shape {
+    /// The plate on points, the first of which it touches.
+    fn on(poisson: f64, reactions: Vec<(Orbit, f64)>) -> Self {
+        let mut shape = Self { poisson, reactions, lift: 0.0 };
+        let touching = shape.reactions.iter().max_by(|a, b| a.1.total_cmp(&b.1));
+        shape.lift =
+            touching.map_or(0.0, |(orbit, _)| -shape.circle(orbit.radius).height(orbit.angle));
+        shape
+    }
+
+    fn circle(&self, radius: f64) -> Circle<'_> {
+        let waves = |(orbit, _): &(Orbit, f64)| orbit.waves(self.poisson, radius);
+        Circle {
+            shape: self,
+            rest: self.lift - plate::under_weight(self.poisson, radius),
+            waves: self.reactions.iter().map(waves).collect(),
+        }
+    }
+
+    /// A direction after which the plate repeats itself, mirrored.
+    fn sector(&self) -> f64 {
+        self.reactions
+            .first()
+            .map_or(1.0, |(orbit, _)| std::f64::consts::PI / orbit.symmetry as f64)
+    }
+
+    fn seen(&self, unit: f64, thickness: f64) -> Sag {
+        // Midpoints of rings of equal width, and of directions: sums over them are means over the plate.
+        let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut mean, mut square) = (0.0, 0.0);
+        for k in 0..=CIRCLES {
+            let radius = k as f64 / CIRCLES as f64;
+            let circle = self.circle(radius);
+            for direction in 0..=DIRECTIONS {
+                let height = circle.height(self.sector() * direction as f64 / DIRECTIONS as f64);
+                lowest = lowest.min(height);
+                highest = highest.max(height);
+            }
+            // Simpson's rule over the radius; over the direction the waves are perpendicular.
+            let simpson = match k {
+                0 | CIRCLES => 1.0,
+                odd if odd % 2 == 1 => 4.0,
+                _ => 2.0,
+            };
+            let weight = 2.0 * radius * simpson / (3.0 * CIRCLES as f64);
+            mean += weight * circle.mean();
+            square += weight * circle.mean_square();
+        }
+        let center = self.circle(0.0).height(0.0);
+        Sag {
+            center: center * unit,
+            lowest: lowest * unit,
+            highest: highest * unit,
+            plane_height: mean * unit,
+            plane_tilt: 0.0,
+            deviation: (square - mean * mean).max(0.0).sqrt() * unit,
+            share_of_thickness: lowest.abs().max(highest.abs()) * unit / thickness,
+        }
+    }
+}
+
+/// The plate along a circle about its centre.
+struct Circle<'a> {
+    shape: &'a Shape,
+    rest: f64,
+    waves: Vec<Vec<f64>>,
+}
+
+impl Circle<'_> {
+    fn height(&self, angle: f64) -> f64 {
+        let lifted = |((orbit, share), waves): (&(Orbit, f64), &Vec<f64>)| {
+            share * orbit.height(waves, angle)
+        };
+        self.rest + self.shape.reactions.iter().zip(&self.waves).map(lifted).sum::<f64>()
+    }
+
+    /// The mean of the height along it.
+    fn mean(&self) -> f64 {
+        let lifted = |((_, share), waves): (&(Orbit, f64), &Vec<f64>)| share * waves[0];
+        self.rest + self.shape.reactions.iter().zip(&self.waves).map(lifted).sum::<f64>()
+    }
+
+    fn mean_square(&self) -> f64 {
+        let longest = self.waves.iter().map(Vec::len).max().unwrap_or(0);
+        let mut sum = self.mean().powi(2);
+        for k in 1..longest {
+            let wave = |((orbit, share), waves): (&(Orbit, f64), &Vec<f64>)| {
+                let m = (k * orbit.symmetry) as f64;
+                share * waves.get(k).unwrap_or(&0.0) * (m * orbit.angle).cos()
+            };
+            let wave: f64 = self.shape.reactions.iter().zip(&self.waves).map(wave).sum();
+            sum += wave * wave / 2.0;
+        }
+        sum
+    }
+}
+
+/// What two rails at ±`half` push up with: nowhere down, and only where the plate touches them.
+///
+/// ```text
+///    least  ½ fᵀ G f − wᵀ f     with  Σ f = 1,  f ≥ 0        G: height at one point by a force at another
+/// ```
+/// Points are let go while they pull, and taken back while the plate would sink into them.
+fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::Error> {
+    let chord = (1.0 - half * half).max(0.0).sqrt();
+    let points: Vec<Orbit> = (0..=RAIL_POINTS)
+        .map(|k| {
+            let along = chord * k as f64 / RAIL_POINTS as f64;
+            let radius = half.hypot(along).min(1.0);
+            Orbit { radius, angle: along.atan2(half), symmetry: 2 }
+        })
+        .collect();
+    // All points of rails that touch the edge lie there.
+    let points = if chord < SLACK { points[..1].to_vec() } else { points };
+    let n = points.len();
+    let mut lifted = DMatrix::zeros(n, n);
+    for (i, at) in points.iter().enumerate() {
+        for (j, by) in points.iter().enumerate() {
+            lifted[(i, j)] = by.height(&by.waves(poisson, at.radius), at.angle);
+        }
+    }
+    let weight = DVector::from_fn(n, |i, _| plate::under_weight(poisson, points[i].radius));
+    let mut carrying: Vec<usize> = (0..n).collect();
+    // Each set of points that carry has less energy than the one before, so that none comes twice; the bound is for round-off.
+    for _ in 0..4 * n {
+        let m = carrying.len();
+        let system = DMatrix::from_fn(m + 1, m + 1, |i, j| match (i < m, j < m) {
+            (true, true) => lifted[(carrying[i], carrying[j])],
+            (false, false) => 0.0,
+            _ => 1.0,
+        });
+        let right = DVector::from_fn(m + 1, |i, _| if i < m { weight[carrying[i]] } else { 1.0 });
+        let solved = svd(&system)?.solve(&right, m + 1);
+        let weakest = (0..m).min_by(|&i, &j| solved[i].total_cmp(&solved[j])).unwrap_or(0);
+        if m > 1 && solved[weakest] < 0.0 {
+            carrying.remove(weakest);
+            continue;
+        }
+        let height = |i: usize| {
+            let lift: f64 = (0..m).map(|k| lifted[(i, carrying[k])] * solved[k]).sum();
+            lift - weight[i] + solved[m]
+        };
+        let deepest = (0..n).min_by(|&i, &j| height(i).total_cmp(&height(j))).unwrap_or(0);
+        if carrying.contains(&deepest) || height(deepest) > -SLACK {
+            return Ok(carrying.iter().enumerate().map(|(k, &i)| (points[i], solved[k])).collect());
+        }
+        carrying.push(deepest);
+        carrying.sort_unstable();
+    }
+    Err(jointplay_core::Error::SvdNotConverged { rows: n, columns: n })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wafer::Material;
+
+    /// A plate with q a⁴/D = 1.
+    fn unit(poisson: f64) -> Wafer {
+        let material = Material {
+            name: "unit".into(),
+            young: 12.0 * (1.0 - poisson * poisson),
+            poisson,
+            density: 1.0,
+        };
+        Wafer { diameter: 2.0, thickness: 1.0, material }
+    }
+
+    fn near(found: f64, expected: f64, tolerance: f64) {
+        assert!((found - expected).abs() <= tolerance, "{found} is not {expected}");
+    }
+
+    #[test]
+    fn on_its_edge_the_closed_form() {
+        for poisson in [0.0_f64, 0.17, 0.28, 0.4] {
+            let found = sag(&unit(poisson), &Support::Edge, 1.0).unwrap();
+            near(-found.center, (5.0 + poisson) / (64.0 * (1.0 + poisson)), 1e-15);
+            assert_eq!((found.lowest, found.plane_tilt), (found.center, 0.0));
+            near(found.highest, 0.0, 1e-16);
+            // The integrals of w and of w² over the plate, w = ((1 − r²)(c − r²))/64 with c = (5 + ν)/(1 + ν).
+            let c = (5.0 + poisson) / (1.0 + poisson);
+            near(-found.plane_height, (c / 2.0 - 1.0 / 6.0) / 64.0, 1e-6);
+            let square = (c * c / 3.0 - c / 6.0 + 1.0 / 30.0) / 4096.0;
+            let mean = (c / 2.0 - 1.0 / 6.0) / 64.0;
+            near(found.deviation, (square - mean * mean).sqrt(), 1e-6);
+        }
+    }
+
+    #[test]
+    fn on_points_of_the_edge_the_printed_values() {
+        // Printed for ν = 0.25: three points 0.0362 P a²/D with P = π q a²; two points 0.269 q a⁴/D at the centre and 0.371 q a⁴/D at the free end of the diameter across.
+        let three = sag(&unit(0.25), &Support::ThreePoints { radius: 1.0 }, 1.0).unwrap();
+        near(-three.center / std::f64::consts::PI, 0.0362, 5e-5);
+        let two = sag(&unit(0.25), &Support::TwoRails { distance: 2.0 }, 1.0).unwrap();
+        near(-two.center, 0.269, 1e-3);
+        near(-two.lowest, 0.371, 5e-4);
+    }
+
+    #[test]
+    fn the_plate_touches_its_supports_and_is_balanced() {
+        for half in [0.3, 0.5, 0.75, 0.9, 0.97] {
+            let reactions = rails(0.28, half).unwrap();
+            near(reactions.iter().map(|(_, share)| share).sum(), 1.0, 1e-9);
+            assert!(reactions.iter().all(|(_, share)| *share > -1e-9));
+            let shape = Shape::on(0.28, reactions.clone());
+            for (orbit, _) in &reactions {
+                near(shape.circle(orbit.radius).height(orbit.angle), 0.0, 2e-6);
+            }
+            // Along the rest of the rails the plate may lift, and does not sink.
+            let chord = (1.0 - half * half).sqrt();
+            for k in 0..=10 {
+                let along = chord * f64::from(k) / 10.0;
+                let circle = shape.circle(half.hypot(along).min(1.0));
+                assert!(circle.height(along.atan2(half)) > -2e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn a_free_edge_is_free_of_moment_and_force() {
+        // Of one wave of one orbit: w'' + ν (w' − m² w) and (Δw)' − (1 − ν) m² (w' − w), by differences at the edge.
+        let (poisson, h) = (0.28, 1e-3);
+        let orbit = Orbit { radius: 0.6, angle: 0.0, symmetry: 3 };
+        for k in 1..4 {
+            let m2 = (3.0 * k as f64).powi(2);
+            let w = |r: f64| orbit.waves(poisson, r)[k];
+            let first = |r: f64| (w(r + h) - w(r - h)) / (2.0 * h);
+            let second = |r: f64| (w(r + h) - 2.0 * w(r) + w(r - h)) / (h * h);
+            let laplacian = |r: f64| second(r) + first(r) / r - m2 * w(r) / (r * r);
+            let scale = m2 * w(1.0).abs() + second(1.0).abs();
+            near(second(1.0) + poisson * (first(1.0) - m2 * w(1.0)), 0.0, 1e-4 * scale);
+            let shear = (laplacian(1.0 + h) - laplacian(1.0 - h)) / (2.0 * h);
+            let twist = (1.0 - poisson) * m2 * (first(1.0) - w(1.0));
+            near(shear - twist, 0.0, 1e-3 * (shear.abs() + twist.abs()).max(scale));
+        }
+    }
+
+    #[test]
+    fn the_best_circle_of_three_points_hangs_least() {
+        let depth = |radius| {
+            let found = sag(&unit(0.28), &Support::ThreePoints { radius }, 1.0).unwrap();
+            found.highest - found.lowest
+        };
+        let best =
+            (30..=100).map(|k| f64::from(k) / 100.0).min_by(|a, b| depth(*a).total_cmp(&depth(*b)));
+        assert!((0.6..0.75).contains(&best.unwrap()), "{best:?}");
+    }
+
+    #[test]
+    fn what_carries_no_wafer_is_refused() {
+        let refused = |support| sag(&unit(0.28), &support, 1.0).unwrap_err();
+        for radius in [0.0, -1.0, 1.01, f64::NAN] {
+            let error = refused(Support::ThreePoints { radius });
+            assert!(error.to_string().contains("does not carry"), "{error}");
+        }
+        assert!(matches!(refused(Support::TwoRails { distance: 2.1 }), SagError::Support { .. }));
+        let mut wafer = unit(0.28);
+        wafer.material.poisson = 0.5;
+        assert_eq!(sag(&wafer, &Support::Edge, 1.0), Err(SagError::Poisson { found: 0.5 }));
+        wafer.thickness = 0.0;
+        assert!(matches!(sag(&wafer, &Support::Edge, 1.0), Err(SagError::NotPositive { .. })));
+    }
+}

@@ -1,0 +1,153 @@
+//! Robots of every kind that the inverse tells apart.
+
+use jointplay_cell::robot::{
+    Arm, ArmJoint, Axis, Dynamics, Effector, HybridRobot, MotionKind, PlatformModel,
+};
+use jointplay_cell::wafer::{Droop, Support};
+use jointplay_core::gpr::{Gpr, Limb};
+
+use MotionKind::{Slide, Turn};
+
+pub(crate) fn axis(name: &str, kind: MotionKind, min: f64, max: f64) -> Axis {
+    let dynamics = Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
+    let home = 0.5 * (min + max);
+    Axis { name: name.to_owned(), kind, min, max, home, empty: dynamics, loaded: dynamics }
+}
+
+pub(crate) fn joint(kind: MotionKind, zero: f64, drives: &[(usize, f64)], length: f64) -> ArmJoint {
+    ArmJoint { kind, zero, drives: drives.to_vec(), length, offset: 0.0, rise: 0.012 }
+}
+
+pub(crate) fn arm(name: &str, joints: Vec<ArmJoint>, wafer: [f64; 3]) -> Arm {
+    let effector = Effector {
+        name: name.to_owned(),
+        wafer_center: wafer,
+        heading: 0.1,
+        support: Support::Edge,
+        friction: 0.4,
+    };
+    Arm {
+        name: format!("arm {name}"),
+        mount: [0.01, -0.02, 0.15],
+        joints,
+        effectors: vec![effector],
+        droop: Droop::Rigid,
+    }
+}
+
+/// The paper's robot on a base that is not even, with arms and their motors.
+pub(crate) fn robot(motors: Vec<Axis>, arms: Vec<Arm>) -> HybridRobot {
+    let paper = Gpr::paper();
+    let mut limbs: [Limb; 3] = paper.limbs();
+    limbs[0].base_point.x += 2e-3;
+    limbs[1].socket_radius += 1e-3;
+    let gpr = Gpr::new(limbs, *paper.limits(), paper.working_height()).unwrap();
+    let mut axes: Vec<Axis> = ["q1", "q2", "q3"]
+        .map(|name| axis(name, Slide, gpr.limits().rod_min, gpr.limits().rod_max))
+        .into();
+    axes.extend(motors);
+    let name = "test".to_owned();
+    let model = PlatformModel::default();
+    HybridRobot { name, gpr, model, axes, arms, assumed: Vec::new() }.checked().unwrap()
+}
+
+const WIDE: f64 = 2.9;
+
+/// A kind of robot by number, and how many kinds there are.
+pub(crate) const KINDS: usize = 11;
+
+pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
+    let [a, b, w] = lengths;
+    let t = || axis("T", Turn, -3.4, 3.4);
+    let turn = |name: &str| axis(name, Turn, -WIDE, WIDE);
+    let slide = |name: &str| axis(name, Slide, -0.1, 0.5);
+    let half = std::f64::consts::FRAC_PI_2;
+    let belt = |t: usize, r: usize, b: f64| {
+        vec![
+            joint(Turn, -half, &[(t, 1.0), (r, 1.0)], b),
+            joint(Turn, 2.0 * half, &[(r, -2.0)], b),
+            joint(Turn, -half, &[(r, 1.0)], 0.0),
+        ]
+    };
+    match number {
+        // 1 : −2 : 1, the wafer straight ahead.
+        0 => robot(vec![t(), turn("R")], vec![arm("A", belt(3, 4, a), [w, 0.0, 0.005])]),
+        // The same, the wafer aside and the effector bent back.
+        1 => robot(vec![t(), turn("R")], vec![arm("A", belt(3, 4, a), [-w, 0.03, 0.0])]),
+        // Two such arms on one T.
+        2 => robot(
+            vec![t(), turn("R1"), turn("R2")],
+            vec![arm("A", belt(3, 4, a), [w, 0.0, 0.0]), arm("B", belt(3, 5, b), [w, 0.01, 0.03])],
+        ),
+        // A slide.
+        3 => {
+            let joints =
+                vec![joint(Turn, 0.2, &[(3, 1.0)], 0.05), joint(Slide, 0.05, &[(4, 1.0)], 0.0)];
+            robot(vec![t(), slide("R")], vec![arm("A", joints, [w, 0.04, 0.0])])
+        }
+        // Two links whose heading follows, with belts that make it a lattice of half turns.
+        4 => {
+            let joints = vec![
+                joint(Turn, 0.3, &[(3, 1.0), (4, 1.0)], a),
+                joint(Turn, -0.2, &[(4, -2.0)], 0.0),
+            ];
+            robot(vec![t(), turn("R")], vec![arm("A", joints, [b, 0.02, 0.0])])
+        }
+        // Three links.
+        5 | 6 => {
+            let mut joints = vec![
+                joint(Turn, 0.3, &[(3, 1.0)], a),
+                joint(Turn, -0.2, &[(4, 1.0)], b),
+                joint(Turn, 0.1, &[(5, 1.0)], 0.0),
+            ];
+            joints[0].offset = 0.02;
+            if number == 6 {
+                // A differential wrist.
+                joints[1].drives = vec![(4, 0.5), (5, 0.5)];
+                joints[2].drives = vec![(4, 1.0), (5, -1.0)];
+            }
+            robot(vec![t(), turn("J2"), turn("J3")], vec![arm("A", joints, [w, 0.01, 0.0])])
+        }
+        // A radial arm with a wrist.
+        7 => {
+            let mut joints = belt(3, 4, a);
+            joints.push(joint(Turn, 0.0, &[(5, 1.0)], 0.0));
+            joints[2].length = 0.04;
+            robot(vec![t(), turn("R"), turn("W")], vec![arm("A", joints, [w, 0.0, 0.0])])
+        }
+        // A slide with a wrist.
+        8 => {
+            let joints = vec![
+                joint(Turn, 0.2, &[(3, 1.0)], 0.05),
+                joint(Slide, 0.05, &[(4, 1.0)], 0.02),
+                joint(Turn, 0.0, &[(5, 1.0)], 0.0),
+            ];
+            robot(vec![t(), slide("R"), turn("W")], vec![arm("A", joints, [w, 0.0, 0.0])])
+        }
+        // Four links.
+        9 => {
+            let joints = vec![
+                joint(Turn, 0.0, &[(3, 1.0)], a),
+                joint(Turn, 0.1, &[(4, 1.0)], b),
+                joint(Turn, 0.2, &[(5, 1.0)], 0.8 * b),
+                joint(Turn, 0.3, &[(6, 1.0)], 0.0),
+            ];
+            robot(
+                vec![t(), turn("J2"), turn("J3"), turn("J4")],
+                vec![arm("A", joints, [w, 0.0, 0.0])],
+            )
+        }
+        // No closed form: a slide before a turning link on a turning one.
+        _ => {
+            let joints = vec![
+                joint(Slide, 0.0, &[(3, 1.0)], 0.0),
+                joint(Turn, 0.0, &[(4, 1.0)], a),
+                joint(Turn, 0.0, &[(5, 1.0)], 0.0),
+            ];
+            robot(
+                vec![axis("X", Slide, -0.4, 0.4), turn("J2"), turn("J3")],
+                vec![arm("A", joints, [w, 0.0, 0.0])],
+            )
+        }
+    }
+}

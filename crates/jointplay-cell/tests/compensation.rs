@@ -1,0 +1,156 @@
+//! A wafer on a drooping arm lies where it should, and what cannot be made up for is said in numbers.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod common;
+
+use std::f64::consts::PI;
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::robot::{EffectorId, WaferTarget};
+use jointplay_cell::wafer::{Droop, DroopRow, Material, Unreachable, Wafer};
+use jointplay_core::spatial::{Tilt, leaning};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+const A: EffectorId = EffectorId { arm: 0, effector: 0 };
+
+fn cell(kind: usize, droop: Droop) -> Cell {
+    let mut robot = common::kind(kind, [0.25, 0.22, 0.2]);
+    for arm in &mut robot.arms {
+        arm.droop = droop.clone();
+    }
+    let material =
+        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
+    Cell {
+        name: "test".into(),
+        assumed: Vec::new(),
+        robot,
+        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
+        stations: Vec::new(),
+        occupied: Vec::new(),
+        carried: Vec::new(),
+        bodies: Vec::new(),
+        allowed_pairs: Vec::new(),
+        zones: Vec::new(),
+        play_budget: 1e-3,
+        clearance: 1e-3,
+        slot_clearance: 1e-3,
+        gravity: 9.80665,
+        plane_threshold: 1e-6,
+    }
+}
+
+fn cantilever() -> Droop {
+    Droop::Cantilever { stiffness: 900.0, mass_per_length: 2.5 }
+}
+
+fn table(reach: f64, drop: f64) -> DroopRow {
+    DroopRow {
+        reach,
+        empty_drop: drop,
+        empty_slope: 3.0 * drop,
+        loaded_drop: 1.8 * drop,
+        loaded_slope: 5.0 * drop,
+        load: 0.2,
+    }
+}
+
+fn droops() -> impl Strategy<Value = Droop> {
+    prop_oneof![
+        Just(Droop::Rigid),
+        (300.0..3000.0, 0.5..4.0).prop_map(|(stiffness, mass_per_length)| Droop::Cantilever {
+            stiffness,
+            mass_per_length
+        }),
+        (1e-5..4e-4).prop_map(|drop| Droop::Table {
+            rows: vec![table(0.0, 0.1 * drop), table(0.3, drop), table(1.2, 4.0 * drop)]
+        }),
+    ]
+}
+
+proptest! {
+    #[test]
+    fn the_drooping_wafer_lies_in_the_target(
+        kind in 0..common::KINDS,
+        droop in droops(),
+        (share, yaw, pitch) in (prop::array::uniform8(0.1..0.9), -PI..PI, 0.0_f64..1.3),
+        loaded: bool,
+    ) {
+        let cell = cell(kind, droop);
+        let axes = cell.robot.axes.iter().zip(share.iter().cycle());
+        let mut near: Vec<f64> = axes.map(|(axis, share)| axis.min + share * (axis.max - axis.min)).collect();
+        // A level platform, so that the target alone says how it leans.
+        let rod = near[0];
+        near[..3].fill(rod.clamp(0.3, 0.7));
+        let before = cell.robot.effector_pose(&near, A).unwrap();
+        let normal = Tilt { yaw, pitch: pitch.to_radians() }.normal();
+        let target = WaferTarget { center: before.translation.vector, normal, heading: None };
+        match cell.reach(A, &target, loaded, &near) {
+            Ok(reached) => {
+                let found = cell.wafer_pose(A, &reached.positions, loaded).unwrap();
+                prop_assert!((found.translation.vector - target.center).norm() < 1e-12);
+                prop_assert!((found.rotation * Vector3::z() - normal).norm() < 1e-12);
+                prop_assert!(reached.residual_height < 1e-12 && reached.residual_tilt < 1e-12);
+            }
+            // At the end of what the arm or the rods can do.
+            Err(Unreachable::Limits(_) | Unreachable::OutOfReach(_) | Unreachable::NoWay) => {
+                prop_assume!(false);
+            }
+            Err(other) => return Err(TestCaseError::fail(other.to_string())),
+        }
+    }
+}
+
+#[test]
+fn a_heading_is_kept_where_the_arm_has_the_freedom() {
+    let cell = cell(5, cantilever());
+    let near = [0.5, 0.5, 0.5, 0.3, -0.9, 0.4];
+    let pose = cell.robot.effector_pose(&near, A).unwrap();
+    let normal = Tilt { yaw: 0.7, pitch: 0.01 }.normal();
+    let along = leaning(&normal).inverse() * (pose.rotation * Vector3::x());
+    let heading = along.y.atan2(along.x);
+    let target = WaferTarget { center: pose.translation.vector, normal, heading: Some(heading) };
+    let reached = cell.reach(A, &target, true, &near).unwrap();
+    assert!(reached.deflection.drop > 1e-5, "{reached:?}");
+    let found = cell.wafer_pose(A, &reached.positions, true).unwrap();
+    let found = leaning(&normal).inverse() * (found.rotation * Vector3::x());
+    assert!((found.y.atan2(found.x) - heading).abs() < 1e-12);
+}
+
+#[test]
+fn what_the_platform_cannot_lean_is_reported() {
+    let mut cell = cell(0, cantilever());
+    let near = [0.5, 0.5, 0.5, 0.3, 0.9];
+    let pose = cell.robot.effector_pose(&near, A).unwrap();
+    let limit = cell.robot.gpr.limits().tilt_max;
+    // Outward, so that the droop makes it worse by its slope.
+    let out = pose.translation.vector;
+    let yaw = out.y.atan2(out.x) + PI;
+    let target = |pitch| WaferTarget {
+        center: pose.translation.vector,
+        normal: Tilt { yaw, pitch }.normal(),
+        heading: None,
+    };
+    let error = cell.reach(A, &target(limit + 0.009), true, &near).unwrap_err();
+    let Unreachable::Tilt { needed, allowed, left, threshold } = error else { panic!("{error}") };
+    assert!(needed > limit + 0.009 && allowed == limit && threshold == 1e-6);
+    assert!((left - (needed - allowed)).abs() < 1e-5, "{needed} {left}");
+    // With the threshold wide enough, the centre is met and the rest is stated.
+    cell.plane_threshold = 0.02;
+    let reached = cell.reach(A, &target(limit + 0.009), true, &near).unwrap();
+    assert!(reached.residual_height < 1e-12 && (reached.residual_tilt - left).abs() < 1e-12);
+}
+
+#[test]
+fn too_far_is_told_in_numbers() {
+    let cell = cell(0, Droop::Table { rows: vec![table(0.2, 1e-4), table(0.6, 2e-4)] });
+    let near = [0.5, 0.5, 0.5, 0.3, 0.9];
+    let at = |x: f64| {
+        let center = Vector3::new(x, 0.0, 0.7);
+        let target = WaferTarget { center, normal: Vector3::z(), heading: None };
+        cell.reach(A, &target, true, &near).unwrap_err().to_string()
+    };
+    assert!(at(2.0).contains("are missing"), "{}", at(2.0));
+    assert!(at(0.66).contains("the table goes from 0.2 to 0.6 m"), "{}", at(0.66));
+}

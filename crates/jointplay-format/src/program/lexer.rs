@@ -1,0 +1,210 @@
+//! A line as words, numbers and signs.
+
+use super::words::{continues_word, starts_word};
+
+/// A part of a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Token<'t> {
+    pub kind: Kind,
+    /// As it is written.
+    pub text: &'t str,
+    /// Counted from 1, in characters.
+    pub column: usize,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    /// A word of the language, a unit or a name.
+    Word,
+    /// A name between quotes.
+    Quoted,
+    /// A name whose second quote is missing.
+    Unclosed,
+    /// What starts like a number; infinite where it is too large.
+    Number(f64),
+    /// Any other character.
+    Sign,
+}
+
+impl Token<'_> {
+    pub(super) fn width(&self) -> usize {
+        self.text.chars().count()
+    }
+
+    /// Whether it is this word, whatever its case.
+    pub(super) fn is(&self, word: &str) -> bool {
+        self.kind == Kind::Word && self.text.eq_ignore_ascii_case(word)
+    }
+
+    /// Whether nothing stands between it and the token before.
+    pub(super) fn touches(&self, before: &Self) -> bool {
+        before.column + before.width() == self.column
+    }
+}
+
+/// One line of a text.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Line<'t> {
+    /// Counted from 1.
+    pub number: usize,
+    /// As it is written, without its end.
+    pub text: &'t str,
+    pub tokens: Vec<Token<'t>>,
+    /// From its `#` on.
+    pub comment: Option<&'t str>,
+}
+
+/// The lines of a text.
+pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    text.lines().enumerate().map(|(index, text)| line(index + 1, text))
+}
+
+fn line(number: usize, text: &str) -> Line<'_> {
+    let (mut tokens, mut rest, mut column) = (Vec::new(), text, 1);
+    loop {
+        let trimmed = rest.trim_start();
+        column += rest[..rest.len() - trimmed.len()].chars().count();
+        let Some(first) = trimmed.chars().next() else {
+            return Line { number, text, tokens, comment: None };
+        };
+        if first == '#' {
+            return Line { number, text, tokens, comment: Some(trimmed.trim_end()) };
+        }
+        let (kind, length) = token(trimmed, first);
+        let (word, after) = trimmed.split_at(length);
+        tokens.push(Token { kind, text: word, column });
+        column += word.chars().count();
+        rest = after;
+    }
+}
+
+/// What the text starts with, and its length in bytes.
+fn token(text: &str, first: char) -> (Kind, usize) {
+    if first == '"' {
+        return quoted(text);
+    }
+    if starts_word(first) {
+        return (Kind::Word, text.find(|letter| !continues_word(letter)).unwrap_or(text.len()));
+    }
+    let length = number(text.as_bytes());
+    match text[..length].parse() {
+        Ok(value) => (Kind::Number(value), length),
+        Err(_) => (Kind::Sign, first.len_utf8()),
+    }
+}
+
+fn quoted(text: &str) -> (Kind, usize) {
+    let mut end = 1;
+    while let Some(quote) = text[end..].find('"') {
+        end += quote + 1;
+        // Two quotes stand for one within the name.
+        if !text[end..].starts_with('"') {
+            return (Kind::Quoted, end);
+        }
+        end += 1;
+    }
+    (Kind::Unclosed, text.trim_end().len())
+}
+
+/// Length of the decimal number that the text starts with; 0 where it starts with none.
+fn number(text: &[u8]) -> usize {
+    let digits = |from: usize| {
+        text[from.min(text.len())..].iter().take_while(|byte| byte.is_ascii_digit()).count()
+    };
+    let sign = usize::from(matches!(text.first(), Some(b'+' | b'-')));
+    let whole = digits(sign);
+    let mut end = sign + whole;
+    if text.get(end) == Some(&b'.') {
+        let fraction = digits(end + 1);
+        if whole + fraction == 0 {
+            return 0;
+        }
+        end += 1 + fraction;
+    } else if whole == 0 {
+        return 0;
+    }
+    if matches!(text.get(end), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(text.get(end + 1), Some(b'+' | b'-')));
+        let exponent = digits(end + 1 + sign);
+        if exponent > 0 {
+            end += 1 + sign + exponent;
+        }
+    }
+    end
+}
+
+/// A name without its quotes.
+pub(super) fn unquoted(token: &Token<'_>) -> String {
+    match token.kind {
+        Kind::Quoted => token.text[1..token.text.len() - 1].replace("\"\"", "\""),
+        _ => token.text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[track_caller]
+    fn check(text: &str, words: &[(Kind, &str, usize)], comment: Option<&str>) {
+        let line = line(1, text);
+        let found: Vec<_> = line.tokens.iter().map(|it| (it.kind, it.text, it.column)).collect();
+        assert_eq!(found, words);
+        assert_eq!(line.comment, comment);
+    }
+
+    #[test]
+    fn lines_come_apart() {
+        use Kind::{Number, Quoted, Sign, Unclosed, Word};
+        check("", &[], None);
+        check("  # only", &[], Some("# only"));
+        check("GET port-1#x ", &[(Word, "GET", 1), (Word, "port-1", 5)], Some("#x"));
+        check(
+            "T 30deg -.5e-3mm 50%",
+            &[
+                (Word, "T", 1),
+                (Number(30.0), "30", 3),
+                (Word, "deg", 5),
+                (Number(-0.0005), "-.5e-3", 9),
+                (Word, "mm", 15),
+                (Number(50.0), "50", 18),
+                (Sign, "%", 20),
+            ],
+            None,
+        );
+        check(
+            "26-n n - 1",
+            &[
+                (Number(26.0), "26", 1),
+                (Sign, "-", 3),
+                (Word, "n", 4),
+                (Word, "n", 6),
+                (Sign, "-", 8),
+                (Number(1.0), "1", 10),
+            ],
+            None,
+        );
+        check(
+            "é \"a # \"\"b\" x",
+            &[(Word, "é", 1), (Quoted, "\"a # \"\"b\"", 3), (Word, "x", 13)],
+            None,
+        );
+        check("x \"open  ", &[(Word, "x", 1), (Unclosed, "\"open", 3)], None);
+        check(
+            "1e 2e+ 3. +",
+            &[
+                (Number(1.0), "1", 1),
+                (Word, "e", 2),
+                (Number(2.0), "2", 4),
+                (Word, "e", 5),
+                (Sign, "+", 6),
+                (Number(3.0), "3.", 8),
+                (Sign, "+", 11),
+            ],
+            None,
+        );
+        check("1e999 .", &[(Number(f64::INFINITY), "1e999", 1), (Sign, ".", 7)], None);
+        assert_eq!(unquoted(&line(1, "\"a\"\"b\"").tokens[0]), "a\"b");
+    }
+}

@@ -1,0 +1,104 @@
+//! The words of the language.
+
+/// Words that lines begin with, in the order of the documents.
+pub(super) const COMMANDS: [&str; 14] = [
+    "HOME", "MOVE", "GET", "PUT", "TRANSFER", "SWAP", "GOTO", "WAIT", "SPEED", "TILT", "CALL",
+    "REPEAT", "ROUTINE", "END",
+];
+
+/// Words within lines.
+const PARTICLES: [&str; 8] = ["LINE", "SLOT", "WITH", "TO", "BY", "TOWARD", "LEVEL", "AS"];
+
+/// Axes of the base frame, where a line says how far.
+pub(super) const DIRECTIONS: [&str; 3] = ["X", "Y", "Z"];
+
+/// The word of the language that this is, whatever its case.
+pub(super) fn reserved(word: &str) -> Option<&'static str> {
+    COMMANDS.iter().chain(&PARTICLES).find(|known| known.eq_ignore_ascii_case(word)).copied()
+}
+
+/// Words of other robots' languages, and what this one calls them.
+const ELSEWHERE: [(&str, &str); 12] = [
+    ("PICK", "GET"),
+    ("FETCH", "GET"),
+    ("TAKE", "GET"),
+    ("PLACE", "PUT"),
+    ("DROP", "PUT"),
+    ("EXCHANGE", "SWAP"),
+    ("XFER", "TRANSFER"),
+    ("DELAY", "WAIT"),
+    ("SLEEP", "WAIT"),
+    ("LOOP", "REPEAT"),
+    ("FOR", "REPEAT"),
+    ("SUB", "ROUTINE"),
+];
+
+/// The word, of those that could stand there, that this one was meant as.
+pub(super) fn meant<'a>(word: &str, could: impl Iterator<Item = &'a str>) -> Option<&'a str> {
+    let upper = word.to_ascii_uppercase();
+    let elsewhere = ELSEWHERE.iter().find(|(other, _)| *other == upper).map(|(_, ours)| *ours);
+    // Letters swapped, left out or doubled: what hasty typing does.
+    let likeness = |known: &str| match elsewhere {
+        Some(ours) => f64::from(u8::from(ours == known)),
+        None => strsim::normalized_damerau_levenshtein(&upper, known),
+    };
+    could
+        .map(|known| (likeness(known), known))
+        .filter(|(likeness, _)| *likeness >= 0.5)
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, known)| known)
+}
+
+/// What a number may be of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Unit {
+    Millimeter,
+    Degree,
+    Second,
+    Percent,
+}
+
+impl Unit {
+    const ALL: [Self; 4] = [Self::Millimeter, Self::Degree, Self::Second, Self::Percent];
+
+    /// As it is written.
+    pub(super) fn symbol(self) -> &'static str {
+        match self {
+            Self::Millimeter => "mm",
+            Self::Degree => "deg",
+            Self::Second => "s",
+            Self::Percent => "%",
+        }
+    }
+
+    pub(super) fn of(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|unit| unit.symbol().eq_ignore_ascii_case(word))
+    }
+}
+
+/// Units that other programs know and this language does not.
+const FOREIGN: [&str; 20] = [
+    "m", "cm", "um", "nm", "µm", "μm", "in", "inch", "mil", "meter", "metre", "rad", "mrad",
+    "degree", "degrees", "ms", "min", "h", "sec", "percent",
+];
+
+/// Whether a word after a number was meant as its unit.
+pub(super) fn is_foreign_unit(word: &str) -> bool {
+    FOREIGN.iter().any(|unit| unit.eq_ignore_ascii_case(word))
+}
+
+/// Whether a name stands for itself without quotes.
+pub(super) fn is_plain(name: &str) -> bool {
+    let mut letters = name.chars();
+    letters.next().is_some_and(starts_word)
+        && letters.all(continues_word)
+        && reserved(name).is_none()
+}
+
+pub(super) fn starts_word(letter: char) -> bool {
+    letter.is_alphabetic() || letter == '_'
+}
+
+pub(super) fn continues_word(letter: char) -> bool {
+    letter.is_alphanumeric() || letter == '_' || letter == '-'
+}
