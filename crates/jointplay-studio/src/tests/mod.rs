@@ -1,5 +1,6 @@
 //! The server from outside: what it answers, what it refuses.
 
+mod cell;
 mod meshes;
 mod pose;
 mod questions;
