@@ -5,8 +5,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report, check};
-use jointplay::cell::motion::{Motion, MotionOptions, timed};
-use jointplay::cell::program::{Command, Instruction, Place, Program, expand};
+use jointplay::cell::motion::{Motion, MotionError, MotionOptions, timed};
+use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, expand};
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::{cell, program, report};
 
@@ -178,20 +178,13 @@ impl Plan {
             );
         }
         if let (Some(cell), Ok(program)) = (&plan.cell, program) {
-            let made = motion(cell, &program);
-            match made {
+            match motion(cell, &program) {
                 Ok(motion) => {
                     let report = check(cell, &motion, &CheckOptions::default());
                     plan.flaws = report::flaws(&report);
                     (plan.motion, plan.report) = (Some(motion), Some(report));
                 }
-                Err(problems) => {
-                    let told = problems.into_iter().map(|(place, message)| {
-                        let place = program::place(&plan.program_text, place);
-                        ProblemAt::new(Of::Program, &place, message)
-                    });
-                    plan.problems.extend(told);
-                }
+                Err(stopped) => plan.problems.extend(stopped.told(&plan.program_text)),
             }
         }
         plan
@@ -219,29 +212,45 @@ impl Plan {
     }
 }
 
-/// Expands and times a program; what is wrong at the same place is told once.
-fn motion(cell: &Cell, program: &Program) -> Result<Motion, Vec<(Place, String)>> {
-    let told = |problems: Vec<(Place, String)>| {
-        let mut once: Vec<(Place, String)> = Vec::new();
-        for problem in problems {
-            if !once.contains(&problem) {
-                once.push(problem);
+/// Why a program comes to no motion.
+enum Stopped {
+    Steps(Vec<ProgramError>),
+    Times(MotionError),
+}
+
+impl Stopped {
+    /// All that is wrong with the text, the same at one place once.
+    fn told(&self, text: &str) -> Vec<ProblemAt> {
+        let mut told: Vec<ProblemAt> = Vec::new();
+        let mut tell = |problem: ProblemAt| {
+            if !told.contains(&problem) {
+                told.push(problem);
             }
+        };
+        match self {
+            Self::Steps(errors) => errors.iter().for_each(|error| {
+                let error = program::explain(text, error);
+                tell(ProblemAt::new(Of::Program, &error.place, error.to_string()));
+            }),
+            Self::Times(error) => error.problems.iter().for_each(|one| {
+                let Place { line, column } = one.place;
+                let message = one.message.clone();
+                tell(ProblemAt { of: Of::Program, line, column, width: 0, message });
+            }),
         }
-        once
-    };
-    let steps = expand(cell, program).map_err(|errors| {
-        told(errors.iter().map(|error| (error.place, error.to_string())).collect())
-    })?;
-    timed(cell, steps, &MotionOptions::default()).map_err(|error| {
-        told(error.problems.iter().map(|one| (one.place, one.message.clone())).collect())
-    })
+        told
+    }
+}
+
+fn motion(cell: &Cell, program: &Program) -> Result<Motion, Stopped> {
+    let steps = expand(cell, program).map_err(Stopped::Steps)?;
+    timed(cell, steps, &MotionOptions::default()).map_err(Stopped::Times)
 }
 
 /// The robot standing at home in a cell, for a picture of it where there is no motion.
 pub(crate) fn standing(cell: &Cell) -> Option<Motion> {
     let place = Place { line: 1, column: 1 };
-    let wait = Instruction { place, command: Command::Wait(1.0) };
+    let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
     let program = Program { body: vec![wait], routines: Vec::new() };
     motion(cell, &program).ok()
 }

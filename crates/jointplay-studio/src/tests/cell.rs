@@ -23,7 +23,8 @@ fn server(files: CellFiles) -> Router {
 
 fn ask(server: &Router, method: Method, path: &str, body: &Value) -> Answer {
     let request = Request::builder().method(method).uri(format!("/api/v1/{path}"));
-    let request = request.header(header::HOST, HOST).header(header::CONTENT_TYPE, "application/json");
+    let request =
+        request.header(header::HOST, HOST).header(header::CONTENT_TYPE, "application/json");
     send_to(server.clone(), request.body(Body::from(body.to_string())).unwrap())
 }
 
@@ -52,10 +53,17 @@ fn a_program_is_planned_shown_and_told() {
     assert_eq!(report["steps"], steps.len());
     assert_eq!(steps.last().unwrap()["end_s"], report["duration_s"]);
     assert!(steps.iter().any(|step| step["phase"] == "lift" && step["loaded"] == json!(["A"])));
-    assert_eq!(found["stations"][1]["tilt_pitch_deg"].as_f64().map(|lean| (lean * 1e9).round() / 1e9), Some(0.8));
+    assert_eq!(
+        found["stations"][1]["tilt_pitch_deg"].as_f64().map(|lean| (lean * 1e9).round() / 1e9),
+        Some(0.8)
+    );
     let shown = ask(&server, Method::POST, "cell/motion.glb", &json!({ "program": SHORT }));
-    assert_eq!((shown.header("content-type"), &shown.bytes[..4]), ("model/gltf-binary", &b"glTF"[..]));
-    let told = ask(&server, Method::POST, "cell/samples", &json!({ "program": SHORT, "rate_hz": 10 }));
+    assert_eq!(
+        (shown.header("content-type"), &shown.bytes[..4]),
+        ("model/gltf-binary", &b"glTF"[..])
+    );
+    let told =
+        ask(&server, Method::POST, "cell/samples", &json!({ "program": SHORT, "rate_hz": 10 }));
     let batches: Vec<_> =
         StreamReader::try_new(told.bytes.as_slice(), None).unwrap().map(Result::unwrap).collect();
     let duration = report["duration_s"].as_f64().unwrap();
@@ -71,10 +79,16 @@ fn all_mistakes_are_told_with_their_places() {
     let found = plan(&server, &json!({ "program": wrong }));
     assert_eq!(found["report"], Value::Null);
     let first = &found["problems"][0];
-    assert_eq!((&first["of"], &first["line"], &first["column"]), (&"program".into(), &3.into(), &1.into()));
+    assert_eq!(
+        (&first["of"], &first["line"], &first["column"]),
+        (&"program".into(), &3.into(), &1.into())
+    );
     let found = plan(&server, &json!({ "program": wrong.replace("FLY\n", "") }));
     let first = &found["problems"][0];
-    assert_eq!((&first["line"], &first["column"], &first["width"]), (&2.into(), &5.into(), &3.into()));
+    assert_eq!(
+        (&first["line"], &first["column"], &first["width"]),
+        (&2.into(), &5.into(), &3.into())
+    );
     assert!(first["message"].as_str().unwrap().contains("LP9"), "{first}");
     // The cell stands still, to be looked at while the program is mended.
     let shown = ask(&server, Method::POST, "cell/motion.glb", &json!({ "program": wrong }));
@@ -82,7 +96,13 @@ fn all_mistakes_are_told_with_their_places() {
     let told = ask(&server, Method::POST, "cell/samples", &json!({ "program": wrong }));
     assert_eq!(told.status, StatusCode::CONFLICT);
     let found = plan(&server, &json!({ "cell": "kind = \"cell\"\nsize = 3\n" }));
-    assert!(found["problems"].as_array().unwrap().iter().any(|one| one["of"] == "cell" && one["line"] == 2));
+    assert!(
+        found["problems"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|one| one["of"] == "cell" && one["line"] == 2)
+    );
     assert_eq!((&found["stations"], &found["report"]), (&json!([]), &Value::Null));
 }
 
@@ -98,9 +118,18 @@ fn a_station_is_edited_and_its_comments_stay() {
     let station = &found["stations"][1];
     assert!((station["position_mm"][0].as_f64().unwrap() + 500.0).abs() < 1e-9, "{station}");
     assert!((station["tilt_pitch_deg"].as_f64().unwrap() - 0.01_f64.to_degrees()).abs() < 1e-9);
-    let unknown = ask(&server, Method::POST, "cell/station", &json!({ "station": "LP9", "yaw_rad": 0 }));
-    assert_eq!((unknown.status, &unknown.json()["field"]), (StatusCode::UNPROCESSABLE_ENTITY, &"station".into()));
-    let far = ask(&server, Method::POST, "cell/station", &json!({ "station": "LP2", "position_m": [0, 1e9, 0] }));
+    let unknown =
+        ask(&server, Method::POST, "cell/station", &json!({ "station": "LP9", "yaw_rad": 0 }));
+    assert_eq!(
+        (unknown.status, &unknown.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"station".into())
+    );
+    let far = ask(
+        &server,
+        Method::POST,
+        "cell/station",
+        &json!({ "station": "LP2", "position_m": [0, 1e9, 0] }),
+    );
     assert_eq!(far.json()["field"], "position_m[1]");
 }
 
@@ -110,8 +139,14 @@ fn texts_are_kept_in_their_files() {
     let path = folder.path().join("mine.toml");
     std::fs::write(&path, jointplay::format::cell::EXAMPLE).unwrap();
     let server = server(CellFiles::open(&path).unwrap());
-    let shown = send_to(server.clone(), Request::get("/api/v1/cell").header(header::HOST, HOST).body(Body::empty()).unwrap());
-    assert_eq!((&shown.json()["file"], &shown.json()["program"]), (&"mine.toml".into(), &"".into()));
+    let shown = send_to(
+        server.clone(),
+        Request::get("/api/v1/cell").header(header::HOST, HOST).body(Body::empty()).unwrap(),
+    );
+    assert_eq!(
+        (&shown.json()["file"], &shown.json()["program"]),
+        (&"mine.toml".into(), &"".into())
+    );
     let texts = json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT });
     let kept = ask(&server, Method::PUT, "cell", &texts);
     assert_eq!((kept.status, &kept.json()["program"]), (StatusCode::OK, &SHORT.into()));
@@ -136,7 +171,10 @@ fn a_cell_that_cannot_be_read_is_refused_with_its_line() {
 fn bad_questions_name_their_field() {
     let server = server(CellFiles::example());
     let rate = ask(&server, Method::POST, "cell/motion.glb", &json!({ "rate_hz": 0 }));
-    assert_eq!((rate.status, &rate.json()["field"]), (StatusCode::UNPROCESSABLE_ENTITY, &"rate_hz".into()));
+    assert_eq!(
+        (rate.status, &rate.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"rate_hz".into())
+    );
     let extra = ask(&server, Method::POST, "cell/plan", &json!({ "programme": "" }));
     assert_eq!(extra.status, StatusCode::UNPROCESSABLE_ENTITY);
 }
