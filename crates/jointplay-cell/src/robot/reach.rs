@@ -15,7 +15,7 @@ impl HybridRobot {
     /// As [`Self::effector_pose`].
     ///
     /// # Numerics
-    /// A search along the axes from the best of a grid of starts; exact for arms whose distance has one valley and one hill between neighbouring starts.
+    /// A search by steps of all motors from the best of a grid of starts, down to a billionth of their ranges.
     pub fn reach(&self, id: EffectorId) -> Result<[f64; 2], CellError> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
         let motors: Vec<usize> =
@@ -47,16 +47,20 @@ impl HybridRobot {
             let mut share = 1.0 / (STARTS - 1) as f64;
             while share > FINEST {
                 let mut better = false;
-                for &motor in &motors {
-                    let axis = &self.axes[motor];
-                    for way in [-1.0, 1.0] {
-                        let mut positions = at.clone();
+                // Along every axis, and along all together: valleys do not run along axes.
+                for direction in 0..3_usize.pow(u32::try_from(motors.len()).unwrap_or(0)) {
+                    let mut positions = at.clone();
+                    let mut rest = direction;
+                    for &motor in &motors {
+                        let way = (rest % 3) as f64 - 1.0;
+                        rest /= 3;
+                        let axis = &self.axes[motor];
                         let moved = positions[motor] + way * share * (axis.max - axis.min);
                         positions[motor] = moved.clamp(axis.min, axis.max);
-                        let found = gain(&positions)?;
-                        if found > best {
-                            (best, at, better) = (found, positions, true);
-                        }
+                    }
+                    let found = gain(&positions)?;
+                    if found > best {
+                        (best, at, better) = (found, positions, true);
                     }
                 }
                 if !better {

@@ -39,6 +39,7 @@ fn every_command_that_a_document_shows_runs() {
         include_str!("../../../../docs/paper-to-code.md"),
         include_str!("../../../../docs/catalogue.md"),
         include_str!("../../../../docs/studies.md"),
+        include_str!("../../../../docs/exports.md"),
     ];
     let mut all: Vec<String> = documents.into_iter().flat_map(commands).collect();
     all.sort();
@@ -68,6 +69,12 @@ fn every_example_in_a_help_text_runs() {
         "draw",
         "catalogue",
         "import",
+        "cell",
+        "cell check",
+        "cell run",
+        "cell export",
+        "cell teach",
+        "cell example",
     ] {
         let help = desk.done(&format!("{command} --help"));
         let (_, examples) = help.split_once("Examples:").expect("every command has examples");

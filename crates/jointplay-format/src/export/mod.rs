@@ -27,7 +27,7 @@ use jointplay_cell::robot::EffectorId;
 pub use error::Error;
 pub use gltf::gltf;
 pub use samples::{samples, tracks};
-pub use solidworks::{MACRO, solidworks};
+pub use solidworks::{MACRO, solidworks, solidworks_names};
 
 /// The most samples that one export may have: a day at 1 kHz is less.
 pub const MOST_SAMPLES: f64 = 1e8;

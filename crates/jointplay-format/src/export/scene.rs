@@ -127,9 +127,16 @@ impl Track {
                 turn = turn.map(|part| -part);
             }
         }
-        self.places.push(place.into());
-        self.turns.push(turn);
+        // What does not move is told as such, round-off or not.
+        self.places.push(<[f64; 3]>::from(place).map(|part| rounded(part, 1e9)));
+        self.turns.push(turn.map(|part| rounded(part, 1e12)));
     }
+}
+
+/// A number to the nearest fraction.
+fn rounded(value: f64, fractions: f64) -> f64 {
+    // Without a minus before a zero, which would be another number than zero for those who compare bits.
+    (value * fractions).round() / fractions + 0.0
 }
 
 /// Whether sample `k` of a series has to be told for the rest to follow by straight interpolation: the ends, and wherever it differs from a neighbour.

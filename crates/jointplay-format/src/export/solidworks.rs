@@ -2,12 +2,17 @@
 
 use std::fmt::Write as _;
 
+use jointplay_cell::cell::Cell;
+use jointplay_cell::robot::Axis;
+
 use super::samples::turns;
 use super::{Error, Recording};
 use crate::units::{deg, mm};
 
 /// Name of the macro's file; `NOT-SAFE-` stands before it, and before those of the motors, where something is wrong with the motion.
 pub const MACRO: &str = "load-motors.bas";
+/// Lines of numbers have no room for words: the names say it.
+const MARK: &str = "NOT-SAFE-";
 
 /// A file `motor-NAME.csv` for each axis with lines `time,value` in s and mm or degrees, and [`MACRO`], as names and contents.
 ///
@@ -29,13 +34,25 @@ pub fn solidworks(recording: &Recording<'_>, rate: f64) -> Result<Vec<(String, S
             let _ = writeln!(text, "{},{value}", sample.time);
         }
     }
-    // Lines of numbers have no room for a word: the names say it.
-    let mark = if recording.flaws.is_empty() { "" } else { "NOT-SAFE-" };
-    let names = axes.iter().map(|axis| format!("{mark}motor-{}.csv", file_name(&axis.name)));
-    let mut files: Vec<(String, String)> = names.zip(texts).collect();
+    let mut names = names(recording.cell, if recording.flaws.is_empty() { "" } else { MARK });
+    let loader_name = names.pop().unwrap_or_default();
+    let mut files: Vec<(String, String)> = names.into_iter().zip(texts).collect();
     let text = loader(recording, &files);
-    files.push((format!("{mark}{MACRO}"), text));
+    files.push((loader_name, text));
     Ok(files)
+}
+
+/// Names of all files that [`solidworks`] may make for a cell, of sound motions and of others.
+#[must_use]
+pub fn solidworks_names(cell: &Cell) -> Vec<String> {
+    ["", MARK].into_iter().flat_map(|mark| names(cell, mark)).collect()
+}
+
+/// Names of the motors' files, and of the macro.
+fn names(cell: &Cell, mark: &str) -> Vec<String> {
+    let motor = |axis: &Axis| format!("{mark}motor-{}.csv", file_name(&axis.name));
+    let motors = cell.robot.axes.iter().map(motor);
+    motors.chain(std::iter::once(format!("{mark}{MACRO}"))).collect()
 }
 
 /// A name that every system takes for a file.

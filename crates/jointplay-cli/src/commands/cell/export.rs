@@ -63,6 +63,9 @@ pub(super) struct Export {
     despite_errors: bool,
 }
 
+/// In the names of files that should not be run.
+const MARK: &str = "-not-safe-to-run";
+
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Kind {
     /// samples as comma-separated values
@@ -104,8 +107,7 @@ impl Export {
             )));
         }
         let files = self.files(&planned, &dialect)?;
-        let own: BTreeSet<String> = files.iter().map(|(name, _)| name.clone()).collect();
-        let foreign = folder::foreign(&self.out, &own)?;
+        let foreign = folder::foreign(&self.out, &own(&planned, &dialect))?;
         if !foreign.is_empty() && !self.force {
             let folder = self.out.clone();
             return Err(Failure::Foreign { folder, command: "cell export", names: foreign });
@@ -134,12 +136,12 @@ impl Export {
         let recording = planned.recording();
         let mut kinds = self.to.clone();
         kinds.dedup();
-        let mark = if recording.flaws.is_empty() { "" } else { "-not-safe-to-run" };
+        let mark = if recording.flaws.is_empty() { "" } else { MARK };
         let stem = format!("{}{mark}", planned.input.named.stem);
         let mut progress = Progress::new(kinds.len());
         let mut files = Vec::new();
         for kind in kinds {
-            progress.stage(kind.to_possible_value().map_or("", |_| "writing"));
+            progress.stage("writing");
             files.extend(self.file(kind, &recording, &stem, dialect)?);
             progress.part_done(1);
         }
@@ -172,6 +174,22 @@ impl Export {
             }
         })
     }
+}
+
+/// Names of all files that an export of this cell may write, sound or not.
+fn own(planned: &Planned, dialect: &Dialect) -> BTreeSet<String> {
+    let stem = &planned.input.named.stem;
+    let mut names = BTreeSet::new();
+    for stem in [stem.clone(), format!("{stem}{MARK}")] {
+        names.extend(["csv", "parquet", "glb", "mcap"].map(|end| format!("{stem}.{end}")));
+        names.insert(format!("{stem}-{}.{}", dialect.name, dialect.extension));
+        names.extend(DIALECTS.iter().filter_map(|entry| {
+            let known = Dialect::parse(entry.text).ok()?;
+            Some(format!("{stem}-{}.{}", known.name, known.extension))
+        }));
+    }
+    names.extend(export::solidworks_names(planned.cell()));
+    names
 }
 
 /// A dialect that comes along, or that of a file.

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use jointplay::cell::check::{Kind, Violation};
+use jointplay::cell::program::Place;
 use jointplay::format::report::{CellReport, InstructionReport, ShareReport, explain_violation};
 
 use super::input::Planned;
@@ -66,9 +68,10 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
 /// Every violation with its moment; those of one line and kind under one excerpt.
 fn violations(text: &mut String, planned: &Planned) {
     let _ = writeln!(text, "violations");
-    let mut told: Vec<_> = Vec::new();
+    type About<'a> = (Place, Kind, &'a [String]);
+    let mut told: Vec<(About<'_>, Vec<&Violation>)> = Vec::new();
     for one in &planned.report.violations {
-        let about = (one.place, one.kind, one.names.clone());
+        let about = (one.place, one.kind, &one.names[..]);
         match told.iter_mut().find(|(known, _)| *known == about) {
             Some((_, all)) => all.push(one),
             None => told.push((about, vec![one])),
@@ -76,7 +79,7 @@ fn violations(text: &mut String, planned: &Planned) {
     }
     for ((place, kind, _), all) in told {
         // The worst of them stands for all, and each is told its time.
-        let excess = |one: &&&jointplay::cell::check::Violation| (one.worst - one.limit).abs();
+        let excess = |one: &&&Violation| (one.worst - one.limit).abs();
         let worst = all.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
         let Some(worst) = worst else { continue };
         let message = format!("{kind}: {}", explain_violation(worst));
