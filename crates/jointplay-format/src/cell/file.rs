@@ -23,8 +23,11 @@ const GRAVITY: f64 = 9.80665;
 /// Materials by name: Young's modulus in GPa, Poisson's ratio, density in kg/m³.
 ///
 /// Silicon is not isotropic; these are the means over the directions of a (100) wafer's plane.
+///
+/// # Source
+/// [Hopcroft] for silicon
 const MATERIALS: [(&str, [f64; 3]); 2] =
-    [("silicon", [147.0, 0.18, 2329.0]), ("glass", [73.0, 0.23, 2480.0])];
+    [("silicon", [148.0, 0.18, 2329.0]), ("glass", [73.0, 0.23, 2480.0])];
 
 /// Reads a cell file and the files that it names.
 ///
