@@ -3,7 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "tests may")]
 
 use jointplay_cell::program::{
-    AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,
+    AxisTarget, Command, Instruction, MAX_CALLS, Name, Place, Program, Routine, SlotName,
+    SlotNumber,
 };
 use jointplay_cell::robot::MotionKind;
 use jointplay_core::spatial::Tilt;
@@ -201,6 +202,28 @@ fn what_is_fuzzed_starts_from_every_command() {
     assert_eq!(format(text).unwrap(), text);
     for command in ["HOME", "SPEED", "MOVE", "LINE", "GOTO", "CALL", "WAIT", "TILT", "SWAP"] {
         assert!(text.contains(command));
+    }
+}
+
+#[test]
+fn the_documents_examples_are_programs_as_the_formatter_writes_them() {
+    let page = include_str!("../../../docs/programs.md");
+    let examples: Vec<&str> =
+        page.split("```program\n").skip(1).map(|rest| rest.split_once("```").unwrap().0).collect();
+    for example in &examples {
+        let even = format(example).unwrap_or_else(|errors| panic!("{example}{errors:?}"));
+        let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+        assert_eq!(words(&even), words(example));
+    }
+    let all = examples.concat();
+    let headings = page.lines().filter_map(|line| line.strip_prefix("### "));
+    for command in headings.flat_map(|heading| heading.split(" and ")) {
+        assert!(all.lines().any(|line| line.starts_with(command)), "{command} has no example");
+        assert!(page.contains(&format!("\"{}\"", command.split(' ').next().unwrap())));
+    }
+    assert_eq!(page.matches("\n### ").count(), 13);
+    for limit in [MAX_DEPTH, MAX_CALLS] {
+        assert!(page.contains(&format!("| {limit} |")));
     }
 }
 

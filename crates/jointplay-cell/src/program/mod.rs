@@ -1,7 +1,23 @@
 //! What the robot is told, and the steps that it comes to.
+//!
+//! ```text
+//!    Program ──names──▶ instructions ──one after the other──▶ Step…
+//!                            ▲                  ▲
+//!              no end, no name: errors    wafers, reach, limits: errors
+//! ```
 
+mod expand;
+mod extent;
+mod presence;
+mod problem;
+mod resolve;
+mod sequence;
 mod step;
 mod syntax;
+
+pub use expand::expand;
+pub use extent::{MAX_CALLS, MAX_INSTRUCTIONS};
+pub use problem::{Count, ProgramError, ProgramProblem};
 
 pub use step::{Handover, Path, Phase, Step};
 pub use syntax::{

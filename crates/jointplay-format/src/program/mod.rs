@@ -13,10 +13,11 @@
 //! | --- | --- |
 //! | read a program | [`parse`] |
 //! | lay its text out | [`format`](fn@format) |
-//! | write one that is no text yet | [`write`] |
-//! | show where in the text something is wrong with it | [`place`] |
+//! | write one that is no text yet | [`write`](fn@write) |
+//! | show where in the text something is wrong with it in its cell | [`explain`](fn@explain) |
 
 mod cursor;
+mod explain;
 mod layout;
 mod lexer;
 mod parser;
@@ -24,20 +25,8 @@ mod problem;
 mod words;
 mod write;
 
+pub use explain::{Explained, explain};
 pub use layout::format;
 pub use parser::{MAX_BYTES, MAX_DEPTH, parse};
 pub use problem::{Error, Problem};
 pub use write::write;
-
-/// What stands at a place of a text, for messages that show it.
-#[must_use]
-pub fn place(text: &str, at: jointplay_cell::program::Place) -> crate::place::Place {
-    let line = lexer::lines(text).nth(at.line.saturating_sub(1));
-    let token = line.as_ref().and_then(|it| it.tokens.iter().find(|it| it.column == at.column));
-    crate::place::Place {
-        line: at.line,
-        column: at.column,
-        width: token.map_or(0, lexer::Token::width),
-        text: line.as_ref().map_or_else(String::new, |line| line.text.to_owned()),
-    }
-}

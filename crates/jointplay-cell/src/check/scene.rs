@@ -1,0 +1,291 @@
+//! Bodies, wafers and zones, and where they are.
+
+use jointplay_core::gpr::Forward;
+use jointplay_core::spatial::Pose;
+use nalgebra::{Point3, Vector3};
+
+use super::solid::{Placed, Solid};
+use crate::cell::{Carrier, Cell, Shape, ZoneRule};
+use crate::program::{Handover, Path, Phase, Step};
+use crate::robot::EffectorId;
+use crate::station::SlotId;
+use crate::wafer::{Droop, drooped};
+
+/// What holds an item.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Holder {
+    World,
+    Platform,
+    Link { arm: usize, link: usize },
+    Slot(SlotId),
+    Effector(EffectorId),
+}
+
+impl Holder {
+    pub(super) fn moves(self) -> bool {
+        !matches!(self, Self::World | Self::Slot(_))
+    }
+}
+
+/// What an item is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    /// Of the cell, by index.
+    Body(usize),
+    Wafer,
+    KeepOut,
+}
+
+/// Something that takes room.
+pub(super) struct Item {
+    pub(super) name: String,
+    pub(super) solid: Solid,
+    pub(super) holder: Holder,
+    pub(super) role: Role,
+    /// Where its holder stands, for what does not move.
+    standing: Pose,
+    /// Whether it was ever laid into a slot.
+    pub(super) laid: bool,
+}
+
+/// Where all that moves is at one time.
+#[derive(Debug, Clone)]
+pub(super) struct Places {
+    pub(super) platform: Forward,
+    links: Vec<Vec<Pose>>,
+    /// By arm and effector, drooping.
+    pub(super) wafers: Vec<Vec<Pose>>,
+}
+
+impl Places {
+    pub(super) fn normal(&self) -> Vector3<f64> {
+        self.platform.normal()
+    }
+}
+
+/// Everything that takes room in a cell.
+pub(super) struct Scene<'a> {
+    pub(super) cell: &'a Cell,
+    pub(super) items: Vec<Item>,
+    /// Zones that wafers' centres have to stay in while the robot turns, by index in the cell.
+    pub(super) safe: Vec<(usize, Solid)>,
+}
+
+impl<'a> Scene<'a> {
+    pub(super) fn new(cell: &'a Cell) -> Self {
+        let mut items = Vec::new();
+        for (index, body) in cell.bodies.iter().enumerate() {
+            let holder = match body.carrier {
+                Carrier::World => Holder::World,
+                Carrier::Platform => Holder::Platform,
+                Carrier::Link { arm, link } => Holder::Link { arm, link },
+            };
+            if let Some(solid) = Solid::new(&body.shape, &body.carrier_from_shape) {
+                items.push(Item::new(body.name.clone(), solid, holder, Role::Body(index)));
+            }
+        }
+        let mut safe = Vec::new();
+        for (index, zone) in cell.zones.iter().enumerate() {
+            let Some(solid) = Solid::new(&zone.shape, &zone.base_from_shape) else { continue };
+            match zone.rule {
+                ZoneRule::KeepOut => {
+                    items.push(Item::new(zone.name.clone(), solid, Holder::World, Role::KeepOut));
+                }
+                ZoneRule::Safe => safe.push((index, solid)),
+            }
+        }
+        // A wafer lies on the plane of its frame, thickness upward.
+        let half_height = 0.5 * cell.wafer.thickness;
+        let disc = Shape::Cylinder { radius: 0.5 * cell.wafer.diameter, half_height };
+        let middle = Pose::from_parts(
+            Vector3::new(0.0, 0.0, half_height).into(),
+            nalgebra::Rotation3::identity(),
+        );
+        if let Some(disc) = Solid::new(&disc, &middle) {
+            for &slot in &cell.occupied {
+                let name = format!("wafer of {}", slot_name(cell, slot));
+                let mut item = Item::new(name, disc.clone(), Holder::Slot(slot), Role::Wafer);
+                item.standing = cell.stations[slot.station].slot_frame(slot.slot);
+                items.push(item);
+            }
+            for &id in &cell.carried {
+                let name = format!("wafer from {}", effector_name(cell, id));
+                items.push(Item::new(name, disc.clone(), Holder::Effector(id), Role::Wafer));
+            }
+        }
+        Self { cell, items, safe }
+    }
+
+    /// Where all that moves is.
+    ///
+    /// # Errors
+    /// Whether the platform or the droop is the reason, and what it says.
+    pub(super) fn places(&self, positions: &[f64]) -> Result<Places, (bool, String)> {
+        let chain = self.cell.robot.forward(positions).map_err(|e| (true, e.to_string()))?;
+        let mut wafers = Vec::with_capacity(self.cell.robot.arms.len());
+        for (arm, described) in self.cell.robot.arms.iter().enumerate() {
+            let mut poses = Vec::with_capacity(described.effectors.len());
+            for effector in 0..described.effectors.len() {
+                let id = EffectorId { arm, effector };
+                let loaded = self.carried_by(id).is_some();
+                let rigid = chain.base_from_wafer[arm][effector];
+                let pose = self.lowered(&chain.platform, id, rigid, loaded);
+                poses.push(pose.map_err(|why| (false, why))?);
+            }
+            wafers.push(poses);
+        }
+        Ok(Places { platform: chain.platform, links: chain.base_from_link, wafers })
+    }
+
+    /// A wafer frame, its arm drooping.
+    fn lowered(
+        &self,
+        platform: &Forward,
+        id: EffectorId,
+        rigid: Pose,
+        loaded: bool,
+    ) -> Result<Pose, String> {
+        let arm = &self.cell.robot.arms[id.arm];
+        if arm.droop == Droop::Rigid {
+            return Ok(rigid);
+        }
+        let joint = (platform.base_from_platform * Point3::from(arm.mount)).coords;
+        let out = rigid.translation.vector - joint;
+        let normal = rigid.rotation * Vector3::z();
+        let reach = (out - normal * out.dot(&normal)).norm();
+        let load = if loaded { self.cell.wafer.mass() } else { 0.0 };
+        let by = arm.droop.at(reach, load, self.cell.gravity).map_err(|error| error.to_string())?;
+        Ok(drooped(&rigid, &joint, by))
+    }
+
+    /// Where an item is.
+    pub(super) fn placed<'b>(&'b self, item: usize, places: &'b Places) -> Placed<'b> {
+        let item = &self.items[item];
+        let base_from_carrier = match item.holder {
+            Holder::World | Holder::Slot(_) => &item.standing,
+            Holder::Platform => &places.platform.base_from_platform,
+            Holder::Link { arm, link } => &places.links[arm][link],
+            Holder::Effector(id) => &places.wafers[id.arm][id.effector],
+        };
+        Placed { solid: &item.solid, base_from_carrier }
+    }
+
+    /// The wafer that an effector carries, by index among the items.
+    pub(super) fn carried_by(&self, id: EffectorId) -> Option<usize> {
+        self.items.iter().position(|item| item.holder == Holder::Effector(id))
+    }
+
+    /// Does what the end of a step does to wafers; the item that changed hands.
+    pub(super) fn hand_over(&mut self, handover: Handover) -> Option<usize> {
+        let (from, to) = match handover {
+            Handover::Taken(id, slot) => (Holder::Slot(slot), Holder::Effector(id)),
+            Handover::Left(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
+        };
+        let index = self.items.iter().position(|item| item.holder == from)?;
+        let item = &mut self.items[index];
+        item.holder = to;
+        if let Holder::Slot(slot) = to {
+            item.standing = self.cell.stations[slot.station].slot_frame(slot.slot);
+            item.laid = true;
+        }
+        Some(index)
+    }
+}
+
+impl Item {
+    fn new(name: String, solid: Solid, holder: Holder, role: Role) -> Self {
+        Self { name, solid, holder, role, standing: Pose::identity(), laid: false }
+    }
+}
+
+/// A slot in words: the station, and the slot's number where there are several.
+pub(super) fn slot_name(cell: &Cell, slot: SlotId) -> String {
+    let station = &cell.stations[slot.station];
+    if station.slots > 1 { format!("{} {}", station.name, slot.slot) } else { station.name.clone() }
+}
+
+/// An effector's name.
+pub(super) fn effector_name(cell: &Cell, id: EffectorId) -> String {
+    cell.robot.arms[id.arm].effectors[id.effector].name.clone()
+}
+
+/// What is asked of the distance of two items during a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Rule {
+    /// Nothing.
+    Free,
+    /// Not to touch, and to stay this far apart [m].
+    Apart(f64),
+    /// As before, asked for by the slots of a station.
+    Slots(f64),
+    /// Not to enter.
+    Out,
+}
+
+/// The effector that a step is about.
+pub(super) fn acting(step: &Step) -> Option<EffectorId> {
+    match (step.path, step.handover) {
+        (Path::Line(id), _) => Some(id),
+        (_, Some(Handover::Taken(id, _) | Handover::Left(id, _))) => Some(id),
+        _ => None,
+    }
+}
+
+impl Scene<'_> {
+    /// What is asked of two items during a step.
+    ///
+    /// Nothing is asked of bodies on one carrier or on two that a joint connects, of pairs that the cell allows, and of a wafer and the link that carries it.
+    /// While a step reaches into a slot, what reaches there has to keep the slots' clearance from the wafers of that station and from all that stands, where that is less than the general one; while it lifts or lowers there, its last link may touch the wafer of that very slot.
+    pub(super) fn rule(&self, a: usize, b: usize, step: &Step) -> Rule {
+        let (first, second) = (&self.items[a], &self.items[b]);
+        if !(first.holder.moves() || second.holder.moves()) || self.joined(a, b) {
+            return Rule::Free;
+        }
+        if let (Role::Body(i), Role::Body(j)) = (first.role, second.role) {
+            let allowed = &self.cell.allowed_pairs;
+            if allowed.contains(&[i, j]) || allowed.contains(&[j, i]) {
+                return Rule::Free;
+            }
+        }
+        if first.role == Role::KeepOut || second.role == Role::KeepOut {
+            return Rule::Out;
+        }
+        let general = Rule::Apart(self.cell.clearance);
+        let (Some(slot), Some(id)) = (step.slot, acting(step)) else { return general };
+        let (inside, other) = if first.holder.moves() { (first, second) } else { (second, first) };
+        let reaches = inside.holder == Holder::Effector(id) || self.is_last_link(inside.holder, id);
+        if !reaches || other.holder.moves() {
+            return general;
+        }
+        let nearer = self.cell.slot_clearance.min(self.cell.clearance);
+        match other.holder {
+            Holder::Slot(there) if there == slot => {
+                let handing = matches!(step.phase, Phase::Lift | Phase::Lower);
+                if handing { Rule::Free } else { Rule::Slots(nearer) }
+            }
+            Holder::Slot(there) if there.station == slot.station => {
+                Rule::Slots(self.cell.slot_clearance)
+            }
+            _ => Rule::Apart(nearer),
+        }
+    }
+
+    fn is_last_link(&self, holder: Holder, id: EffectorId) -> bool {
+        let last = self.cell.robot.arms[id.arm].joints.len() - 1;
+        holder == Holder::Link { arm: id.arm, link: last }
+    }
+
+    /// Whether two items are on one carrier, or on two that a joint connects, or one carries the other.
+    fn joined(&self, a: usize, b: usize) -> bool {
+        let (a, b) = (self.items[a].holder, self.items[b].holder);
+        let linked = |x: Holder, y: Holder| match (x, y) {
+            (Holder::Platform, Holder::Link { link: 0, .. }) => true,
+            (Holder::Link { arm, link }, Holder::Link { arm: other, link: next }) => {
+                arm == other && link + 1 == next
+            }
+            (link, Holder::Effector(id)) => self.is_last_link(link, id),
+            _ => false,
+        };
+        a == b || linked(a, b) || linked(b, a)
+    }
+}

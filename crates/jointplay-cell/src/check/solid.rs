@@ -1,0 +1,283 @@
+//! Shapes as the collision library knows them, and distances between them.
+
+use jointplay_core::spatial::Pose;
+use nalgebra::{Matrix3, Vector3};
+use parry3d_f64::math::{Mat3, Pose3, Rot3, Vector};
+use parry3d_f64::query;
+use parry3d_f64::shape::{Shape as Queried, SharedShape};
+
+use crate::cell::Shape;
+
+/// A shape in its carrier's frame.
+#[derive(Clone)]
+pub(super) struct Solid {
+    shape: SharedShape,
+    /// All points no farther from the shape than this belong to it [m].
+    margin: f64,
+    carrier_from_shape: Pose,
+    /// Centre of a ball around it, in the carrier's frame [m].
+    center: Vector3<f64>,
+    /// Radius of that ball [m].
+    radius: f64,
+    extent: Extent,
+}
+
+/// What is needed for the extent of a shape in a direction, in its own frame.
+#[derive(Clone, Copy)]
+enum Extent {
+    /// Box of half sides about a centre.
+    Box { center: [f64; 3], half: [f64; 3] },
+    /// Upright cylinder about the origin.
+    Cylinder { radius: f64, half_height: f64 },
+    /// Segment with its margin.
+    Segment { ends: [[f64; 3]; 2] },
+}
+
+fn vector(v: &[f64; 3]) -> Vector {
+    Vector::new(v[0], v[1], v[2])
+}
+
+/// A pose in the collision library's words.
+pub(super) fn posed(pose: &Pose) -> Pose3 {
+    let r: &Matrix3<f64> = pose.rotation.matrix();
+    let column = |k: usize| Vector::new(r[(0, k)], r[(1, k)], r[(2, k)]);
+    let rotation = Rot3::from_mat3(&Mat3::from_cols(column(0), column(1), column(2)));
+    let t = &pose.translation.vector;
+    Pose3::from_parts(Vector::new(t.x, t.y, t.z), rotation)
+}
+
+impl Solid {
+    /// Puts a shape into its carrier's frame; `None` where it has no points.
+    ///
+    /// What makes no body of its own kind (points in one plane, a mesh without triangles) is taken as the box around it, which is never smaller.
+    pub(super) fn new(shape: &Shape, carrier_from_shape: &Pose) -> Option<Self> {
+        // The library's cylinders stand along y.
+        let upright = Pose::from_parts(
+            Vector3::zeros().into(),
+            nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2),
+        );
+        let (mut placed, mut margin) = (*carrier_from_shape, 0.0);
+        let (parry, extent) = match shape {
+            Shape::Box { half } => (
+                SharedShape::cuboid(half[0], half[1], half[2]),
+                Extent::Box { center: [0.0; 3], half: *half },
+            ),
+            Shape::Cylinder { radius, half_height } => {
+                placed *= upright;
+                (
+                    SharedShape::cylinder(*half_height, *radius),
+                    Extent::Cylinder { radius: *radius, half_height: *half_height },
+                )
+            }
+            // A segment with a margin: the library's capsules are off by micrometres.
+            Shape::Capsule { ends, radius } => {
+                margin = *radius;
+                let segment = SharedShape::segment(vector(&ends[0]), vector(&ends[1]));
+                (segment, Extent::Segment { ends: *ends })
+            }
+            Shape::Convex { points } => {
+                let (center, half) = bounds(points)?;
+                let all: Vec<Vector> = points.iter().map(vector).collect();
+                let Some(hull) = SharedShape::convex_hull(&all) else {
+                    return Self::boxed(carrier_from_shape, center, half);
+                };
+                (hull, Extent::Box { center, half })
+            }
+            Shape::Mesh { vertices, triangles } => {
+                let (center, half) = bounds(vertices)?;
+                let all = vertices.iter().map(vector).collect();
+                let Ok(mesh) = SharedShape::trimesh(all, triangles.clone()) else {
+                    return Self::boxed(carrier_from_shape, center, half);
+                };
+                (mesh, Extent::Box { center, half })
+            }
+        };
+        let ball = parry.compute_local_bounding_sphere();
+        let center = placed * nalgebra::Point3::new(ball.center.x, ball.center.y, ball.center.z);
+        let solid = Self {
+            shape: parry,
+            margin,
+            carrier_from_shape: placed,
+            center: center.coords,
+            radius: ball.radius + margin,
+            extent,
+        };
+        Some(solid)
+    }
+
+    fn boxed(carrier_from_shape: &Pose, center: [f64; 3], half: [f64; 3]) -> Option<Self> {
+        let shifted = carrier_from_shape * nalgebra::Translation3::from(center);
+        Self::new(&Shape::Box { half }, &shifted)
+    }
+
+    /// Largest distance of its points from the carrier's origin [m].
+    pub(super) fn reach(&self) -> f64 {
+        self.center.norm() + self.radius
+    }
+
+    /// Least and largest coordinate along a direction through the base origin [m], or wider.
+    fn span(&self, base_from_carrier: &Pose, direction: &Vector3<f64>) -> (f64, f64) {
+        let base_from_shape = base_from_carrier * self.carrier_from_shape;
+        let d = base_from_shape.rotation.inverse() * direction;
+        let origin = direction.dot(&base_from_shape.translation.vector);
+        let (middle, half) = match self.extent {
+            Extent::Box { center, half } => (
+                d.x * center[0] + d.y * center[1] + d.z * center[2],
+                d.x.abs() * half[0] + d.y.abs() * half[1] + d.z.abs() * half[2],
+            ),
+            Extent::Cylinder { radius, half_height } => {
+                (0.0, d.y.abs() * half_height + d.x.hypot(d.z) * radius)
+            }
+            Extent::Segment { ends: [a, b] } => {
+                let (a, b) = (d.dot(&Vector3::from(a)), d.dot(&Vector3::from(b)));
+                (0.5 * (a + b), 0.5 * (a - b).abs())
+            }
+        };
+        (origin + middle - half - self.margin, origin + middle + half + self.margin)
+    }
+}
+
+fn bounds(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
+    let first = *points.first()?;
+    let (mut least, mut most) = (first, first);
+    for point in points {
+        for k in 0..3 {
+            least[k] = least[k].min(point[k]);
+            most[k] = most[k].max(point[k]);
+        }
+    }
+    let middle = |k: usize| 0.5 * (least[k] + most[k]);
+    let half = |k: usize| 0.5 * (most[k] - least[k]);
+    Some((std::array::from_fn(middle), std::array::from_fn(half)))
+}
+
+/// A solid where its carrier is.
+#[derive(Clone, Copy)]
+pub(super) struct Placed<'a> {
+    pub(super) solid: &'a Solid,
+    pub(super) base_from_carrier: &'a Pose,
+}
+
+impl Placed<'_> {
+    fn pose(&self) -> Pose3 {
+        posed(&(self.base_from_carrier * self.solid.carrier_from_shape))
+    }
+}
+
+/// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
+pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
+    let center = |p: &Placed<'_>| {
+        p.base_from_carrier.rotation * p.solid.center + p.base_from_carrier.translation.vector
+    };
+    (center(&a) - center(&b)).norm() - a.solid.radius - b.solid.radius
+}
+
+/// A lower bound of the distance: the gap between two solids along a direction [m]; below zero where they overlap there.
+pub(super) fn gap_along(a: Placed<'_>, b: Placed<'_>, direction: &Vector3<f64>) -> f64 {
+    let (a_least, a_most) = a.solid.span(a.base_from_carrier, direction);
+    let (b_least, b_most) = b.solid.span(b.base_from_carrier, direction);
+    (a_least - b_most).max(b_least - a_most)
+}
+
+/// Distance between two solids [m], 0 where they overlap.
+pub(super) fn distance(a: Placed<'_>, b: Placed<'_>) -> f64 {
+    let (pose_a, pose_b) = (a.pose(), b.pose());
+    let margin = a.solid.margin + b.solid.margin;
+    let shapes: (&dyn Queried, &dyn Queried) = (&*a.solid.shape.0, &*b.solid.shape.0);
+    let apart =
+        query::distance(&pose_a, shapes.0, &pose_b, shapes.1).map_or(0.0, |found| found.distance);
+    if apart == 0.0 {
+        // An iteration that does not end also answers 0: the bound by the balls is then the honest one.
+        let touching = query::intersection_test(&pose_a, shapes.0, &pose_b, shapes.1);
+        if touching.is_ok_and(|found| !found.intersecting) {
+            return between_balls(a, b).max(f64::MIN_POSITIVE);
+        }
+    }
+    (apart - margin).max(0.0)
+}
+
+/// How deep two solids overlap [m], 0 where that is not known.
+pub(super) fn depth(a: Placed<'_>, b: Placed<'_>) -> f64 {
+    let margin = a.solid.margin + b.solid.margin;
+    query::contact(&a.pose(), &*a.solid.shape.0, &b.pose(), &*b.solid.shape.0, margin)
+        .ok()
+        .flatten()
+        .map_or(0.0, |contact| (margin - contact.dist).max(0.0))
+}
+
+/// How far a point in the base frame is outside a solid [m], 0 within.
+pub(super) fn outside(solid: Placed<'_>, point: &Vector3<f64>) -> f64 {
+    let point = Vector::new(point.x, point.y, point.z);
+    let apart = solid.solid.shape.0.distance_to_point(&solid.pose(), point, true);
+    (apart - solid.solid.margin).max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::{Rotation3, Translation3};
+
+    fn at(x: f64, y: f64, z: f64) -> Pose {
+        Pose::from_parts(Translation3::new(x, y, z), Rotation3::identity())
+    }
+
+    #[track_caller]
+    fn check(a: &Shape, b: &Shape, base_from_b: Pose, expected: f64) {
+        let (a, b) =
+            (Solid::new(a, &Pose::identity()).unwrap(), Solid::new(b, &Pose::identity()).unwrap());
+        let first = Placed { solid: &a, base_from_carrier: &Pose::identity() };
+        let second = Placed { solid: &b, base_from_carrier: &base_from_b };
+        let found = distance(first, second);
+        assert!((found - expected).abs() < 1e-7, "{found} for {expected}");
+        assert!(between_balls(first, second) <= found + 1e-12);
+        for direction in [Vector3::x(), Vector3::y(), Vector3::z(), Vector3::new(0.6, 0.0, 0.8)] {
+            assert!(gap_along(first, second, &direction) <= found + 1e-9);
+        }
+    }
+
+    #[test]
+    fn distances_in_closed_form() {
+        let wafer = Shape::Cylinder { radius: 0.15, half_height: 0.0004 };
+        let wall = Shape::Box { half: [0.01, 0.5, 0.5] };
+        let link = Shape::Capsule { ends: [[0.0; 3], [0.3, 0.0, 0.0]], radius: 0.02 };
+        let hull = Shape::Convex {
+            points: vec![[0.0; 3], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0], [0.0, 0.0, 0.1]],
+        };
+        check(&wafer, &wafer, at(0.02, 0.01, 0.01), 0.0092);
+        check(&wafer, &wafer, at(0.5, 0.0, 0.0), 0.2);
+        check(&wafer, &wall, at(0.2, 0.0, 0.0), 0.04);
+        check(&link, &link, at(0.1, 0.0, 0.05), 0.01);
+        check(&link, &link, at(0.1, 0.0, 0.03), 0.0);
+        check(&link, &wall, at(0.4, 0.0, 0.0), 0.07);
+        check(&hull, &wall, at(0.2, 0.0, 0.0), 0.09);
+    }
+
+    #[test]
+    fn depth_of_an_overlap() {
+        let a = Solid::new(&Shape::Box { half: [0.1; 3] }, &Pose::identity()).unwrap();
+        let first = Placed { solid: &a, base_from_carrier: &Pose::identity() };
+        let shifted = at(0.17, 0.0, 0.0);
+        let second = Placed { solid: &a, base_from_carrier: &shifted };
+        assert_eq!(distance(first, second), 0.0);
+        assert!((depth(first, second) - 0.03).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_point_within_and_outside() {
+        let zone =
+            Solid::new(&Shape::Cylinder { radius: 0.4, half_height: 0.5 }, &Pose::identity())
+                .unwrap();
+        let placed = Placed { solid: &zone, base_from_carrier: &Pose::identity() };
+        assert_eq!(outside(placed, &Vector3::new(0.1, 0.2, 0.3)), 0.0);
+        assert!((outside(placed, &Vector3::new(0.0, 0.5, 0.3)) - 0.1).abs() < 1e-9);
+    }
+
+    #[test]
+    fn flat_points_are_taken_as_the_box_around_them() {
+        let flat = Shape::Convex { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]] };
+        let solid = Solid::new(&flat, &Pose::identity()).unwrap();
+        let placed = Placed { solid: &solid, base_from_carrier: &Pose::identity() };
+        assert!(outside(placed, &Vector3::new(0.5, 0.5, 0.2)) - 0.2 < 1e-9);
+        assert!(Solid::new(&Shape::Convex { points: vec![] }, &Pose::identity()).is_none());
+    }
+}

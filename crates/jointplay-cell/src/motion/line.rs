@@ -1,0 +1,326 @@
+//! All axes so that a wafer's centre runs along a straight line, its plane turning evenly.
+
+use jointplay_core::spatial::{Pose, leaning};
+use nalgebra::{DMatrix, DVector, Vector3};
+
+use super::spline::Spline;
+
+/// Where the line leads, and which axes may follow it.
+pub(crate) struct Task<'a> {
+    /// Positions of all axes at its start.
+    pub(crate) from: &'a [f64],
+    /// Positions of all axes at its end.
+    pub(crate) to: &'a [f64],
+    /// Axes that move the effector.
+    pub(crate) variables: Vec<usize>,
+    /// Turn of the effector against the platform from start to end by the arm's joints, where its motors leave it free to turn [rad].
+    pub(crate) turn: Option<f64>,
+    /// Pose of the wafer in the base frame for positions of all axes.
+    pub(crate) pose: &'a dyn Fn(&[f64]) -> Result<Pose, String>,
+    /// Largest distance of the wafer's centre from the straight line [m].
+    pub(crate) deviation: f64,
+}
+
+/// Positions of all axes along a line.
+#[derive(Debug, Clone)]
+pub(crate) struct Line {
+    /// Over the share of the way.
+    pub(crate) spline: Spline,
+    /// Its length [m].
+    pub(crate) length: f64,
+    /// Largest distance found of the wafer's centre from the straight line [m].
+    pub(crate) deviation: f64,
+    /// Largest angle found between the wafer's plane and the one that turns evenly [rad].
+    pub(crate) plane: f64,
+}
+
+/// Why a line cannot be followed.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Stuck {
+    /// Share of the way.
+    pub(crate) at: f64,
+    /// What is the matter.
+    pub(crate) why: String,
+}
+
+/// Intervals that a line starts with; it is divided further where the spline strays.
+const FIRST_INTERVALS: usize = 12;
+/// Intervals beyond which a line counts as one that cannot be followed: a smooth one takes some dozens.
+const MOST_INTERVALS: usize = 1024;
+/// How often an interval may be halved to reach the next point from the one before.
+const MOST_HALVINGS: usize = 10;
+/// Residual at which a point counts as found [m and rad]: a thousandth of what inverse kinematics is held to.
+const FOUND: f64 = 1e-12;
+/// Steps of Newton's method before a point counts as out of reach.
+const MOST_ITERATIONS: usize = 30;
+/// Step of the differences that make the Jacobian [m and rad].
+const DIFFERENCE: f64 = 1e-6;
+/// Turns and lengths by which the ends of a line may miss what its axes come to, as round-off of a target that was reached.
+const SAME: f64 = 1e-9;
+
+impl Task<'_> {
+    /// Positions of all axes along the line.
+    ///
+    /// At each point they are the ones nearest to the even way of each axis among those that hold the wafer in place:
+    ///
+    /// ```text
+    ///    min |q − q_even(s)|²   so that   center(q) = c(s),  normal(q) = n(s),  heading(q) = h(s)
+    /// ```
+    /// Both ends are met exactly, and an arm with more axes than it needs moves all of them gently.
+    /// Between the points runs a cubic spline, refined until it keeps to the line.
+    ///
+    /// # Errors
+    /// Where a point cannot be reached from the one before, by share of the way.
+    pub(crate) fn follow(&self) -> Result<Line, Stuck> {
+        let start = (self.pose)(self.from).map_err(|why| Stuck { at: 0.0, why })?;
+        let end = (self.pose)(self.to).map_err(|why| Stuck { at: 1.0, why })?;
+        let target = Target::new(&start, &end, self.turn);
+        let mut points = vec![(0.0, self.from.to_vec())];
+        for interval in 1..FIRST_INTERVALS {
+            let s = interval as f64 / FIRST_INTERVALS as f64;
+            self.march(&target, &mut points, s, MOST_HALVINGS)?;
+        }
+        points.push((1.0, self.to.to_vec()));
+        let before = &points[points.len() - 2];
+        self.arrived(&target, before)?;
+        loop {
+            let (knots, values): (Vec<f64>, Vec<Vec<f64>>) = points.iter().cloned().unzip();
+            let spline = Spline::through(&knots, &values);
+            let mut finer: Vec<(f64, Vec<f64>)> = Vec::new();
+            let (mut deviation, mut plane) = (0.0_f64, 0.0_f64);
+            for pair in knots.windows(2) {
+                let mut strays = false;
+                for share in [0.25, 0.5, 0.75] {
+                    let s = pair[0] + share * (pair[1] - pair[0]);
+                    let pose =
+                        (self.pose)(&spline.positions(s)).map_err(|why| Stuck { at: s, why })?;
+                    let (off, turned) = target.strays(&pose, s);
+                    deviation = deviation.max(off);
+                    plane = plane.max(turned);
+                    strays |= off > self.deviation;
+                }
+                if strays {
+                    let s = (pair[0] + pair[1]) / 2.0;
+                    finer.push((s, self.solve(&target, s, spline.positions(s))?));
+                }
+            }
+            if finer.is_empty() {
+                return Ok(Line { spline, length: target.way.norm(), deviation, plane });
+            }
+            if points.len() + finer.len() > MOST_INTERVALS {
+                let why = format!(
+                    "the axes still leave the line by {:.3e} m after {} points: it passes too near a singular position",
+                    deviation,
+                    points.len()
+                );
+                return Err(Stuck { at: finer[0].0, why });
+            }
+            points.extend(finer);
+            points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        }
+    }
+
+    /// From the last of the points to `s`, by halves where that is too far.
+    fn march(
+        &self,
+        target: &Target,
+        points: &mut Vec<(f64, Vec<f64>)>,
+        s: f64,
+        halvings: usize,
+    ) -> Result<(), Stuck> {
+        let (last, positions) = points.last().expect("the start is there");
+        let guess: Vec<f64> = positions
+            .iter()
+            .zip(self.from.iter().zip(self.to))
+            .map(|(position, (from, to))| position + (s - last) * (to - from))
+            .collect();
+        let near = points.len() >= 2;
+        let guess = if near {
+            let (earlier, older) = &points[points.len() - 2];
+            let ratio = (s - last) / (last - earlier);
+            positions.iter().zip(older).map(|(new, old)| new + ratio * (new - old)).collect()
+        } else {
+            guess
+        };
+        match self.solve(target, s, guess) {
+            Ok(found) => {
+                points.push((s, found));
+                Ok(())
+            }
+            Err(stuck) if halvings == 0 => Err(stuck),
+            Err(_) => {
+                let middle = (last + s) / 2.0;
+                self.march(target, points, middle, halvings - 1)?;
+                self.march(target, points, s, halvings - 1)
+            }
+        }
+    }
+
+    /// Whether the end is where the points lead to, and not another branch.
+    fn arrived(&self, target: &Target, before: &(f64, Vec<f64>)) -> Result<(), Stuck> {
+        let guess: Vec<f64> = before.1.clone();
+        let found = self.solve(target, 1.0, guess)?;
+        let off = self
+            .variables
+            .iter()
+            .map(|&axis| (found[axis] - self.to[axis]).abs())
+            .fold(0.0, f64::max);
+        if off > 1e3 * SAME {
+            let why = format!(
+                "the line leads to another position of the axes than its end, {off:.3e} m or rad away: the ends lie on different branches of the arm; move the axes instead, or to the branch first"
+            );
+            return Err(Stuck { at: 1.0, why });
+        }
+        Ok(())
+    }
+
+    fn even(&self, s: f64) -> impl Iterator<Item = f64> + '_ {
+        self.from.iter().zip(self.to).map(move |(from, to)| from + s * (to - from))
+    }
+
+    /// The positions nearest to the even way that hold the wafer at `s`, from a guess.
+    fn solve(&self, target: &Target, s: f64, guess: Vec<f64>) -> Result<Vec<f64>, Stuck> {
+        let stuck = |why: String| Stuck { at: s, why };
+        let even: Vec<f64> = self.even(s).collect();
+        let mut q = even.clone();
+        for &axis in &self.variables {
+            q[axis] = guess[axis];
+        }
+        let (n, m) = (self.variables.len(), target.rows());
+        let mut residual = target.residual(&(self.pose)(&q).map_err(stuck)?, s);
+        let mut off = f64::INFINITY;
+        for iteration in 0..MOST_ITERATIONS {
+            // Newton on the conditions of the constrained minimum, curvature of the constraints left out.
+            let mut system = DMatrix::zeros(n + m, n + m);
+            for (column, &axis) in self.variables.iter().enumerate() {
+                let kept = q[axis];
+                q[axis] = kept + DIFFERENCE;
+                let moved = target.residual(&(self.pose)(&q).map_err(stuck)?, s);
+                q[axis] = kept;
+                system[(column, column)] = 1.0;
+                for row in 0..m {
+                    let slope = (moved[row] - residual[row]) / DIFFERENCE;
+                    system[(n + row, column)] = slope;
+                    system[(column, n + row)] = slope;
+                }
+            }
+            let factors = system.lu();
+            // The same matrix serves as long as it halves the error each time.
+            loop {
+                let mut right = DVector::zeros(n + m);
+                for (row, &axis) in self.variables.iter().enumerate() {
+                    right[row] = even[axis] - q[axis];
+                }
+                for row in 0..m {
+                    right[n + row] = -residual[row];
+                }
+                let Some(step) = factors.solve(&right) else {
+                    return Err(stuck(
+                        "the arm is in a singular position there: the effector cannot follow the line in all directions".into(),
+                    ));
+                };
+                let mut far = 0.0_f64;
+                for (row, &axis) in self.variables.iter().enumerate() {
+                    q[axis] += step[row];
+                    far = far.max(step[row].abs());
+                }
+                if !far.is_finite() || far > 1e3 {
+                    return Err(stuck("the effector does not reach the line there".into()));
+                }
+                residual = target.residual(&(self.pose)(&q).map_err(stuck)?, s);
+                let now = residual[..m].iter().fold(far, |most, value| most.max(value.abs()));
+                let slow = now > 0.5 * off;
+                off = now;
+                if now < FOUND || (slow && now < 10.0 * FOUND && iteration > 0) {
+                    return Ok(q);
+                }
+                if slow {
+                    break;
+                }
+            }
+        }
+        if off < SAME {
+            return Ok(q);
+        }
+        Err(stuck(format!(
+            "the effector does not reach the line there: {off:.3e} m or rad are left after {MOST_ITERATIONS} iterations"
+        )))
+    }
+}
+
+/// Where the wafer is to be along the line.
+struct Target {
+    start: Vector3<f64>,
+    way: Vector3<f64>,
+    from_normal: Vector3<f64>,
+    /// Unit vector across the normals in their plane, and the angle between them.
+    across: Vector3<f64>,
+    angle: f64,
+    /// Heading at the start, and its change.
+    heading: Option<(f64, f64)>,
+}
+
+impl Target {
+    fn new(start: &Pose, end: &Pose, turn: Option<f64>) -> Self {
+        let from_normal = normal(start);
+        let to_normal = normal(end);
+        let rest = to_normal - from_normal * from_normal.dot(&to_normal);
+        let sine = rest.norm();
+        let across = if sine > 0.0 { rest / sine } else { Vector3::zeros() };
+        let heading = turn.map(|turn| {
+            let (first, last) = (heading(start), heading(end));
+            (first, turn + wrapped(last - first - turn))
+        });
+        Self {
+            start: start.translation.vector,
+            way: end.translation.vector - start.translation.vector,
+            from_normal,
+            across,
+            angle: sine.atan2(from_normal.dot(&to_normal)),
+            heading,
+        }
+    }
+
+    fn rows(&self) -> usize {
+        5 + usize::from(self.heading.is_some())
+    }
+
+    fn normal(&self, s: f64) -> Vector3<f64> {
+        let (sin, cos) = (s * self.angle).sin_cos();
+        self.from_normal * cos + self.across * sin
+    }
+
+    fn residual(&self, pose: &Pose, s: f64) -> [f64; 6] {
+        let off = pose.translation.vector - (self.start + self.way * s);
+        // Both in the base frame: an upright plane has its normal's x and y small.
+        let tilt = normal(pose) - self.normal(s);
+        let turned =
+            self.heading.map_or(0.0, |(first, change)| wrapped(heading(pose) - first - change * s));
+        [off.x, off.y, off.z, tilt.x, tilt.y, turned]
+    }
+
+    /// Distance from the straight line, and angle from the plane that turns evenly.
+    fn strays(&self, pose: &Pose, s: f64) -> (f64, f64) {
+        let from_start = pose.translation.vector - self.start;
+        let squared = self.way.norm_squared();
+        let along =
+            if squared > 0.0 { (from_start.dot(&self.way) / squared).clamp(0.0, 1.0) } else { 0.0 };
+        let aside = (from_start - self.way * along).norm();
+        (aside, normal(pose).cross(&self.normal(s)).norm().asin())
+    }
+}
+
+fn normal(pose: &Pose) -> Vector3<f64> {
+    pose.rotation.matrix().column(2).into_owned()
+}
+
+/// Turn about the normal, beyond the shortest rotation to it.
+fn heading(pose: &Pose) -> f64 {
+    let turned = leaning(&normal(pose)).inverse() * pose.rotation;
+    turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)])
+}
+
+fn wrapped(angle: f64) -> f64 {
+    use std::f64::consts::{PI, TAU};
+    (angle + PI).rem_euclid(TAU) - PI
+}

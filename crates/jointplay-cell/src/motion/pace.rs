@@ -1,0 +1,335 @@
+//! How fast a path is run through: one parameter in time, so that every axis stays within its limits.
+
+use super::axes::together;
+use super::cubic::Curve;
+use super::spline::Spline;
+use crate::robot::Dynamics;
+
+/// Stages at which the fastest way under speed and acceleration limits is decided.
+const STAGES: usize = 160;
+/// Times at which a candidate is held against the limits, besides those where its jerk changes.
+const PROBES: usize = 240;
+/// Slack left below each limit for what lies between the probes, as a share.
+const SLACK: f64 = 2e-3;
+/// Shares of the acceleration limits that the fastest way is looked for with: what is left is for the jerk.
+const SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.42, 0.28];
+/// Difference of the axes' speeds along the path up to which it counts as evenly geared, as a share.
+const EVEN: f64 = 0.02;
+
+/// A path, what the axes may do on it, and the largest rate of its parameter [1/s].
+pub(crate) struct Pace<'a> {
+    /// Positions over the parameter.
+    pub(crate) spline: &'a Spline,
+    /// Of each axis.
+    pub(crate) limits: &'a [Dynamics],
+    /// Largest rate of the parameter [1/s].
+    pub(crate) rate: f64,
+}
+
+impl Pace<'_> {
+    /// The parameter from 0 to 1 in time.
+    ///
+    /// A path that gears all axes evenly is run through like a single axis.
+    /// On any other the fastest way under speed and acceleration limits is found stage by stage, so that it slows down where an axis has to hurry;
+    /// averaging it over a window bounds its jerk, and what still exceeds a limit is slowed down as a whole.
+    /// Several windows are tried, and the shortest result is taken.
+    ///
+    /// # Errors
+    /// What the planner says.
+    ///
+    /// # Source
+    /// [TOPPRA] for the stages; the window is own derivation: it keeps ends and rest, and its jerk is a difference of accelerations over its width
+    pub(crate) fn plan(&self) -> Result<Curve, String> {
+        let mut best = self.like_one_axis()?;
+        if self.evenly_geared() {
+            return Ok(best);
+        }
+        for share in SHARES {
+            let way = self.fastest(share);
+            let total: f64 = way.iter().map(|(duration, _)| duration).sum();
+            let mut width = 0.5 * total;
+            while width > 5e-3 * total && total + width < 1.5 * best.duration() + total {
+                if total + width < best.duration() {
+                    let candidate = self.within(averaged(&way, width));
+                    if candidate.duration() < best.duration() {
+                        best = candidate;
+                    }
+                }
+                width *= 0.8;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Constant limits of the parameter from the steepest axis.
+    fn like_one_axis(&self) -> Result<Curve, String> {
+        let mut steepest = vec![0.0_f64; self.limits.len()];
+        for s in self.stages() {
+            for (axis, most) in steepest.iter_mut().enumerate() {
+                *most = most.max(self.spline.jet(self.spline.interval(s), axis, s)[1].abs());
+            }
+        }
+        let least = |of: &dyn Fn(&Dynamics) -> f64| {
+            steepest
+                .iter()
+                .zip(self.limits)
+                .filter(|(slope, _)| **slope > 0.0)
+                .map(|(slope, limits)| of(limits) / slope)
+                .fold(f64::INFINITY, f64::min)
+        };
+        let limits = Dynamics {
+            velocity: least(&|limits| limits.velocity).min(self.rate),
+            acceleration: least(&|limits| limits.acceleration),
+            jerk: least(&|limits| limits.jerk),
+        };
+        if !limits.acceleration.is_finite() {
+            return Ok(Curve::still(1.0, 0.0));
+        }
+        let found = together(&[0.0], &[1.0], |_| limits)?;
+        let curve = found.curves.into_iter().next().expect("one axis was asked for");
+        // Where the path bends, the parameter's speed adds to what the axes do.
+        Ok(if self.excess(&curve) > 1.0 + SLACK { self.within(curve) } else { curve })
+    }
+
+    fn evenly_geared(&self) -> bool {
+        (0..self.limits.len()).all(|axis| {
+            let slopes =
+                self.stages().map(|s| self.spline.jet(self.spline.interval(s), axis, s)[1]);
+            let (least, most) =
+                slopes.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+            most - least <= EVEN * most.abs().max(least.abs())
+        })
+    }
+
+    fn stages(&self) -> impl Iterator<Item = f64> {
+        (0..=STAGES).map(|stage| stage as f64 / STAGES as f64)
+    }
+
+    /// Stretches of (duration, acceleration) of the parameter, the fastest with a share of the acceleration limits.
+    fn fastest(&self, share: f64) -> Vec<(f64, f64)> {
+        let ds = 1.0 / STAGES as f64;
+        let stages: Vec<Stage> = self.stages().map(|s| self.stage(s, share)).collect();
+        // Squares of the rate from which the rest of the way can still be kept.
+        let mut reach = vec![0.0; STAGES + 1];
+        for k in (0..STAGES).rev() {
+            let (mut low, mut high) = (0.0, stages[k].cap);
+            let keeps = |x: f64| {
+                let (least, most) = stages[k].accelerations(x);
+                least <= most && x + 2.0 * ds * least <= reach[k + 1] && x + 2.0 * ds * most >= 0.0
+            };
+            if keeps(high) {
+                low = high;
+            } else {
+                for _ in 0..40 {
+                    let middle = 0.5 * (low + high);
+                    if keeps(middle) { low = middle } else { high = middle }
+                }
+            }
+            reach[k] = low;
+        }
+        let mut way = Vec::with_capacity(STAGES);
+        let mut x = 0.0_f64;
+        for k in 0..STAGES {
+            let (_, most) = stages[k].accelerations(x);
+            // Never quite to rest on the way.
+            let floor = if k + 1 < STAGES { 1e-9 * stages[k + 1].cap } else { 0.0 };
+            let next = (x + 2.0 * ds * most).min(reach[k + 1]).max(floor);
+            let duration = 2.0 * ds / (x.sqrt() + next.sqrt());
+            way.push((duration, (next - x) / (2.0 * ds)));
+            x = next;
+        }
+        way
+    }
+
+    fn stage(&self, s: f64, share: f64) -> Stage {
+        let interval = self.spline.interval(s);
+        let mut cap = self.rate * self.rate;
+        let mut rows = Vec::with_capacity(self.limits.len());
+        for (axis, limits) in self.limits.iter().enumerate() {
+            let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
+            if slope != 0.0 {
+                cap = cap.min((limits.velocity / slope).powi(2));
+            }
+            if curvature != 0.0 {
+                cap = cap.min(share * limits.acceleration / curvature.abs());
+            }
+            if third != 0.0 {
+                cap = cap.min((limits.jerk / third.abs()).powf(2.0 / 3.0));
+            }
+            rows.push((slope, curvature, share * limits.acceleration));
+        }
+        Stage { rows, cap }
+    }
+
+    /// The same, as fast as every limit is kept.
+    fn within(&self, curve: Curve) -> Curve {
+        let factor = self.excess(&curve) * (1.0 + SLACK);
+        curve.slowed(factor)
+    }
+
+    /// By how much longer it would have to take so that it just keeps every limit.
+    fn excess(&self, curve: &Curve) -> f64 {
+        let duration = curve.duration();
+        let mut worst = 1e-9_f64;
+        let mut probe = |s: [f64; 4], interval: usize| {
+            let [s, rate, acceleration, jerk] = s;
+            worst = worst.max(rate / self.rate);
+            for (axis, limits) in self.limits.iter().enumerate() {
+                let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
+                let v = slope * rate;
+                let a = curvature * rate * rate + slope * acceleration;
+                let j = third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk;
+                worst = worst
+                    .max(v.abs() / limits.velocity)
+                    .max((a.abs() / limits.acceleration).sqrt())
+                    .max((j.abs() / limits.jerk).cbrt());
+            }
+        };
+        let even = (0..=PROBES).map(|k| duration * k as f64 / PROBES as f64);
+        for t in even.chain(curve.breaks()) {
+            // The jerk jumps where the pieces meet: both sides are looked at.
+            for t in [t - 1e-9 * duration, t + 1e-9 * duration] {
+                if t <= 0.0 || t >= duration {
+                    continue;
+                }
+                let state = curve.at(t);
+                let interval = self.spline.interval(state[0]);
+                probe(state, interval);
+            }
+        }
+        // The third derivative jumps at the knots: the parameter grows, so that they are met in order.
+        for (interval, &knot) in self.spline.knots().iter().enumerate().skip(1) {
+            if interval + 1 == self.spline.knots().len() {
+                break;
+            }
+            let state = curve.at(time_at(curve, knot));
+            probe(state, interval - 1);
+            probe(state, interval);
+        }
+        worst
+    }
+}
+
+/// When the parameter comes to a value.
+fn time_at(curve: &Curve, s: f64) -> f64 {
+    let (mut low, mut high) = (0.0, curve.duration());
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        if curve.at(middle)[0] < s { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// What the axes allow at one point of the path.
+struct Stage {
+    /// Of each axis: first and second derivative, and its acceleration limit.
+    rows: Vec<(f64, f64, f64)>,
+    /// Largest square of the rate.
+    cap: f64,
+}
+
+impl Stage {
+    /// Least and largest acceleration of the parameter for a square of its rate.
+    fn accelerations(&self, x: f64) -> (f64, f64) {
+        let (mut least, mut most) = (-1e12_f64, 1e12_f64);
+        for &(slope, curvature, limit) in &self.rows {
+            if slope.abs() > 1e-12 {
+                let (a, b) = ((-limit - curvature * x) / slope, (limit - curvature * x) / slope);
+                least = least.max(a.min(b));
+                most = most.min(a.max(b));
+            }
+        }
+        (least, most)
+    }
+}
+
+/// The average of a way over a window [s]: stretches of constant jerk.
+///
+/// ```text
+///    s̈(t)  =  (ṡ(t) − ṡ(t − w)) / w        s⃛(t)  =  (s̈(t) − s̈(t − w)) / w
+/// ```
+fn averaged(way: &[(f64, f64)], width: f64) -> Curve {
+    let mut starts = Vec::with_capacity(way.len() + 1);
+    let mut time = 0.0;
+    for (duration, _) in way {
+        starts.push(time);
+        time += duration;
+    }
+    starts.push(time);
+    let mut breaks: Vec<f64> =
+        starts.iter().copied().chain(starts.iter().map(|start| start + width)).collect();
+    breaks.sort_by(f64::total_cmp);
+    let acceleration = |t: f64| {
+        let place = starts.partition_point(|&start| start <= t);
+        if place == 0 || place > way.len() { 0.0 } else { way[place - 1].1 }
+    };
+    let stretches: Vec<(f64, f64)> = breaks
+        .windows(2)
+        .map(|pair| {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            (pair[1] - pair[0], (acceleration(middle) - acceleration(middle - width)) / width)
+        })
+        .collect();
+    Curve::through(0.0, 1.0, &stretches)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limits(count: usize) -> Vec<Dynamics> {
+        vec![Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 200.0 }; count]
+    }
+
+    fn spline(of: impl Fn(f64) -> Vec<f64>) -> Spline {
+        let knots: Vec<f64> = (0..=60).map(|k| f64::from(k) / 60.0).collect();
+        let values: Vec<Vec<f64>> = knots.iter().map(|&s| of(s)).collect();
+        Spline::through(&knots, &values)
+    }
+
+    fn worst(spline: &Spline, curve: &Curve, limits: &[Dynamics]) -> [f64; 3] {
+        let mut worst = [0.0_f64; 3];
+        for k in 1..20_000 {
+            let [s, r, a, j] = curve.at(curve.duration() * f64::from(k) / 20_000.0);
+            for (axis, limits) in limits.iter().enumerate() {
+                let [_, d1, d2, d3] = spline.jet(spline.interval(s), axis, s);
+                worst[0] = worst[0].max((d1 * r).abs() / limits.velocity);
+                worst[1] = worst[1].max((d2 * r * r + d1 * a).abs() / limits.acceleration);
+                let third = d3 * r.powi(3) + 3.0 * d2 * r * a + d1 * j;
+                worst[2] = worst[2].max(third.abs() / limits.jerk);
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn an_even_path_is_as_fast_as_one_axis() {
+        let (spline, limits) = (spline(|s| vec![3.0 * s, -s]), limits(2));
+        let curve = Pace { spline: &spline, limits: &limits, rate: 1e9 }.plan().unwrap();
+        assert!((curve.duration() - (1.5 + 0.2 + 0.05)).abs() < 1e-9, "{}", curve.duration());
+        let slow = Pace { spline: &spline, limits: &limits, rate: 0.25 }.plan().unwrap();
+        assert!(slow.duration() > 4.0);
+    }
+
+    #[test]
+    fn limits_hold_all_along_and_only_a_stretch_is_slow() {
+        // A turn past an axis at a distance of a tenth: fast in the middle, as near a singular position.
+        let turn = |s: f64| vec![((s - 0.5) / 0.1).atan(), 2.0 * s];
+        let (spline, limits) = (spline(turn), limits(2));
+        let pace = Pace { spline: &spline, limits: &limits, rate: 1e9 };
+        let curve = pace.plan().unwrap();
+        let worst = worst(&spline, &curve, &limits);
+        assert!(worst.iter().all(|&share| share < 1.0), "{worst:?}");
+        // With the middle's limits everywhere it takes much longer.
+        let even = pace.like_one_axis().unwrap();
+        assert!(
+            curve.duration() < 0.8 * even.duration(),
+            "{} {}",
+            curve.duration(),
+            even.duration()
+        );
+        let rate = |s: f64| curve.at(time_at(&curve, s))[1];
+        assert!(rate(0.25) > 1.2 * rate(0.5), "{} {}", rate(0.25), rate(0.5));
+        assert_eq!(curve.at(curve.duration()), [1.0, 0.0, 0.0, 0.0]);
+    }
+}

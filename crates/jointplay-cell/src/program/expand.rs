@@ -1,0 +1,185 @@
+//! From instructions to steps.
+
+use super::presence::Presence;
+use super::resolve::{Act, Line, Number, Resolved, Slot, resolve};
+use super::sequence::Robot;
+use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
+use crate::cell::Cell;
+use crate::robot::EffectorId;
+use crate::station::SlotId;
+
+/// The steps that a program comes to in its cell, from the home position on.
+///
+/// ```text
+///    GET:  turn retracted → enter below, tilted → extend → lift to the wafer → lift with it → retract → level
+///    PUT:  turn retracted → enter above, tilted → extend → lower to the slot → lower without it → retract → level
+/// ```
+/// A wafer that lies in a station with a process time is fetched when that is over: a step waits before the slot.
+///
+/// # Errors
+/// Everything that is wrong with the program in this cell, each thing once with its place: names, programs without end, wafers that are missing or in the way, places out of reach and limits that stop them.
+pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
+    let (resolved, errors) = resolve(cell, program);
+    let mut errors = Errors(errors);
+    let mut steps = Vec::new();
+    if let Some(resolved) = &resolved {
+        let mut run = Run {
+            resolved,
+            presence: Presence::new(cell),
+            robot: Robot::new(cell),
+            errors: &mut errors,
+            instruction: 0,
+        };
+        run.block(&resolved.body, &mut Vec::new());
+        steps = run.robot.steps;
+    }
+    let Errors(mut errors) = errors;
+    errors.sort_by_key(|error| error.place);
+    if errors.is_empty() { Ok(steps) } else { Err(errors) }
+}
+
+/// What is wrong, each thing once a place.
+struct Errors(Vec<ProgramError>);
+
+impl Errors {
+    fn add(&mut self, place: Place, problem: ProgramProblem) {
+        let kind = std::mem::discriminant(&problem);
+        let alike = |error: &&mut ProgramError| {
+            error.place == place && std::mem::discriminant(&error.problem) == kind
+        };
+        match self.0.iter_mut().find(alike) {
+            Some(first) => first.more += 1,
+            None => self.0.push(ProgramError { place, problem, more: 0 }),
+        }
+    }
+}
+
+/// A program on its way through the cell.
+struct Run<'r> {
+    resolved: &'r Resolved,
+    presence: Presence<'r>,
+    robot: Robot<'r>,
+    errors: &'r mut Errors,
+    /// How many instructions have been run.
+    instruction: usize,
+}
+
+impl Run<'_> {
+    /// Goes through a block; `passes` are those of the REPEATs around it, from 1.
+    fn block(&mut self, body: &[Line], passes: &mut Vec<u64>) {
+        let resolved = self.resolved;
+        for Line { place, act } in body {
+            match act {
+                Act::Repeat { times, body } => {
+                    for pass in 1..=*times {
+                        passes.push(pass);
+                        self.block(body, passes);
+                        passes.pop();
+                    }
+                }
+                Act::Call(routine) => self.block(&resolved.routines[*routine], &mut Vec::new()),
+                act => {
+                    self.robot.start(self.instruction, *place, self.presence.loaded());
+                    self.instruction += 1;
+                    self.simple(*place, act, passes);
+                }
+            }
+        }
+    }
+
+    fn simple(&mut self, place: Place, act: &Act, passes: &[u64]) {
+        match *act {
+            Act::Home => self.robot.home(),
+            Act::Move(ref targets) => {
+                let done = self.robot.move_axes(targets);
+                self.report(place, done);
+            }
+            Act::MoveLine { effector, by } => {
+                let done = self.robot.move_line(effector, by);
+                self.report(place, done);
+            }
+            Act::Get { from, effector } => self.get(place, from, effector, passes),
+            Act::Put { to, effector } => self.put(place, to, effector, passes),
+            Act::Transfer { from, to, effector } => {
+                self.get(place, from, effector, passes);
+                self.put(place, to, effector, passes);
+            }
+            Act::Swap { at, get, put } => {
+                self.get(place, at, get, passes);
+                self.put(place, at, put, passes);
+            }
+            Act::Goto { to, effector } => {
+                if let Some(slot) = self.slot(to, passes) {
+                    let done = self.robot.goto(effector, slot);
+                    self.report(place, done);
+                }
+            }
+            Act::Wait(seconds) => self.robot.stand(Path::Still(seconds)),
+            Act::Speed(share) => self.robot.speed = share,
+            Act::Tilt(tilt) => {
+                let done = self.robot.tilt(tilt);
+                self.report(place, done);
+            }
+            Act::Unclear => self.presence.forget(),
+            Act::Call(_) | Act::Repeat { .. } => unreachable!("gone through by block"),
+        }
+    }
+
+    fn report(&mut self, place: Place, done: Result<(), ProgramProblem>) {
+        if let Err(problem) = done {
+            self.errors.add(place, problem);
+        }
+    }
+
+    /// The slot of this pass, if the station has it.
+    fn slot(&mut self, slot: Slot, passes: &[u64]) -> Option<SlotId> {
+        let found = match slot.number {
+            Number::Fixed(number) => number,
+            Number::Counted { repeat, offset, down } => {
+                let pass = i128::from(passes[repeat]);
+                i128::from(offset) + if down { -pass } else { pass }
+            }
+        };
+        let station = &self.robot.cell.stations[slot.station];
+        let slots = station.slots;
+        if let Ok(number @ 1..) = usize::try_from(found)
+            && number <= slots
+        {
+            return Some(SlotId { station: slot.station, slot: number });
+        }
+        let station = station.name.clone();
+        self.errors.add(slot.place, ProgramProblem::NoSlot { station, found, slots });
+        None
+    }
+
+    fn get(&mut self, place: Place, from: Slot, effector: EffectorId, passes: &[u64]) {
+        let Some(slot) = self.slot(from, passes) else {
+            self.presence.forget();
+            return;
+        };
+        for problem in self.presence.before_get(effector, slot) {
+            self.errors.add(place, problem);
+        }
+        let process_time = self.robot.cell.stations[slot.station].process_time;
+        let since = self.presence.left_by(slot).filter(|_| process_time > 0.0);
+        let wait = since.map(|since| Path::Processed { since, seconds: process_time });
+        let done = self.robot.get(effector, slot, wait);
+        self.report(place, done);
+        // What was meant, also where it went wrong: later lines are held to it.
+        self.presence.get(effector, slot, place);
+    }
+
+    fn put(&mut self, place: Place, to: Slot, effector: EffectorId, passes: &[u64]) {
+        let Some(slot) = self.slot(to, passes) else {
+            self.presence.forget();
+            return;
+        };
+        for problem in self.presence.before_put(effector, slot) {
+            self.errors.add(place, problem);
+        }
+        let done = self.robot.put(effector, slot);
+        let step = done.as_ref().ok().copied();
+        self.report(place, done.map(|_| ()));
+        self.presence.put(effector, slot, place, step);
+    }
+}

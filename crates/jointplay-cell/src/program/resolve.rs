@@ -1,0 +1,423 @@
+//! Names of a program, looked up in its cell once a line.
+
+use std::collections::BTreeMap;
+
+use jointplay_core::spatial::Tilt;
+
+use super::extent::ends;
+use super::{
+    AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
+    SlotNumber,
+};
+use crate::cell::Cell;
+use crate::robot::{EffectorId, HybridRobot};
+
+/// A program with its names looked up.
+pub(super) struct Resolved {
+    pub(super) body: Vec<Line>,
+    pub(super) routines: Vec<Vec<Line>>,
+}
+
+/// An instruction with its names looked up.
+pub(super) struct Line {
+    pub(super) place: Place,
+    pub(super) act: Act,
+}
+
+pub(super) enum Act {
+    Home,
+    Move(Vec<(usize, f64)>),
+    MoveLine {
+        effector: EffectorId,
+        by: [f64; 3],
+    },
+    Get {
+        from: Slot,
+        effector: EffectorId,
+    },
+    Put {
+        to: Slot,
+        effector: EffectorId,
+    },
+    Transfer {
+        from: Slot,
+        to: Slot,
+        effector: EffectorId,
+    },
+    Swap {
+        at: Slot,
+        get: EffectorId,
+        put: EffectorId,
+    },
+    Goto {
+        to: Slot,
+        effector: EffectorId,
+    },
+    Wait(f64),
+    Speed(f64),
+    Tilt(Tilt),
+    Call(usize),
+    Repeat {
+        times: u64,
+        body: Vec<Line>,
+    },
+    /// What has a name that is not known: nothing is known of the wafers behind it.
+    Unclear,
+}
+
+/// A slot whose number may depend on the pass.
+#[derive(Clone, Copy)]
+pub(super) struct Slot {
+    pub(super) station: usize,
+    pub(super) number: Number,
+    pub(super) place: Place,
+}
+
+#[derive(Clone, Copy)]
+pub(super) enum Number {
+    Fixed(i128),
+    /// `offset ± pass` of a REPEAT, counted from the outermost of its body or routine.
+    Counted {
+        repeat: usize,
+        offset: i64,
+        down: bool,
+    },
+}
+
+/// Looks all names up.
+///
+/// # Errors
+/// Everything that is wrong. Where it can be run all the same, to see what else is, also the program.
+pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<ProgramError>) {
+    let mut routines = BTreeMap::new();
+    let mut resolver = Resolver { cell, routines: BTreeMap::new(), errors: Vec::new() };
+    for (index, routine) in program.routines.iter().enumerate() {
+        let Name { text, place } = &routine.name;
+        if let Some(&(_, line)) = routines.get(text.as_str()) {
+            let (what, name) = ("the routine", text.clone());
+            resolver.error(*place, ProgramProblem::Twice { what, name, line });
+        } else {
+            routines.insert(text.as_str(), (index, place.line));
+        }
+    }
+    resolver.routines = routines;
+    let resolved = Resolved {
+        body: resolver.block(&program.body, &mut Vec::new()),
+        routines: (program.routines.iter())
+            .map(|routine| resolver.block(&routine.body, &mut Vec::new()))
+            .collect(),
+    };
+    let mut errors = resolver.errors;
+    match ends(program, &resolved) {
+        Ok(()) => (Some(resolved), errors),
+        Err((place, problem)) => {
+            errors.push(ProgramError { place, problem, more: 0 });
+            (None, errors)
+        }
+    }
+}
+
+struct Resolver<'p> {
+    cell: &'p Cell,
+    /// Index and line of each.
+    routines: BTreeMap<&'p str, (usize, usize)>,
+    errors: Vec<ProgramError>,
+}
+
+/// The counters of the REPEATs around an instruction, outermost first.
+type Counters<'p> = Vec<Option<&'p Name>>;
+
+impl<'p> Resolver<'p> {
+    fn error(&mut self, place: Place, problem: ProgramProblem) {
+        self.errors.push(ProgramError { place, problem, more: 0 });
+    }
+
+    fn block(&mut self, body: &'p [Instruction], counters: &mut Counters<'p>) -> Vec<Line> {
+        let mut lines = Vec::with_capacity(body.len());
+        for instruction in body {
+            let act = self.act(instruction, counters).unwrap_or(Act::Unclear);
+            lines.push(Line { place: instruction.place, act });
+        }
+        lines
+    }
+
+    /// `None` where something is wrong; then it has been said.
+    fn act(&mut self, instruction: &'p Instruction, counters: &mut Counters<'p>) -> Option<Act> {
+        let place = instruction.place;
+        Some(match &instruction.command {
+            Command::Home => Act::Home,
+            Command::Move { targets } => {
+                let found: Vec<_> = targets.iter().map(|target| self.axis(target)).collect();
+                Act::Move(found.into_iter().collect::<Option<_>>()?)
+            }
+            Command::MoveLine { effector, by } => {
+                let effector = match effector {
+                    Some(name) => self.effector(name),
+                    None => self.only_one(place, "the robot has several effectors", &self.all()),
+                };
+                if let Some(&value) = by.iter().find(|length| !length.is_finite()) {
+                    let allowed = "a finite length in m";
+                    self.error(place, ProgramProblem::Range { what: "the way", value, allowed });
+                    return None;
+                }
+                Act::MoveLine { effector: effector?, by: *by }
+            }
+            Command::Get { from, effector } => {
+                let (from, effector) = self.at(place, from, effector.as_ref(), counters)?;
+                Act::Get { from, effector }
+            }
+            Command::Put { to, effector } => {
+                let (to, effector) = self.at(place, to, effector.as_ref(), counters)?;
+                Act::Put { to, effector }
+            }
+            Command::Goto { to, effector } => {
+                let (to, effector) = self.at(place, to, effector.as_ref(), counters)?;
+                Act::Goto { to, effector }
+            }
+            Command::Transfer { from, to, effector } => {
+                let (from, to) = (self.slot(from, counters), self.slot(to, counters));
+                let named = effector.as_ref().map(|name| self.effector(name));
+                let (from, to) = (from?, to?);
+                let effector = match named {
+                    Some(found) => {
+                        let found = found?;
+                        let may = [from, to].map(|slot| self.may_use(place, found, slot.station));
+                        may.iter().all(|may| *may).then_some(found)?
+                    }
+                    None => self.for_both(place, from.station, to.station)?,
+                };
+                Act::Transfer { from, to, effector }
+            }
+            Command::Swap { at, get, put } => {
+                let slot = self.slot(at, counters);
+                let (fetches, lays) = (self.effector(get), self.effector(put));
+                let (slot, fetches, lays) = (slot?, fetches?, lays?);
+                if fetches == lays {
+                    let effector = get.text.clone();
+                    self.error(put.place, ProgramProblem::SameEffector { effector });
+                    return None;
+                }
+                let may = [(get, fetches), (put, lays)]
+                    .map(|(name, id)| self.may_use(name.place, id, slot.station));
+                may.iter().all(|may| *may).then_some(Act::Swap {
+                    at: slot,
+                    get: fetches,
+                    put: lays,
+                })?
+            }
+            Command::Wait { seconds } => {
+                let ok = seconds.is_finite() && *seconds >= 0.0;
+                let allowed = "finite and not negative, in s";
+                self.within(place, "the time", *seconds, ok, allowed)?;
+                Act::Wait(*seconds)
+            }
+            Command::Speed { share } => {
+                let ok = *share > 0.0 && *share <= 1.0;
+                self.within(place, "the speed", *share, ok, "a share above 0, at most 1")?;
+                Act::Speed(*share)
+            }
+            Command::Tilt { tilt } => {
+                let ok = tilt.pitch.abs() < std::f64::consts::FRAC_PI_2;
+                self.within(place, "the tilt", tilt.pitch, ok, "less than a right angle, in rad")?;
+                let allowed = "finite, in rad";
+                self.within(place, "the azimuth", tilt.yaw, tilt.yaw.is_finite(), allowed)?;
+                Act::Tilt(*tilt)
+            }
+            Command::Call { routine } => {
+                if let Some(&(index, _)) = self.routines.get(routine.text.as_str()) {
+                    Act::Call(index)
+                } else {
+                    let known = self.routines.keys().map(|name| (*name).to_owned()).collect();
+                    self.unknown("the routine", routine, known);
+                    return None;
+                }
+            }
+            Command::Repeat { times, counter, body } => {
+                let same = |outer: &&Name| Some(&outer.text) == counter.as_ref().map(|it| &it.text);
+                if let Some(name) = counter
+                    && let Some(outer) = counters.iter().flatten().find(|outer| same(outer))
+                {
+                    let (what, line) = ("the counter", outer.place.line);
+                    let problem = ProgramProblem::Twice { what, name: name.text.clone(), line };
+                    self.error(name.place, problem);
+                }
+                counters.push(counter.as_ref());
+                let body = self.block(body, counters);
+                counters.pop();
+                Act::Repeat { times: *times, body }
+            }
+        })
+    }
+
+    fn within(
+        &mut self,
+        place: Place,
+        what: &'static str,
+        value: f64,
+        ok: bool,
+        allowed: &'static str,
+    ) -> Option<()> {
+        if !ok {
+            self.error(place, ProgramProblem::Range { what, value, allowed });
+        }
+        ok.then_some(())
+    }
+
+    fn unknown(&mut self, what: &'static str, name: &Name, known: Vec<String>) {
+        let found = name.text.clone();
+        self.error(name.place, ProgramProblem::Unknown { what, found, known });
+    }
+
+    fn axis(&mut self, target: &AxisTarget) -> Option<(usize, f64)> {
+        let axes = &self.cell.robot.axes;
+        let Some(index) = axes.iter().position(|axis| axis.name == target.axis.text) else {
+            let known = axes.iter().map(|axis| axis.name.clone()).collect();
+            self.unknown("the axis", &target.axis, known);
+            return None;
+        };
+        let axis = &axes[index];
+        if axis.kind != target.kind {
+            let (name, kind) = (axis.name.clone(), axis.kind);
+            self.error(target.axis.place, ProgramProblem::AxisUnit { axis: name, kind });
+            return None;
+        }
+        let position = target.position;
+        let finite = position.is_finite();
+        self.within(target.axis.place, "the position", position, finite, "finite")?;
+        Some((index, position))
+    }
+
+    fn all(&self) -> Vec<EffectorId> {
+        effectors(&self.cell.robot)
+    }
+
+    fn effector(&mut self, name: &Name) -> Option<EffectorId> {
+        let robot = &self.cell.robot;
+        let found = self.all().into_iter().find(|&id| effector_name(robot, id) == name.text);
+        if found.is_none() {
+            let known = self.names(&self.all());
+            self.unknown("the effector", name, known);
+        }
+        found
+    }
+
+    fn names(&self, ids: &[EffectorId]) -> Vec<String> {
+        ids.iter().map(|&id| effector_name(&self.cell.robot, id).to_owned()).collect()
+    }
+
+    /// The one of a list that can only be meant.
+    fn only_one(&mut self, place: Place, where_: &str, ids: &[EffectorId]) -> Option<EffectorId> {
+        if let &[only] = ids {
+            return Some(only);
+        }
+        let (where_, known) = (where_.to_owned(), self.names(ids));
+        self.error(place, ProgramProblem::WhichEffector { where_, known });
+        None
+    }
+
+    /// A slot and who is to use it.
+    fn at(
+        &mut self,
+        place: Place,
+        slot: &'p SlotName,
+        effector: Option<&Name>,
+        counters: &Counters<'p>,
+    ) -> Option<(Slot, EffectorId)> {
+        let slot = self.slot(slot, counters);
+        let named = effector.map(|name| (name.place, self.effector(name)));
+        let slot = slot?;
+        let station = &self.cell.stations[slot.station];
+        let effector = match named {
+            Some((place, found)) => {
+                let found = found?;
+                self.may_use(place, found, slot.station).then_some(found)?
+            }
+            None => {
+                let where_ = format!("station {} is open to several effectors", station.name);
+                self.only_one(place, &where_, &station.effectors)?
+            }
+        };
+        Some((slot, effector))
+    }
+
+    fn may_use(&mut self, place: Place, effector: EffectorId, station: usize) -> bool {
+        let station = &self.cell.stations[station];
+        let may = station.effectors.contains(&effector);
+        if !may {
+            let problem = ProgramProblem::NotAllowed {
+                effector: effector_name(&self.cell.robot, effector).to_owned(),
+                station: station.name.clone(),
+                known: self.names(&station.effectors),
+            };
+            self.error(place, problem);
+        }
+        may
+    }
+
+    /// The only effector that may use two stations.
+    fn for_both(&mut self, place: Place, from: usize, to: usize) -> Option<EffectorId> {
+        let (one, other) = (&self.cell.stations[from], &self.cell.stations[to]);
+        let may = one.effectors.iter().filter(|id| other.effectors.contains(id));
+        let both: Vec<EffectorId> = may.copied().collect();
+        if both.is_empty() {
+            let problem = ProgramProblem::NoneForBoth {
+                from: one.name.clone(),
+                to: other.name.clone(),
+                may_from: self.names(&one.effectors),
+                may_to: self.names(&other.effectors),
+            };
+            self.error(place, problem);
+            return None;
+        }
+        let where_ =
+            format!("stations {} and {} are open to several effectors", one.name, other.name);
+        self.only_one(place, &where_, &both)
+    }
+
+    fn slot(&mut self, name: &'p SlotName, counters: &Counters<'p>) -> Option<Slot> {
+        let stations = &self.cell.stations;
+        let index = stations.iter().position(|station| station.name == name.station.text);
+        if index.is_none() {
+            let known = stations.iter().map(|station| station.name.clone()).collect();
+            self.unknown("the station", &name.station, known);
+        }
+        let (number, place) = match &name.slot {
+            None => (Some(Number::Fixed(1)), name.station.place),
+            Some(SlotNumber::Fixed { number, place }) => {
+                (Some(Number::Fixed(i128::try_from(*number).unwrap_or(i128::MAX))), *place)
+            }
+            Some(SlotNumber::Counted { counter, offset, down }) => {
+                let is_it = |it: &Option<&Name>| it.is_some_and(|it| it.text == counter.text);
+                let number = counters.iter().rposition(is_it).map(|repeat| Number::Counted {
+                    repeat,
+                    offset: *offset,
+                    down: *down,
+                });
+                if number.is_none() {
+                    let known = counters.iter().flatten().map(|it| it.text.clone()).collect();
+                    self.unknown("the counter", counter, known);
+                }
+                (number, counter.place)
+            }
+        };
+        let station = index?;
+        if let (None, slots @ 2..) = (&name.slot, stations[station].slots) {
+            let station = name.station.text.clone();
+            self.error(name.station.place, ProgramProblem::WhichSlot { station, slots });
+            return None;
+        }
+        Some(Slot { station, number: number?, place })
+    }
+}
+
+pub(super) fn effectors(robot: &HybridRobot) -> Vec<EffectorId> {
+    let arms = robot.arms.iter().enumerate();
+    let on = |(arm, it): (usize, &crate::robot::Arm)| {
+        (0..it.effectors.len()).map(move |effector| EffectorId { arm, effector })
+    };
+    arms.flat_map(on).collect()
+}
+
+pub(super) fn effector_name(robot: &HybridRobot, id: EffectorId) -> &str {
+    &robot.arms[id.arm].effectors[id.effector].name
+}

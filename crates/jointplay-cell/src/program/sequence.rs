@@ -1,0 +1,393 @@
+//! The robot on its way: what it does for each instruction, step by step.
+
+use std::collections::BTreeMap;
+
+use jointplay_core::spatial::{Pose, Tilt, leaning};
+use nalgebra::Vector3;
+
+use super::presence::slot_name;
+use super::resolve::effector_name;
+use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
+use crate::cell::Cell;
+use crate::robot::{BrokenLimit, EffectorId, MotionKind, RODS, WaferTarget};
+use crate::station::{SlotId, Waypoints};
+
+/// The robot where it is, and the steps that brought it there.
+pub(super) struct Robot<'c> {
+    pub(super) cell: &'c Cell,
+    pub(super) steps: Vec<Step>,
+    /// Share of the limits.
+    pub(super) speed: f64,
+    positions: Vec<f64>,
+    /// Whether all arms are in.
+    tucked: bool,
+    /// Motors that turn whole arms and nothing else.
+    turning: Vec<bool>,
+    /// How high the plane of the sagging wafer is over the supports of each effector that has carried one [m].
+    sag: BTreeMap<EffectorId, f64>,
+    instruction: usize,
+    place: Place,
+    loaded: Vec<EffectorId>,
+}
+
+/// Where a way leads: what it is called in messages, and the slot that it belongs to.
+#[derive(Clone, Copy)]
+struct Goal<'g> {
+    what: &'static str,
+    effector: EffectorId,
+    target: &'g WaferTarget,
+    slot: SlotId,
+}
+
+impl<'c> Robot<'c> {
+    /// At home, at full speed.
+    pub(super) fn new(cell: &'c Cell) -> Self {
+        let axes = &cell.robot.axes;
+        Self {
+            cell,
+            steps: Vec::new(),
+            speed: 1.0,
+            positions: axes.iter().map(|axis| axis.home).collect(),
+            tucked: true,
+            turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
+            sag: BTreeMap::new(),
+            instruction: 0,
+            place: Place::default(),
+            loaded: Vec::new(),
+        }
+    }
+
+    /// The instruction that the next steps belong to, and who carries a wafer as it starts.
+    pub(super) fn start(&mut self, instruction: usize, place: Place, loaded: Vec<EffectorId>) {
+        (self.instruction, self.place, self.loaded) = (instruction, place, loaded);
+    }
+
+    /// Arms in, then everything to its home position.
+    pub(super) fn home(&mut self) {
+        self.tuck_in();
+        let home = self.cell.robot.axes.iter().map(|axis| axis.home).collect();
+        self.go(Phase::Move, home, Path::Axes);
+    }
+
+    /// Some axes to positions, if all limits allow.
+    pub(super) fn move_axes(&mut self, targets: &[(usize, f64)]) -> Result<(), ProgramProblem> {
+        let mut to = self.positions.clone();
+        for &(axis, position) in targets {
+            to[axis] = position;
+        }
+        self.within_limits("this MOVE", &to)?;
+        let reaches = |&(axis, _): &(usize, f64)| {
+            axis >= RODS && !self.turning[axis] && self.positions[axis] != to[axis]
+        };
+        self.tucked &= !targets.iter().any(reaches);
+        self.go(Phase::Move, to, Path::Axes);
+        Ok(())
+    }
+
+    /// The wafer of an effector along a straight line, its plane and heading kept.
+    pub(super) fn move_line(
+        &mut self,
+        effector: EffectorId,
+        by: [f64; 3],
+    ) -> Result<(), ProgramProblem> {
+        let loaded = self.loaded.contains(&effector);
+        let name = effector_name(&self.cell.robot, effector);
+        let stopped = |source| ProgramProblem::Unreachable {
+            target: "the end of this line".to_owned(),
+            effector: name.to_owned(),
+            loaded,
+            source: Box::new(source),
+        };
+        let pose = self.cell.wafer_pose(effector, &self.positions, loaded).map_err(stopped)?;
+        let target = target_of(&pose, by);
+        let reached = self.cell.reach(effector, &target, loaded, &self.positions);
+        let to = reached.map_err(stopped)?.positions;
+        self.tucked = false;
+        self.go(Phase::Move, to, Path::Line(effector));
+        Ok(())
+    }
+
+    /// The platform to a tilt, its height on the axis kept.
+    pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
+        let to = self.leaning(tilt);
+        self.within_limits("this TILT", &to)?;
+        self.go(Phase::Move, to, Path::Axes);
+        Ok(())
+    }
+
+    /// Stands still.
+    pub(super) fn stand(&mut self, path: Path) {
+        let positions = self.positions.clone();
+        self.push(Phase::Wait, positions, path);
+    }
+
+    /// Before a slot, retracted, at its height and tilt: above its resting plane with a wafer, below without.
+    pub(super) fn goto(
+        &mut self,
+        effector: EffectorId,
+        slot: SlotId,
+    ) -> Result<(), ProgramProblem> {
+        let way = self.waypoints(effector, slot);
+        let (what, target) = if self.loaded.contains(&effector) {
+            ("the place retracted above", &way.retracted_above)
+        } else {
+            ("the place retracted below", &way.retracted_below)
+        };
+        self.before(Goal { what, effector, target, slot })
+    }
+
+    /// Fetches the wafer of a slot; `wait` says how to stand before it until it may be fetched.
+    pub(super) fn get(
+        &mut self,
+        effector: EffectorId,
+        slot: SlotId,
+        wait: Option<Path>,
+    ) -> Result<(), ProgramProblem> {
+        self.loaded.retain(|&id| id != effector);
+        let way = self.waypoints(effector, slot);
+        let goal = |what, target| Goal { what, effector, target, slot };
+        let first = self.steps.len();
+        self.before(goal("the place retracted below", &way.retracted_below))?;
+        if let Some(wait) = wait {
+            self.stand(wait);
+        }
+        for via in &way.via_below {
+            self.line(Phase::Extend, goal("a via point below", via))?;
+        }
+        self.line(Phase::Extend, goal("the place below", &way.below))?;
+        // Where its loaded wafer's plane will be the slot's, the empty effector already comes to.
+        let resting = self.sagged(effector, &way.resting)?;
+        self.line(Phase::Lift, goal("the place of rest in", &resting))?;
+        self.hand_over(Handover::Taken(effector, slot));
+        self.loaded.push(effector);
+        self.loaded.sort_unstable();
+        self.line(Phase::Lift, goal("the place above", &way.above))?;
+        for via in way.via_above.iter().rev() {
+            self.line(Phase::Retract, goal("a via point above", via))?;
+        }
+        self.line(Phase::Retract, goal("the place retracted above", &way.retracted_above))?;
+        self.level();
+        self.reach_into(slot, first);
+        Ok(())
+    }
+
+    /// Lays the wafer into a slot; the index of the step at whose end it lies there.
+    pub(super) fn put(
+        &mut self,
+        effector: EffectorId,
+        slot: SlotId,
+    ) -> Result<usize, ProgramProblem> {
+        if !self.loaded.contains(&effector) {
+            self.loaded.push(effector);
+            self.loaded.sort_unstable();
+        }
+        let way = self.waypoints(effector, slot);
+        let goal = |what, target| Goal { what, effector, target, slot };
+        let first = self.steps.len();
+        self.before(goal("the place retracted above", &way.retracted_above))?;
+        for via in &way.via_above {
+            self.line(Phase::Extend, goal("a via point above", via))?;
+        }
+        self.line(Phase::Extend, goal("the place above", &way.above))?;
+        self.line(Phase::Lower, goal("the place of rest in", &way.resting))?;
+        self.hand_over(Handover::Left(effector, slot));
+        let left = self.steps.len() - 1;
+        self.loaded.retain(|&id| id != effector);
+        self.line(Phase::Lower, goal("the place below", &way.below))?;
+        for via in way.via_below.iter().rev() {
+            self.line(Phase::Retract, goal("a via point below", via))?;
+        }
+        self.line(Phase::Retract, goal("the place retracted below", &way.retracted_below))?;
+        self.level();
+        self.reach_into(slot, first);
+        Ok(left)
+    }
+
+    fn waypoints(&self, effector: EffectorId, slot: SlotId) -> Waypoints {
+        let [x, y, _] = self.cell.robot.arms[effector.arm].mount;
+        self.cell.stations[slot.station].waypoints(slot.slot, [x, y])
+    }
+
+    /// Arms in, level, turned to a retracted place with the motors alone, then there with the rods alone.
+    fn before(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
+        self.tuck_in();
+        self.level();
+        let to = self.reached(goal)?;
+        let mut turned = to.clone();
+        turned[..RODS].copy_from_slice(&self.positions[..RODS]);
+        self.go(Phase::Turn, turned, Path::Axes);
+        self.go(Phase::Enter, to, Path::Axes);
+        Ok(())
+    }
+
+    /// Motors that reach out to their home positions, where an arm may be out.
+    fn tuck_in(&mut self) {
+        if self.tucked {
+            return;
+        }
+        let mut to = self.positions.clone();
+        for (axis, position) in to.iter_mut().enumerate().skip(RODS) {
+            if !self.turning[axis] {
+                *position = self.cell.robot.axes[axis].home;
+            }
+        }
+        self.tucked = true;
+        self.go(Phase::TuckIn, to, Path::Axes);
+    }
+
+    fn level(&mut self) {
+        let to = self.leaning(Tilt::LEVEL);
+        self.go(Phase::Level, to, Path::Axes);
+    }
+
+    /// Positions with another tilt, at the same height on the axis.
+    fn leaning(&self, tilt: Tilt) -> Vec<f64> {
+        let gpr = &self.cell.robot.gpr;
+        let rods = [self.positions[0], self.positions[1], self.positions[2]];
+        let mut to = self.positions.clone();
+        // Level already is level to the bit.
+        let is_level = rods[0] == rods[1] && rods[1] == rods[2];
+        if let (false, Ok(rods)) =
+            (is_level && tilt == Tilt::LEVEL, gpr.inverse(tilt, gpr.plane_height(&rods)))
+        {
+            to[..RODS].copy_from_slice(&rods);
+        }
+        to
+    }
+
+    /// A place at which the sagging wafer's mean plane lies in that of the target.
+    fn sagged(
+        &mut self,
+        effector: EffectorId,
+        target: &WaferTarget,
+    ) -> Result<WaferTarget, ProgramProblem> {
+        let height = match self.sag.get(&effector) {
+            Some(&height) => height,
+            None => {
+                let name = || effector_name(&self.cell.robot, effector).to_owned();
+                let sag = self.cell.sag(effector);
+                let sag = sag.map_err(|source| ProgramProblem::Sag {
+                    effector: name(),
+                    source: Box::new(source),
+                })?;
+                self.sag.insert(effector, sag.plane_height);
+                sag.plane_height
+            }
+        };
+        let center = target.center - target.normal.normalize() * height;
+        Ok(WaferTarget { center, ..*target })
+    }
+
+    fn reached(&mut self, goal: Goal<'_>) -> Result<Vec<f64>, ProgramProblem> {
+        let Goal { what, effector, target, slot } = goal;
+        let loaded = self.loaded.contains(&effector);
+        let target = if loaded { self.sagged(effector, target)? } else { *target };
+        let reached = self.cell.reach(effector, &target, loaded, &self.positions);
+        reached.map(|it| it.positions).map_err(|source| {
+            let target = format!("{what} {}", slot_name(self.cell, slot));
+            let effector = effector_name(&self.cell.robot, effector).to_owned();
+            ProgramProblem::Unreachable { target, effector, loaded, source: Box::new(source) }
+        })
+    }
+
+    /// Straight to a place.
+    fn line(&mut self, phase: Phase, goal: Goal<'_>) -> Result<(), ProgramProblem> {
+        let to = self.reached(goal)?;
+        self.push(phase, to, Path::Line(goal.effector));
+        if matches!(phase, Phase::Lift | Phase::Lower) {
+            let speed = self.cell.stations[goal.slot.station].stroke.speed;
+            if let Some(step) = self.steps.last_mut() {
+                step.line_speed = Some(speed);
+            }
+        }
+        Ok(())
+    }
+
+    /// A step, unless the robot is there already.
+    fn go(&mut self, phase: Phase, to: Vec<f64>, path: Path) {
+        if to != self.positions {
+            self.push(phase, to, path);
+        }
+    }
+
+    fn push(&mut self, phase: Phase, to: Vec<f64>, path: Path) {
+        let from = std::mem::replace(&mut self.positions, to.clone());
+        self.steps.push(Step {
+            instruction: self.instruction,
+            place: self.place,
+            phase,
+            from,
+            to,
+            path,
+            speed: self.speed,
+            line_speed: None,
+            loaded: self.loaded.clone(),
+            handover: None,
+            slot: None,
+        });
+    }
+
+    /// What happens at the end of the last step.
+    fn hand_over(&mut self, handover: Handover) {
+        if let Some(step) = self.steps.last_mut() {
+            step.handover = Some(handover);
+        }
+    }
+
+    /// Marks the steps from an index on that are within the station.
+    fn reach_into(&mut self, slot: SlotId, first: usize) {
+        for step in &mut self.steps[first..] {
+            let within =
+                matches!(step.phase, Phase::Extend | Phase::Lift | Phase::Lower | Phase::Retract);
+            step.slot = within.then_some(slot);
+        }
+    }
+
+    fn within_limits(&self, what: &'static str, to: &[f64]) -> Result<(), ProgramProblem> {
+        let axes = &self.cell.robot.axes;
+        let broken = self.cell.robot.broken_limits(to).unwrap_or_default();
+        let told = |limit: &BrokenLimit| match *limit {
+            BrokenLimit::Axis { axis, position, min, max } => {
+                let axis = &axes[axis];
+                let (unit, factor) = match axis.kind {
+                    MotionKind::Turn => ("deg", 1_f64.to_degrees()),
+                    MotionKind::Slide => ("mm", 1e3),
+                };
+                format!(
+                    "axis {} to {:.3} {unit}, but its limits are {:.3} to {:.3} {unit}",
+                    axis.name,
+                    position * factor,
+                    min * factor,
+                    max * factor
+                )
+            }
+            BrokenLimit::Tilt { pitch, max } => format!(
+                "the platform to a tilt of {:.4} deg, but it leans by at most {:.4} deg",
+                pitch.to_degrees(),
+                max.to_degrees()
+            ),
+        };
+        if broken.is_empty() {
+            return Ok(());
+        }
+        Err(ProgramProblem::Limits { what, limits: broken.iter().map(told).collect() })
+    }
+}
+
+/// A place beside that of a wafer, its plane and heading the same.
+fn target_of(base_from_wafer: &Pose, by: [f64; 3]) -> WaferTarget {
+    let normal = base_from_wafer.rotation * Vector3::z();
+    let level = leaning(&normal).inverse() * (base_from_wafer.rotation * Vector3::x());
+    WaferTarget {
+        center: base_from_wafer.translation.vector + Vector3::from(by),
+        normal,
+        heading: Some(level.y.atan2(level.x)),
+    }
+}
+
+/// Whether a motor turns whole arms about their first joints and does nothing else.
+fn turns_arms(cell: &Cell, axis: usize) -> bool {
+    let joints = cell.robot.arms.iter().flat_map(|arm| arm.joints.iter().enumerate());
+    let mut driven = joints.filter(|(_, joint)| joint.drives.iter().any(|drive| drive.0 == axis));
+    axis >= RODS && driven.all(|(index, joint)| index == 0 && joint.kind == MotionKind::Turn)
+}

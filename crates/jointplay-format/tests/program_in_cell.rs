@@ -1,0 +1,387 @@
+//! Programs in a cell: the steps that they come to, and all that is wrong with them.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::program::{
+    Handover, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
+};
+use jointplay_cell::robot::{
+    Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
+};
+use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_core::gpr::Gpr;
+use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_format::program::{explain, parse};
+use nalgebra::{Rotation3, Vector3};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+const A: EffectorId = EffectorId { arm: 0, effector: 0 };
+const B: EffectorId = EffectorId { arm: 1, effector: 0 };
+
+fn axis(name: &str, kind: MotionKind, min: f64, max: f64, home: f64) -> Axis {
+    let dynamics = Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
+    Axis { name: name.into(), kind, min, max, home, empty: dynamics, loaded: dynamics }
+}
+
+/// An arm of two equal links with a 1 : −2 : 1 belt, folded where its motor R is at zero.
+fn arm(name: &str, r: usize, height: f64) -> Arm {
+    let joint = |zero: f64, drives: Vec<(usize, f64)>, length| ArmJoint {
+        kind: MotionKind::Turn,
+        zero,
+        drives,
+        length,
+        offset: 0.0,
+        rise: 0.012,
+    };
+    let effector = Effector {
+        name: name.into(),
+        wafer_center: [0.25, 0.0, 0.005],
+        heading: 0.0,
+        support: Support::ThreePoints { radius: 0.1 },
+        friction: 0.3,
+    };
+    Arm {
+        name: format!("arm {name}"),
+        mount: [0.0, 0.0, height],
+        joints: vec![
+            joint(-FRAC_PI_2, vec![(3, 1.0), (r, 1.0)], 0.22),
+            joint(PI, vec![(r, -2.0)], 0.22),
+            joint(-FRAC_PI_2, vec![(r, 1.0)], 0.0),
+        ],
+        effectors: vec![effector],
+        droop: Droop::Cantilever { stiffness: 900.0, mass_per_length: 2.5 },
+    }
+}
+
+fn station(name: &str, azimuth: f64, tilt: Tilt, slots: usize) -> Station {
+    let (sin, cos) = azimuth.sin_cos();
+    let facing = Rotation3::from_axis_angle(&Vector3::z_axis(), azimuth - FRAC_PI_2);
+    let origin = Vector3::new(0.6 * cos, 0.6 * sin, 0.7);
+    Station {
+        name: name.into(),
+        base_from_station: Pose::from_parts(origin.into(), leaning(&tilt.normal()) * facing),
+        origin: Origin::Nominal,
+        slots,
+        pitch: 0.01,
+        stroke: Stroke { below: 0.004, above: 0.003, speed: 0.02 },
+        offset: [0.0; 3],
+        retract_reach: 0.3,
+        via: Vec::new(),
+        approach: Approach::Radial,
+        effectors: vec![A, B],
+        process_time: 0.0,
+    }
+}
+
+/// Two arms, a straight and a tilted port of five slots, an aligner for one arm, and a process station with a via point.
+fn cell() -> Cell {
+    let gpr = Gpr::paper();
+    let (min, max) = (gpr.limits().rod_min, gpr.limits().rod_max);
+    let mut axes: Vec<Axis> =
+        ["q1", "q2", "q3"].map(|rod| axis(rod, MotionKind::Slide, min, max, 0.5)).into();
+    axes.push(axis("T", MotionKind::Turn, -PI, PI, 0.0));
+    axes.push(axis("R1", MotionKind::Turn, -1.2, 1.5, 0.0));
+    axes.push(axis("R2", MotionKind::Turn, -1.2, 1.5, 0.0));
+    let robot = HybridRobot {
+        name: "test".into(),
+        gpr,
+        model: PlatformModel::default(),
+        axes,
+        arms: vec![arm("A", 4, 0.14), arm("B", 5, 0.17)],
+        assumed: Vec::new(),
+    };
+    let tilted = Tilt { yaw: 2.0, pitch: 0.8_f64.to_radians() };
+    let aligner = Station { effectors: vec![A], ..station("aligner", PI, Tilt::LEVEL, 1) };
+    let process = Station {
+        process_time: 30.0,
+        via: vec![[0.0, -0.2, 0.0]],
+        approach: Approach::Line,
+        ..station("process", -FRAC_PI_2, Tilt::LEVEL, 1)
+    };
+    let slot = |slot| SlotId { station: 0, slot };
+    Cell {
+        name: "test".into(),
+        assumed: Vec::new(),
+        robot: robot.checked().unwrap(),
+        wafer: Wafer {
+            diameter: 0.3,
+            thickness: 775e-6,
+            material: Material {
+                name: "silicon".into(),
+                young: 147e9,
+                poisson: 0.18,
+                density: 2329.0,
+            },
+        },
+        stations: vec![
+            station("port-1", 0.0, Tilt::LEVEL, 5),
+            station("port-2", FRAC_PI_2, tilted, 5),
+            aligner,
+            process,
+        ],
+        occupied: vec![slot(1), slot(2), slot(3), slot(5)],
+        carried: Vec::new(),
+        bodies: Vec::new(),
+        allowed_pairs: Vec::new(),
+        zones: Vec::new(),
+        play_budget: 1e-3,
+        clearance: 1e-3,
+        slot_clearance: 1e-3,
+        gravity: 9.80665,
+        plane_threshold: 1e-6,
+    }
+}
+
+/// The steps of a program, held to what holds for any.
+#[track_caller]
+fn steps(cell: &Cell, text: &str) -> Vec<Step> {
+    let program = parse(text).unwrap();
+    let steps = expand(cell, &program).unwrap_or_else(|errors| {
+        panic!(
+            "{}",
+            errors.iter().map(|it| format!("{}: {it}\n", it.place.line)).collect::<String>()
+        )
+    });
+    let mut before: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
+    let mut loaded = cell.carried.clone();
+    for (index, step) in steps.iter().enumerate() {
+        assert_eq!(step.from, before, "step {index}");
+        assert_eq!(step.loaded, loaded, "step {index}");
+        assert_eq!(cell.robot.broken_limits(&step.to).unwrap(), []);
+        before.clone_from(&step.to);
+        match step.handover {
+            Some(Handover::Taken(effector, _)) => loaded.push(effector),
+            Some(Handover::Left(effector, _)) => loaded.retain(|&id| id != effector),
+            None => {}
+        }
+        loaded.sort_unstable();
+    }
+    steps
+}
+
+fn phases(steps: &[Step]) -> Vec<Phase> {
+    steps.iter().map(|step| step.phase).collect()
+}
+
+use Phase::{Enter, Extend, Level, Lift, Lower, Move, Retract, TuckIn, Turn, Wait};
+
+#[test]
+fn a_get_is_the_sequence_of_the_trade() {
+    let cell = cell();
+    let steps = steps(&cell, "SPEED 50 %\nGET port-1 SLOT 3 WITH A");
+    // No level at the end: the compensation of the droop has tilted the platform, and it is put straight.
+    assert_eq!(phases(&steps), [Turn, Enter, Extend, Lift, Lift, Retract, Level]);
+    let slot = SlotId { station: 0, slot: 3 };
+    let way = cell.stations[0].waypoints(3, [0.0, 0.0]);
+    for (index, step) in steps.iter().enumerate() {
+        assert_eq!((step.instruction, step.place.line), (1, 2));
+        assert!((step.speed - 0.5).abs() < 1e-15);
+        let within = (2..=5).contains(&index);
+        assert_eq!(step.slot, within.then_some(slot));
+        assert_eq!(step.path, if within { Path::Line(A) } else { Path::Axes });
+        assert_eq!(step.line_speed.is_some(), matches!(step.phase, Lift));
+    }
+    assert_eq!(steps[3].handover, Some(Handover::Taken(A, slot)));
+    // Turning moves no rod, entering no motor.
+    assert_eq!(steps[0].from[..3], steps[0].to[..3]);
+    assert_eq!(steps[1].from[3..], steps[1].to[3..]);
+    // The wafer's places, the droop of the arm made up for, and the sag of the wafer.
+    let sag = cell.sag(A).unwrap().plane_height;
+    assert!(sag < -1e-6);
+    let at = |step: usize, target: &jointplay_cell::robot::WaferTarget, loaded, sag: f64| {
+        let pose = cell.wafer_pose(A, &steps[step].to, loaded).unwrap();
+        let center = target.center - target.normal * sag;
+        assert!((pose.translation.vector - center).norm() < 1e-11, "step {step}");
+        assert!((pose.rotation * Vector3::z() - target.normal).norm() < 1e-9, "step {step}");
+    };
+    at(1, &way.retracted_below, false, 0.0);
+    at(2, &way.below, false, 0.0);
+    at(3, &way.resting, false, sag);
+    at(4, &way.above, true, sag);
+    at(5, &way.retracted_above, true, sag);
+    let rods = &steps[6].to[..3];
+    assert!(rods[0] == rods[1] && rods[1] == rods[2], "{rods:?}");
+}
+
+#[test]
+fn a_put_mirrors_it_in_the_tilt_of_the_station() {
+    let cell = cell();
+    let all = steps(&cell, "GET port-1 SLOT 3 WITH A\nPUT port-2 SLOT 5 WITH A");
+    let put: Vec<Step> = all.into_iter().filter(|step| step.instruction == 1).collect();
+    assert_eq!(phases(&put), [Turn, Enter, Extend, Lower, Lower, Retract, Level]);
+    let slot = SlotId { station: 1, slot: 5 };
+    assert_eq!(put[3].handover, Some(Handover::Left(A, slot)));
+    let way = cell.stations[1].waypoints(5, [0.0, 0.0]);
+    let pose = cell.wafer_pose(A, &put[3].to, true).unwrap();
+    let sag = cell.sag(A).unwrap().plane_height;
+    let rests = pose.translation.vector + way.resting.normal * sag;
+    assert!((rests - way.resting.center).norm() < 1e-11);
+    assert!((pose.rotation * Vector3::z() - way.resting.normal).norm() < 1e-9);
+    let below = cell.wafer_pose(A, &put[4].to, false).unwrap();
+    assert!((below.translation.vector - way.below.center).norm() < 1e-11);
+    assert_eq!(put[4].loaded, []);
+}
+
+#[test]
+fn via_points_are_passed_both_ways() {
+    let steps = steps(&cell(), "TRANSFER port-1 SLOT 1 TO process WITH A");
+    let put: Vec<Step> = steps.into_iter().skip(7).collect();
+    assert_eq!(phases(&put), [Turn, Enter, Extend, Extend, Lower, Lower, Retract, Retract, Level]);
+    assert!(put.iter().all(|step| step.instruction == 0));
+}
+
+#[test]
+fn a_busy_station_is_waited_for() {
+    let text = "TRANSFER port-1 SLOT 1 TO process WITH A\nSWAP aligner GET A PUT B";
+    // The aligner is not open to B.
+    assert!(matches!(
+        expand(&cell(), &parse(text).unwrap()).unwrap_err()[0].problem,
+        ProgramProblem::NotAllowed { .. }
+    ));
+    let text = "TRANSFER port-1 SLOT 1 TO process WITH A\nGET port-1 SLOT 2 WITH B\nSWAP process GET A PUT B\nPUT port-1 SLOT 1 WITH A\nGET process WITH A";
+    let steps = steps(&cell(), text);
+    let waits: Vec<&Step> = steps.iter().filter(|step| step.phase == Wait).collect();
+    let left = |effector| {
+        let slot = SlotId { station: 3, slot: 1 };
+        steps.iter().position(|step| step.handover == Some(Handover::Left(effector, slot))).unwrap()
+    };
+    let [first, second] = waits[..] else { panic!("{waits:?}") };
+    assert_eq!(first.path, Path::Processed { since: left(A), seconds: 30.0 });
+    assert_eq!(second.path, Path::Processed { since: left(B), seconds: 30.0 });
+    assert_eq!((first.instruction, second.instruction), (2, 4));
+    assert_eq!(first.from, first.to);
+    // Before the slot, not in it.
+    let at = steps.iter().position(|step| step.phase == Wait).unwrap();
+    assert_eq!((steps[at - 1].phase, steps[at + 1].phase), (Enter, Extend));
+    // What lies there from the start is done.
+    let mut done = cell();
+    done.occupied.push(SlotId { station: 3, slot: 1 });
+    let steps = self::steps(&done, "GET process WITH A");
+    assert!(steps.iter().all(|step| step.phase != Wait));
+}
+
+#[test]
+fn moves_and_lines_take_the_arms_out_and_the_next_turn_tucks_them_in() {
+    let cell = cell();
+    let all = steps(
+        &cell,
+        "MOVE T 20 deg R1 30 deg\nMOVE LINE WITH A BY Z 5 mm\nGOTO port-2 SLOT 1 WITH A",
+    );
+    assert_eq!(phases(&all), [Move, Move, TuckIn, Turn, Enter]);
+    let pose = |step: &Step, at: &[f64]| {
+        assert!(step.loaded.is_empty());
+        cell.wafer_pose(A, at, false).unwrap()
+    };
+    let (from, to) = (pose(&all[1], &all[1].from), pose(&all[1], &all[1].to));
+    let moved = to.translation.vector - from.translation.vector;
+    assert!((moved - Vector3::new(0.0, 0.0, 0.005)).norm() < 1e-11);
+    assert!((from.rotation.inverse() * to.rotation).angle() < 1e-9);
+    assert_eq!(all[2].to[4], cell.robot.axes[4].home);
+    // T alone leaves the arms in.
+    assert_eq!(phases(&steps(&cell, "MOVE T 20 deg\nHOME\nHOME")), [Move, Move]);
+    let home: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
+    let all = steps(&cell, "MOVE R1 30 deg T 10 deg\nHOME");
+    assert_eq!(phases(&all), [Move, TuckIn, Move]);
+    assert_eq!(all[2].to, home);
+}
+
+#[test]
+fn a_tilt_keeps_the_height_on_the_axis() {
+    let cell = cell();
+    let all = steps(&cell, "TILT 0.5 deg TOWARD 90 deg\nTILT LEVEL\nWAIT 2 s\nWAIT 0 s");
+    assert_eq!(phases(&all), [Move, Move, Wait, Wait]);
+    let rods = [all[0].to[0], all[0].to[1], all[0].to[2]];
+    let gpr = &cell.robot.gpr;
+    assert!((gpr.plane_tilt(&rods).pitch - 0.5_f64.to_radians()).abs() < 1e-14);
+    assert!((gpr.plane_height(&rods).0 - 0.5).abs() < 1e-14);
+    assert_eq!(all[2].path, Path::Still(2.0));
+}
+
+#[test]
+fn a_pass_counts_slots_up_and_down() {
+    let text = "REPEAT 2 AS n\n  TRANSFER port-1 SLOT n + 1 TO port-2 SLOT 6 - n WITH B\nEND";
+    let handed: Vec<Handover> =
+        steps(&cell(), text).into_iter().filter_map(|step| step.handover).collect();
+    let slot = |station, slot| SlotId { station, slot };
+    assert_eq!(
+        handed,
+        [
+            Handover::Taken(B, slot(0, 2)),
+            Handover::Left(B, slot(1, 5)),
+            Handover::Taken(B, slot(0, 3)),
+            Handover::Left(B, slot(1, 4)),
+        ]
+    );
+}
+
+/// Messages of all that is wrong, in the text.
+fn wrong(cell: &Cell, text: &str) -> String {
+    let errors = expand(cell, &parse(text).unwrap()).unwrap_err();
+    let told = errors.iter().map(|error| {
+        let shown = explain(text, error);
+        assert_eq!(shown.with_excerpt("lot").lines().count(), 4);
+        format!("{}:{}: {shown}\n", shown.place.line, shown.place.column)
+    });
+    told.collect()
+}
+
+#[test]
+fn every_mistake_is_told_with_its_line() {
+    insta::assert_snapshot!(wrong(&cell(), include_str!("programs/wrong-names.program")));
+    insta::assert_snapshot!(wrong(&cell(), include_str!("programs/wrong-wafers.program")));
+    insta::assert_snapshot!(wrong(&cell(), include_str!("programs/wrong-limits.program")));
+}
+
+#[test]
+fn a_message_shows_what_is_meant() {
+    let text = "HOME\nGET prot-1 SLOT 3 WITH A  # typing";
+    let errors = expand(&cell(), &parse(text).unwrap()).unwrap_err();
+    assert_eq!(
+        explain(text, &errors[0]).with_excerpt("lot.program"),
+        "lot.program:2:5: the station `prot-1` is not known; known: port-1, port-2, aligner, process (did you mean `port-1`?)\n  |\n2 | GET prot-1 SLOT 3 WITH A  # typing\n  |     ^^^^^^"
+    );
+}
+
+#[test]
+fn what_is_out_of_reach_says_why() {
+    let mut far = cell();
+    far.stations[0].base_from_station.translation.x = 0.9;
+    far.stations[1].base_from_station.translation.z = 1.1;
+    let steep = Tilt { yaw: 0.0, pitch: 5_f64.to_radians() };
+    far.stations[2].base_from_station.rotation = leaning(&steep.normal());
+    far.occupied.push(SlotId { station: 2, slot: 1 });
+    let text =
+        "REPEAT 3 AS n\n  GET port-1 SLOT n WITH A\n  PUT port-2 SLOT n WITH A\nEND\nGET aligner";
+    insta::assert_snapshot!(wrong(&far, text));
+}
+
+#[test]
+fn programs_without_end_are_refused_at_once() {
+    let deep = MAX_CALLS + 1;
+    let chain: String = (0..deep)
+        .map(|k| format!("ROUTINE r{k}\n  CALL r{}\nEND\n", k + 1))
+        .chain([format!("ROUTINE r{deep}\n  HOME\nEND\nCALL r0\n")])
+        .collect();
+    // Routines known to be shallow do not hide how deep they are called from.
+    let sums: String = (1..3000)
+        .map(|k| format!("ROUTINE s{k}\n  CALL s{}\nEND\nCALL s{k}\n", k - 1))
+        .chain(["ROUTINE s0\n  HOME\nEND\n".to_owned()])
+        .collect();
+    let told: String = [
+        "HOME\nREPEAT 1000000000000\n  WAIT 0 s\nEND",
+        "REPEAT 1000000000000\nEND",
+        "REPEAT 1000000\n  REPEAT 1000000\n    REPEAT 1000000\n      REPEAT 100000\n        HOME\n      END\n    END\n  END\nEND",
+        "CALL a\nROUTINE a\n  HOME\n  CALL b\nEND\nROUTINE b\n  CALL a\nEND",
+        "ROUTINE a\n  CALL a\nEND\nCALL a",
+        &"REPEAT 10000\n  HOME\nEND\n".repeat(3),
+        &chain,
+        &sums,
+    ]
+    .iter()
+    .map(|text| wrong(&cell(), text))
+    .collect();
+    insta::assert_snapshot!(told);
+    assert_eq!(MAX_INSTRUCTIONS, 20_000);
+}
