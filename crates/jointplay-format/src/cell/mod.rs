@@ -3,7 +3,6 @@
 //! All that is wrong with a file is told at once, each with its place.
 
 pub mod explain;
-#[expect(dead_code, reason = "files of cells will say it")]
 mod problem;
 pub mod robot;
 #[expect(dead_code, reason = "files of cells will read by it")]
