@@ -349,7 +349,7 @@ fn an_edit_leaves_one_way_of_placing() {
     };
     assert!(matches!(of(&[Change::Tilt(Tilt::LEVEL)]).origin, Origin::Nominal));
     assert!(matches!(of(&[taught(0.621)]).origin, Origin::Taught(fit) if fit.threshold == 5e-5));
-    let text = set_station(EXAMPLE, "LP1", &[drift.clone()]).unwrap();
+    let text = set_station(EXAMPLE, "LP1", &[drift]).unwrap();
     assert!(matches!(read(&text, &mut no_files).unwrap().stations[0].origin, Origin::Drift(_)));
     // Back again: the place of the first slot stays.
     let text = set_station(&text, "LP1", &[Change::Tilt(Tilt::LEVEL)]).unwrap();
