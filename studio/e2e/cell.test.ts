@@ -102,7 +102,9 @@ test('a station leans too far, is mended, and the file keeps its comments', asyn
   await page.getByTestId('station-LP1-pitch').fill('2');
   await page.getByTestId('station-LP1-pitch').press('Enter');
   await verdict('refused');
-  await page.getByTestId('problems').filter({ hasText: 'line 2' }).waitFor();
+  await page.getByTestId('problems').filter({ hasText: 'LP1' }).filter({ hasText: 'leans 2.000°' }).waitFor();
+  await page.getByTestId('problems').getByRole('button').first().click();
+  await page.getByTestId('text-cell').locator('.cm-lintRange-error').first().waitFor();
   await page.getByRole('button', { name: 'Undo' }).click();
   await verdict('sound');
   await page.getByTestId('station-LP1-x').fill('-494');

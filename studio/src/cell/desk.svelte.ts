@@ -1,7 +1,7 @@
 // What the cell's part of the page knows: two texts, what they come to, and the moment shown.
 
 import * as api from '../api/client';
-import { Away, type PlanDocument } from '../api/client';
+import { Away, type PlanDocument, type StationDocument } from '../api/client';
 import { History } from '../lib/history';
 import { readArrow } from '../lib/arrow';
 
@@ -25,6 +25,8 @@ export class Desk {
   texts = $state.raw<Texts>({ cell: '', program: '' });
   saved = $state.raw<Texts>({ cell: '', program: '' });
   plan = $state.raw<PlanDocument | null>(null);
+  /** The stations of the last cell that could be read: what is wrong with it can be mended here too. */
+  stations = $state.raw<StationDocument[]>([]);
   /** The cell in motion, as glTF. */
   shape = $state.raw<ArrayBuffer | null>(null);
   /** The motion sample by sample. */
@@ -131,6 +133,7 @@ export class Desk {
       const plan = await api.plan(texts, abort.signal);
       if (abort.signal.aborted) return;
       this.plan = plan;
+      if (plan.stations.length > 0) this.stations = plan.stations;
       this.took_ms = performance.now() - begun;
       if (this.time > this.duration) this.seek(this.duration);
       // Where the cell cannot be read, the last one that could stays in view.
