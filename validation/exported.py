@@ -24,6 +24,13 @@ PACKAGES = ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "pyarrow==26.0.1"]
 VALIDATOR = "gltf-validator@2.0.0-dev.3.10"
 RATE = 50
 
+# A program of one wafer for the example cell, by both arms.
+PROGRAM = """HOME
+TRANSFER LP1 SLOT 1 TO PM1 WITH A
+TRANSFER PM1 TO LP2 SLOT 25 WITH B
+HOME
+"""
+
 # What the glTF validator says of a file, as JSON.
 VALIDATE = """
 const validator = require('gltf-validator');
@@ -143,9 +150,11 @@ def main() -> None:
     HOME.mkdir(parents=True, exist_ok=True)
     python = environment()
     with tempfile.TemporaryDirectory() as temporary:
-        folder = Path(temporary)
+        program, folder = Path(temporary) / "one.program", Path(temporary) / "out"
+        program.write_text(PROGRAM)
         kinds = "csv,parquet,gltf,mcap,solidworks,text"
-        line: list[str | Path] = [command, "cell", "export", "--to", kinds, "--rate", str(RATE), "--out", folder]
+        line: list[str | Path] = [command, "cell", "export", "example", program, "--to", kinds]
+        line += ["--rate", str(RATE), "--out", folder]
         told = json.loads(run([*line, "--format", "json"]))
         print(run([python, __file__, "--inside", folder]), end="")
         duration = told["duration_s"]

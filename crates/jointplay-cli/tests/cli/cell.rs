@@ -4,7 +4,7 @@ use crate::desk::{Desk, without_round_off};
 use serde_json::Value;
 
 /// One wafer to the aligner and to the misaligned port.
-const SMALL: &str = "HOME
+pub(crate) const SMALL: &str = "HOME
 TRANSFER LP1 SLOT 1 TO ALIGN WITH A
 TRANSFER ALIGN TO LP2 SLOT 25 WITH A
 HOME

@@ -102,11 +102,12 @@ impl<'a> TopView<'a> {
             let at = (0.5 * self.width, 26.0 + line as f64 * TITLE * LEADING);
             svg.text(at, TITLE, Anchor::Middle, text, "");
         }
-        self.zones(&mut svg, &camera);
         self.bodies(&mut svg, &camera);
         self.robot(&mut svg, &camera);
+        self.zones(&mut svg, &camera);
+        self.stations(&mut svg, &camera);
         self.ways(&mut svg, &camera);
-        self.stations(&mut svg, &camera, (top, bottom));
+        self.names(&mut svg, &camera, (top, bottom));
         for &at in &self.wrong {
             let (x, y) = camera.at(at);
             let data = format!("M{} {}l9 9m0 -9l-9 9", px(x - 4.5), px(y - 4.5));
@@ -201,7 +202,7 @@ impl<'a> TopView<'a> {
         for (k, track) in self.tracks.iter().enumerate() {
             let colour = effector_colour(k).hex();
             for reach in track.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
-                let dash = if k % 2 == 0 { "2 4" } else { "7 4" };
+                let dash = if k % 2 == 0 { "2 4" } else { "4 3" };
                 let look =
                     format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
                 svg.path(&circle(camera, [0.0; 2], reach), &look);
@@ -214,21 +215,30 @@ impl<'a> TopView<'a> {
                 }
             }
             if way.len() > 1 {
+                // Ways of several effectors into one station lie on each other.
+                let dash = if k % 2 == 0 { "" } else { " stroke-dasharray=\"8 6\"" };
                 let look = format!(
-                    " stroke=\"{colour}\" stroke-width=\"1.4\" stroke-opacity=\"0.75\" stroke-linejoin=\"round\""
+                    " stroke=\"{colour}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{dash}"
                 );
                 svg.path(&path_data(&way), &look);
             }
         }
     }
 
-    /// Stations as wafers, with a tick where they open toward the robot, and their names beyond them.
-    fn stations(&self, svg: &mut Svg, camera: &Camera, (top, bottom): (f64, f64)) {
+    /// Stations as wafers.
+    fn stations(&self, svg: &mut Svg, camera: &Camera) {
+        for station in &self.cell.stations {
+            let place = center(station.slot_frame(1).translation.vector);
+            svg.path(&circle(camera, place, 0.5 * self.cell.wafer.diameter), STATION);
+        }
+    }
+
+    /// Names of stations beyond them, and where they are entered.
+    fn names(&self, svg: &mut Svg, camera: &Camera, (top, bottom): (f64, f64)) {
         let radius = 0.5 * self.cell.wafer.diameter;
         for station in &self.cell.stations {
             let frame = station.slot_frame(1);
             let place = center(frame.translation.vector);
-            svg.path(&circle(camera, place, radius), STATION);
             let inward = frame.rotation * nalgebra::Vector3::y();
             let (x, y) = camera.at(place);
             let r = radius * camera.scale;
@@ -263,8 +273,9 @@ impl<'a> TopView<'a> {
             let name =
                 &self.cell.robot.arms[track.effector.arm].effectors[track.effector.effector].name;
             let colour = effector_colour(k).hex();
-            let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"");
-            let dash = if k % 2 == 0 { "2 4" } else { "7 4" };
+            let gaps = if k % 2 == 0 { "" } else { " stroke-dasharray=\"8 6\"" };
+            let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"{gaps}");
+            let dash = if k % 2 == 0 { "2 4" } else { "4 3" };
             let reach =
                 format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
             entries.push((element("M0 0h20", &look), format!("wafer centre of {name}")));

@@ -15,7 +15,6 @@ use crate::output;
 Examples:
   jointplay cell check
   jointplay cell check --format json
-  jointplay cell check example
 
 Exit codes: 0 sound, 1 not safe to run or not reachable, 2 bad input or usage.")]
 pub(super) struct Check {

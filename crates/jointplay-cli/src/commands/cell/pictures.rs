@@ -1,8 +1,11 @@
 //! Pictures of a cell and of its motion.
 
+use jointplay::cell::cell::{Body, Carrier};
+use jointplay::cell::check::Violation;
+use jointplay::cell::robot::EffectorId;
 use jointplay::format::export;
+use jointplay::plot;
 use jointplay::plot::cell::{Gantt, TopView, Track};
-use jointplay::plot::{self};
 
 use super::input::Planned;
 use crate::failure::Failure;
@@ -38,20 +41,30 @@ fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
         let reach = robot.reach(effector)?;
         view.tracks.push(Track { effector, reach, points });
     }
-    // Where effectors that carry a wafer, or reach into a station, are when something is worst.
     for one in &planned.report.violations {
         let pose = robot.forward(&planned.motion.at(one.worst_time).positions)?;
-        let step = &planned.motion.steps[one.step];
-        let mut ids = step.loaded.clone();
-        if ids.is_empty() {
-            ids = planned.effectors();
-        }
-        for id in ids {
+        for id in concerned(planned, one) {
             let at = pose.base_from_wafer[id.arm][id.effector].translation.vector;
             view.wrong.push([at.x, at.y]);
         }
     }
     Ok(view)
+}
+
+/// Effectors that a violation is about: those named, those of arms whose bodies are named, else those that carry wafers.
+fn concerned(planned: &Planned, one: &Violation) -> Vec<EffectorId> {
+    let cell = planned.cell();
+    let all = planned.effectors();
+    let named = |id: &EffectorId| {
+        let effector = &cell.robot.arms[id.arm].effectors[id.effector].name;
+        let of_arm = |body: &Body| {
+            matches!(body.carrier, Carrier::Link { arm, .. } if arm == id.arm)
+                && one.names.contains(&body.name)
+        };
+        one.names.contains(effector) || cell.bodies.iter().any(of_arm)
+    };
+    let found: Vec<EffectorId> = all.into_iter().filter(named).collect();
+    if found.is_empty() { planned.motion.steps[one.step].loaded.clone() } else { found }
 }
 
 fn gantt(planned: &Planned) -> Gantt {

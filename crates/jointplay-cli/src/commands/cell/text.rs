@@ -11,6 +11,8 @@ use crate::output::fixed;
 
 /// Pairs of bodies that are listed.
 const PAIRS: usize = 6;
+/// Times that are listed of one violation that comes again and again.
+const TIMES: usize = 4;
 
 /// Verdict, what is wrong, and a table by line of the program.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
@@ -88,12 +90,17 @@ fn violations(text: &mut String, planned: &Planned) {
         }
         let times: Vec<String> = all
             .iter()
+            .take(TIMES)
             .map(|one| match (fixed(one.start, 3), fixed(one.end, 3)) {
                 (start, end) if start == end => start,
                 (start, end) => format!("{start} to {end}"),
             })
             .collect();
-        let _ = writeln!(text, "    at {} s", times.join(", "));
+        let more = match all.len().saturating_sub(TIMES) {
+            0 => String::new(),
+            more => format!(", and {more} times more (--format json has them all)"),
+        };
+        let _ = writeln!(text, "    at {} s{more}", times.join(", "));
     }
 }
 
