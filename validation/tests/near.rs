@@ -3,7 +3,7 @@
 
 use jointplay::Error;
 use jointplay::constraint::System as _;
-use jointplay::format::catalogue;
+use jointplay::format::catalogue::{self, Entry};
 use jointplay::format::mechanism::parse_with;
 use jointplay::mechanism::{Mechanism, MechanismSystem, assemble, guess};
 use jointplay::mobility::{
@@ -14,7 +14,8 @@ use jointplay::spatial::Pose;
 
 /// Mechanisms of the catalogue by name.
 fn mechanisms() -> Vec<(&'static str, Mechanism)> {
-    let read = catalogue::entries().iter().filter(|entry| entry.name != "gpr");
+    let is_mechanism = |entry: &&Entry| entry.kind().as_deref() == Some("mechanism");
+    let read = catalogue::entries().iter().filter(is_mechanism);
     read.map(|entry| (entry.name, parse_with(entry.text, &[]).unwrap().mechanism)).collect()
 }
 

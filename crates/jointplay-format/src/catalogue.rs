@@ -1,7 +1,7 @@
 //! The robot and mechanism files that come with the program.
 
 use crate::mechanism::{self, Expected};
-use crate::robot;
+use crate::{cell, robot};
 
 /// A file of the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,6 +32,7 @@ const ENTRIES: &[Entry] = &[
     entry!("bricard-trihedral"),
     entry!("delta"),
     entry!("double-parallelogram"),
+    entry!("dual-arm"),
     entry!("four-bar"),
     entry!("goldberg-5r"),
     entry!("gpr"),
@@ -41,7 +42,10 @@ const ENTRIES: &[Entry] = &[
     entry!("myard"),
     entry!("orthoglide"),
     entry!("parallelogram"),
+    entry!("radial-arm"),
     entry!("sarrus"),
+    entry!("scara-3r"),
+    entry!("scara-4r"),
     entry!("schatz"),
     entry!("scissor-lift"),
     entry!("slider-crank"),
@@ -63,13 +67,21 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 }
 
 impl Entry {
+    /// What kind of file it says it is: `mechanism`, `gpr` or `hybrid`.
+    #[must_use]
+    pub fn kind(&self) -> Option<String> {
+        mechanism::kind_of(self.text)
+    }
+
     /// What it is: the name that it gives itself.
     #[must_use]
     pub fn title(&self) -> String {
-        match mechanism::parse(self.text) {
-            Ok(file) => file.mechanism.name().to_owned(),
-            Err(_) => robot::parse(self.text).map(|robot| robot.name).unwrap_or_default(),
-        }
+        let name = match self.kind().as_deref() {
+            Some("gpr") => robot::parse(self.text).ok().map(|robot| robot.name),
+            Some(cell::robot::KIND) => cell::robot::parse(self.text).ok().map(|robot| robot.name),
+            _ => mechanism::parse(self.text).ok().map(|file| file.mechanism.name().to_owned()),
+        };
+        name.unwrap_or_default()
     }
 
     /// What an analysis should find; nothing for a file that is not of the kind `mechanism`.
@@ -101,5 +113,7 @@ mod tests {
         for entry in entries() {
             assert_ne!(entry.title(), "", "{}", entry.name);
         }
+        let hybrid: Vec<&str> = cell::robot::names().collect();
+        assert_eq!(hybrid, ["dual-arm", "radial-arm", "scara-3r", "scara-4r"]);
     }
 }

@@ -24,6 +24,7 @@
 //! ```
 
 pub mod catalogue;
+pub mod cell;
 pub mod coordinates;
 pub mod explain;
 pub mod import;

@@ -112,7 +112,7 @@ impl PyMechanism {
         name: &str,
         parameters: Option<Bound<'_, PyDict>>,
     ) -> PyResult<Self> {
-        let Some(entry) = catalogue::find(name).filter(|entry| is_mechanism(entry.text)) else {
+        let Some(entry) = catalogue::find(name).filter(is_mechanism) else {
             return Err(errors::unknown_name(py, "mechanism", name, &names_of_catalogue()));
         };
         Self::parse(py, entry.text.to_owned(), name, replaced(parameters)?)
@@ -337,12 +337,12 @@ fn replaced(parameters: Option<Bound<'_, PyDict>>) -> PyResult<Vec<(String, f64)
     items.map(|(name, value)| Ok((name.extract()?, value.extract()?))).collect()
 }
 
-fn is_mechanism(text: &str) -> bool {
-    mechanism::kind_of(text).is_none_or(|kind| kind != "gpr")
+fn is_mechanism(entry: &&'static catalogue::Entry) -> bool {
+    entry.kind().as_deref() == Some("mechanism")
 }
 
 fn names_of_catalogue() -> Vec<String> {
-    let mechanisms = catalogue::entries().iter().filter(|entry| is_mechanism(entry.text));
+    let mechanisms = catalogue::entries().iter().filter(is_mechanism);
     mechanisms.map(|entry| entry.name.to_owned()).collect()
 }
 
@@ -351,7 +351,7 @@ fn names_of_catalogue() -> Vec<String> {
 #[pyo3(name = "catalogue")]
 pub(crate) fn catalogue_of_names(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let told = PyDict::new(py);
-    for entry in catalogue::entries().iter().filter(|entry| is_mechanism(entry.text)) {
+    for entry in catalogue::entries().iter().filter(is_mechanism) {
         told.set_item(entry.name, entry.title())?;
     }
     Ok(told)

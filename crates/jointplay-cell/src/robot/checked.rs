@@ -5,7 +5,10 @@ use std::collections::BTreeSet;
 use nalgebra::Vector2;
 
 use super::planar::Planar;
-use super::{Arm, Axis, EffectorId, HybridRobot, MAX_ARMS, MAX_AXES, MAX_JOINTS, MotionKind, RODS};
+use super::{
+    Arm, ArmJoint, Axis, Effector, EffectorId, HybridRobot, MAX_ARMS, MAX_AXES, MAX_JOINTS,
+    MotionKind, RODS,
+};
 use crate::CellError;
 
 /// Most effectors of an arm.
@@ -26,7 +29,31 @@ impl MotionKind {
             Self::Slide => "m",
         }
     }
+
+    fn verb(self) -> &'static str {
+        match self {
+            Self::Turn => "turns",
+            Self::Slide => "slides",
+        }
+    }
 }
+
+/// The part of a robot that a fault is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    Robot,
+    /// An axis, by index.
+    Axis(usize),
+    /// An arm, by index.
+    Arm(usize),
+    /// A joint of an arm, both by index.
+    Joint(usize, usize),
+    /// An effector of an arm, both by index.
+    Effector(usize, usize),
+}
+
+type Fault = (Part, CellError);
 
 impl HybridRobot {
     /// The robot, if it is one: names are unique, counts possible, numbers finite, limits in order, home positions within them, and each arm can be moved in its plane.
@@ -36,25 +63,42 @@ impl HybridRobot {
     /// # Errors
     /// Of [`CellError`], the first fault found.
     pub fn checked(self) -> Result<Self, CellError> {
-        if self.name.trim().is_empty() {
-            return Err(CellError::NoName { what: "the robot".to_owned() });
+        match self.check() {
+            Ok(()) => Ok(self),
+            Err((_, error)) => Err(error),
         }
-        count("arms", self.arms.len(), 1, MAX_ARMS)?;
-        count("axes, rods included", self.axes.len(), RODS + 1, MAX_AXES)?;
-        unique("axes", self.axes.iter().map(|axis| &axis.name))?;
-        unique("arms", self.arms.iter().map(|arm| &arm.name))?;
-        let effectors = self.arms.iter().flat_map(|arm| &arm.effectors);
-        unique("effectors", effectors.map(|effector| &effector.name))?;
+    }
+
+    /// What [`Self::checked`] checks, with the part that is at fault.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn check(&self) -> Result<(), (Part, CellError)> {
+        let whole = |error| (Part::Robot, error);
+        if self.name.trim().is_empty() {
+            return Err(whole(CellError::NoName { what: "the robot".to_owned() }));
+        }
+        count("arms", self.arms.len(), 1, MAX_ARMS).map_err(whole)?;
+        count("axes, rods included", self.axes.len(), RODS + 1, MAX_AXES).map_err(whole)?;
+        unique("axes", self.axes.iter().map(|axis| &axis.name))
+            .map_err(|(index, error)| (Part::Axis(index), error))?;
+        unique("arms", self.arms.iter().map(|arm| &arm.name))
+            .map_err(|(index, error)| (Part::Arm(index), error))?;
+        let effectors: Vec<(usize, usize)> = (0..self.arms.len())
+            .flat_map(|arm| (0..self.arms[arm].effectors.len()).map(move |k| (arm, k)))
+            .collect();
+        let names = effectors.iter().map(|&(arm, k)| &self.arms[arm].effectors[k].name);
+        unique("effectors", names).map_err(|(index, error)| {
+            let (arm, k) = effectors[index];
+            (Part::Effector(arm, k), error)
+        })?;
         for (index, axis) in self.axes.iter().enumerate() {
-            self.check_axis_of(index, axis)?;
+            self.check_axis_of(index, axis).map_err(|error| (Part::Axis(index), error))?;
         }
         let home = [0, 1, 2].map(|rod| self.axes[rod].home);
         let pitch = self.gpr.plane_tilt(&home).pitch;
-        let max = self.gpr.limits().tilt_max;
-        if pitch > max {
-            let what = "the tilt of the home position".to_owned();
-            return Err(CellError::OutOfRange { what, value: pitch, min: 0.0, max, unit: "rad" });
-        }
+        let what = "the tilt of the home position".to_owned();
+        in_range(what, pitch, 0.0, self.gpr.limits().tilt_max, "rad").map_err(whole)?;
         for (index, arm) in self.arms.iter().enumerate() {
             self.check_arm(index, arm)?;
         }
@@ -62,10 +106,11 @@ impl HybridRobot {
             let joints = self.arms.iter().flat_map(|arm| &arm.joints);
             let mut drives = joints.flat_map(|joint| &joint.drives);
             if !drives.any(|&(driven, _)| driven == index) {
-                return Err(CellError::IdleAxis { axis: axis.name.clone() });
+                let idle = CellError::IdleAxis { axis: axis.name.clone() };
+                return Err((Part::Axis(index), idle));
             }
         }
-        Ok(self)
+        Ok(())
     }
 
     fn check_axis_of(&self, index: usize, axis: &Axis) -> Result<(), CellError> {
@@ -110,80 +155,89 @@ impl HybridRobot {
         Ok(())
     }
 
-    fn check_arm(&self, index: usize, arm: &Arm) -> Result<(), CellError> {
+    fn check_arm(&self, index: usize, arm: &Arm) -> Result<(), Fault> {
         let of = |what: &str| format!("{what} of arm {}", arm.name);
+        let at_fault = |error| (Part::Arm(index), error);
         for value in arm.mount {
-            finite(of("the mount"), value)?;
+            finite(of("the mount"), value).map_err(at_fault)?;
         }
-        count(&of("joints"), arm.joints.len(), 1, MAX_JOINTS)?;
-        count(&of("effectors"), arm.effectors.len(), 1, MAX_EFFECTORS)?;
+        count(&of("joints"), arm.joints.len(), 1, MAX_JOINTS).map_err(at_fault)?;
+        count(&of("effectors"), arm.effectors.len(), 1, MAX_EFFECTORS).map_err(at_fault)?;
         let mut motors = BTreeSet::new();
         for (k, joint) in arm.joints.iter().enumerate() {
             let of = |what: &str| format!("{what} of joint {} of arm {}", k + 1, arm.name);
-            for (what, value) in [
-                ("the zero", joint.zero),
-                ("the length", joint.length),
-                ("the offset", joint.offset),
-                ("the rise", joint.rise),
-            ] {
-                finite(of(what), value)?;
-            }
-            count(&of("drives"), joint.drives.len(), 1, MAX_JOINTS)?;
-            let mut driven = BTreeSet::new();
-            for &(axis, ratio) in &joint.drives {
-                if !(RODS..self.axes.len()).contains(&axis) {
-                    return Err(CellError::NoSuch {
-                        what: of("a drive"),
-                        kind: "axis",
-                        index: axis,
-                        min: RODS,
-                        max: self.axes.len() - 1,
-                    });
-                }
-                let Axis { name, kind, .. } = &self.axes[axis];
-                if finite(of("a ratio"), ratio)? == 0.0 {
-                    let why = format!("{} is zero; leave it out", of("its ratio to the value"));
-                    return Err(CellError::WrongAxis { axis: name.clone(), why });
-                }
-                if !driven.insert(axis) {
-                    let why = format!("it drives {} twice; add the ratios", of("the value"));
-                    return Err(CellError::WrongAxis { axis: name.clone(), why });
-                }
-                if *kind != joint.kind {
-                    let why = format!(
-                        "its position is in {}, but {} is in {}",
-                        kind.unit(),
-                        of("the value"),
-                        joint.kind.unit()
-                    );
-                    return Err(CellError::WrongAxis { axis: name.clone(), why });
-                }
-                motors.insert(axis);
-            }
+            self.check_joint(joint, of).map_err(|error| (Part::Joint(index, k), error))?;
+            motors.extend(joint.drives.iter().map(|&(axis, _)| axis));
         }
         // More could not be told apart, and their positions would be anyone's choice.
-        count(&of("motors"), motors.len(), 1, arm.joints.len())?;
-        for (effector, found) in arm.effectors.iter().enumerate() {
-            let of = |what: &str| format!("the {what} of effector {}", found.name);
-            for value in found.wafer_center {
-                finite(of("wafer's centre"), value)?;
-            }
-            finite(of("heading"), found.heading)?;
-            if finite(of("friction"), found.friction)? < 0.0 {
-                return Err(CellError::NotPositive {
-                    what: of("friction"),
-                    value: found.friction,
-                    unit: "",
+        count(&of("motors"), motors.len(), 1, arm.joints.len()).map_err(at_fault)?;
+        for (k, effector) in arm.effectors.iter().enumerate() {
+            let id = EffectorId { arm: index, effector: k };
+            let checked = self.check_effector_of(id, arm, effector);
+            checked.map_err(|error| (Part::Effector(index, k), error))?;
+        }
+        Ok(())
+    }
+
+    fn check_joint(&self, joint: &ArmJoint, of: impl Fn(&str) -> String) -> Result<(), CellError> {
+        for (what, value) in [
+            ("the zero", joint.zero),
+            ("the length", joint.length),
+            ("the offset", joint.offset),
+            ("the rise", joint.rise),
+        ] {
+            finite(of(what), value)?;
+        }
+        count(&of("drives"), joint.drives.len(), 1, MAX_JOINTS)?;
+        let mut driven = BTreeSet::new();
+        for &(axis, ratio) in &joint.drives {
+            if !(RODS..self.axes.len()).contains(&axis) {
+                return Err(CellError::NoSuch {
+                    what: of("a drive"),
+                    kind: "axis",
+                    index: axis,
+                    min: RODS,
+                    max: self.axes.len() - 1,
                 });
             }
-            let directions = self.directions(EffectorId { arm: index, effector });
-            if directions < 2 {
-                return Err(CellError::NotMovable {
-                    arm: arm.name.clone(),
-                    effector: found.name.clone(),
-                    directions,
-                });
+            let Axis { name, kind, .. } = &self.axes[axis];
+            let wrong = |why| CellError::WrongAxis { axis: name.clone(), why };
+            if finite(of("a ratio"), ratio)? == 0.0 {
+                return Err(wrong(format!("{} is 0; leave it out", of("its ratio to the value"))));
             }
+            if !driven.insert(axis) {
+                return Err(wrong(format!("it drives {} twice; add the ratios", of("the value"))));
+            }
+            if *kind != joint.kind {
+                let (axis, value) = (kind.verb(), joint.kind.verb());
+                let joint = of("the value");
+                return Err(wrong(format!(
+                    "it {axis}, but {joint} {value}; an axis drives its like"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_effector_of(
+        &self,
+        id: EffectorId,
+        arm: &Arm,
+        effector: &Effector,
+    ) -> Result<(), CellError> {
+        let of = |what: &str| format!("the {what} of effector {}", effector.name);
+        for value in effector.wafer_center {
+            finite(of("wafer's centre"), value)?;
+        }
+        finite(of("heading"), effector.heading)?;
+        if finite(of("friction"), effector.friction)? < 0.0 {
+            let value = effector.friction;
+            return Err(CellError::NotPositive { what: of("friction"), value, unit: "" });
+        }
+        let directions = self.directions(id);
+        if directions < 2 {
+            let (arm, effector) = (arm.name.clone(), effector.name.clone());
+            return Err(CellError::NotMovable { arm, effector, directions });
         }
         Ok(())
     }
@@ -248,17 +302,18 @@ fn count(what: &str, found: usize, min: usize, max: usize) -> Result<(), CellErr
     }
 }
 
+/// The index of a name that is empty or another one's, and what is wrong with it.
 fn unique<'a>(
     what: &'static str,
     names: impl Iterator<Item = &'a String>,
-) -> Result<(), CellError> {
+) -> Result<(), (usize, CellError)> {
     let mut known = BTreeSet::new();
-    for name in names {
+    for (index, name) in names.enumerate() {
         if name.trim().is_empty() {
-            return Err(CellError::NoName { what: format!("one of the {what}") });
+            return Err((index, CellError::NoName { what: format!("one of the {what}") }));
         }
         if !known.insert(name) {
-            return Err(CellError::NameTwice { what, name: name.clone() });
+            return Err((index, CellError::NameTwice { what, name: name.clone() }));
         }
     }
     Ok(())

@@ -16,6 +16,7 @@ mod model;
 mod planar;
 mod positions;
 
+pub use checked::Part;
 pub use forward::{ChainPose, Effect};
 pub use inverse::{
     Branch, BrokenLimit, Configuration, Elbow, Inverse, OutOfReach, Reaching, Standing, WaferTarget,
