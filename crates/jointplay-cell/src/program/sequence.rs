@@ -11,6 +11,7 @@ use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
 use crate::cell::Cell;
 use crate::robot::{BrokenLimit, EffectorId, MotionKind, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};
+use crate::wafer::Unreachable;
 
 /// The robot where it is, and the steps that brought it there.
 pub(super) struct Robot<'c> {
@@ -127,7 +128,7 @@ impl<'c> Robot<'c> {
         effector: EffectorId,
         slot: SlotId,
     ) -> Result<(), ProgramProblem> {
-        let way = self.waypoints(effector, slot);
+        let way = self.waypoints(effector, slot)?;
         let (what, target) = if self.loaded.contains(&effector) {
             ("the place retracted above", &way.retracted_above)
         } else {
@@ -144,7 +145,7 @@ impl<'c> Robot<'c> {
         wait: Option<Path>,
     ) -> Result<(), ProgramProblem> {
         self.loaded.retain(|&id| id != effector);
-        let way = self.waypoints(effector, slot);
+        let way = self.waypoints(effector, slot)?;
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
         self.before(goal("the place retracted below", &way.retracted_below))?;
@@ -181,7 +182,7 @@ impl<'c> Robot<'c> {
             self.loaded.push(effector);
             self.loaded.sort_unstable();
         }
-        let way = self.waypoints(effector, slot);
+        let way = self.waypoints(effector, slot)?;
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
         self.before(goal("the place retracted above", &way.retracted_above))?;
@@ -203,9 +204,27 @@ impl<'c> Robot<'c> {
         Ok(left)
     }
 
-    fn waypoints(&self, effector: EffectorId, slot: SlotId) -> Waypoints {
-        let [x, y, _] = self.cell.robot.arms[effector.arm].mount;
-        self.cell.stations[slot.station].waypoints(slot.slot, [x, y])
+    fn waypoints(&self, effector: EffectorId, slot: SlotId) -> Result<Waypoints, ProgramProblem> {
+        let found = self.cell.waypoints(effector, slot, &self.positions);
+        found.map_err(|source| {
+            self.unreachable("the place of rest in", effector, slot, true, source)
+        })
+    }
+
+    fn unreachable(
+        &self,
+        what: &str,
+        effector: EffectorId,
+        slot: SlotId,
+        loaded: bool,
+        source: Unreachable,
+    ) -> ProgramProblem {
+        ProgramProblem::Unreachable {
+            target: format!("{what} {}", slot_name(self.cell, slot)),
+            effector: effector_name(&self.cell.robot, effector).to_owned(),
+            loaded,
+            source: Box::new(source),
+        }
     }
 
     /// Arms in, level, turned to a retracted place with the motors alone, then there with the rods alone.
@@ -283,11 +302,8 @@ impl<'c> Robot<'c> {
         let loaded = self.loaded.contains(&effector);
         let target = if loaded { self.sagged(effector, target)? } else { *target };
         let reached = self.cell.reach(effector, &target, loaded, &self.positions);
-        reached.map(|it| it.positions).map_err(|source| {
-            let target = format!("{what} {}", slot_name(self.cell, slot));
-            let effector = effector_name(&self.cell.robot, effector).to_owned();
-            ProgramProblem::Unreachable { target, effector, loaded, source: Box::new(source) }
-        })
+        let positions = reached.map(|it| it.positions);
+        positions.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
     }
 
     /// Straight to a place.
