@@ -13,6 +13,12 @@ use crate::robot::{BrokenLimit, EffectorId, MotionKind, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
 
+/// A platform that leans less counts as level: over the reach of an arm this is less than a micrometre [rad].
+const LEVEL_ENOUGH: f64 = 1e-6;
+
+/// Motors that are nearer to where they should turn to go there while the rods do, without a step of their own [m or rad].
+const TURNED_ENOUGH: f64 = 1e-6;
+
 /// The robot where it is, and the steps that brought it there.
 pub(super) struct Robot<'c> {
     pub(super) cell: &'c Cell,
@@ -234,7 +240,10 @@ impl<'c> Robot<'c> {
         let to = self.reached(goal)?;
         let mut turned = to.clone();
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
-        self.go(Phase::Turn, turned, Path::Axes);
+        let way = |(to, from): (&f64, &f64)| (to - from).abs();
+        if turned.iter().zip(&self.positions).map(way).fold(0.0, f64::max) > TURNED_ENOUGH {
+            self.push(Phase::Turn, turned, Path::Axes);
+        }
         self.go(Phase::Enter, to, Path::Axes);
         Ok(())
     }
@@ -255,8 +264,11 @@ impl<'c> Robot<'c> {
     }
 
     fn level(&mut self) {
-        let to = self.leaning(Tilt::LEVEL);
-        self.go(Phase::Level, to, Path::Axes);
+        let rods = [self.positions[0], self.positions[1], self.positions[2]];
+        if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
+            let to = self.leaning(Tilt::LEVEL);
+            self.push(Phase::Level, to, Path::Axes);
+        }
     }
 
     /// Positions with another tilt, at the same height on the axis.
@@ -264,11 +276,8 @@ impl<'c> Robot<'c> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         let mut to = self.positions.clone();
-        // Level already is level to the bit.
-        let is_level = rods[0] == rods[1] && rods[1] == rods[2];
-        if let (false, Ok(rods)) =
-            (is_level && tilt == Tilt::LEVEL, gpr.inverse(tilt, gpr.plane_height(&rods)))
-        {
+        // Tilts without rods are not let in.
+        if let Ok(rods) = gpr.inverse(tilt, gpr.plane_height(&rods)) {
             to[..RODS].copy_from_slice(&rods);
         }
         to
