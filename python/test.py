@@ -90,7 +90,8 @@ def built_wheel(python: str) -> Path:
     tools = environment(python, "tools", TOOLS)
     wheels = HOME / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
-    build: list[str | Path] = ["build", "--release", "--quiet", "--locked", "--interpreter", python, "--out", wheels]
+    # Not the release profile, which optimises across all crates for minutes; the kernels are optimised in either.
+    build: list[str | Path] = ["build", "--quiet", "--locked", "--interpreter", python, "--out", wheels]
     run([tools / "maturin", *build], cwd=PYTHON)
     (wheel,) = wheels.glob("*.whl")
     return wheel

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import pickle
+import signal
 import threading
 import time
 
@@ -270,3 +272,22 @@ def test_data_frames(gpr, rods):
     ]
     assert "phi_2_rad" in frame.columns and "l_3_m" in frame.columns
     assert frame.status[3] == 1 and frame.origin_x_m[7] == gpr.forward(rods, "polar").origin_m[7, 0]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals to oneself are of Unix")
+def test_interrupt_stops_long_work(gpr):
+    poses = 4_000_000
+    rods = np.broadcast_to((0.5, 0.501, 0.502), (poses, 3))
+    out = {"yaw_rad": np.full(poses, -7.0)}
+    start = time.perf_counter()
+    gpr.forward(rods, "polar", solver="least-norm", out=out, threads=1)
+    took = time.perf_counter() - start
+    assert out["yaw_rad"][-1] != -7.0
+    out["yaw_rad"][:] = -7.0
+    timer = threading.Timer(took / 4, os.kill, (os.getpid(), signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        timer.start()
+        gpr.forward(rods, "polar", solver="least-norm", out=out, threads=1)
+    timer.join()
+    # It did not go to the end.
+    assert out["yaw_rad"][-1] == -7.0

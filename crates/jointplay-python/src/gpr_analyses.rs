@@ -190,8 +190,9 @@ impl PyGpr {
         let model = Model::of(virtualization, &self.gpr)?;
         let options = model::options(py, solver, metric)?;
         let raster = self.raster(py, yaw_rad, pitch_rad, height_m, serpentine)?;
-        let found =
-            with_model!(&model, v => simulate(&self.gpr, &raster, v, &options, &mut |_| ()));
+        let found = py.detach(
+            || with_model!(&model, v => simulate(&self.gpr, &raster, v, &options, &mut |_| ())),
+        );
         if let Some(raised) = model.raised() {
             return Err(raised);
         }
@@ -216,8 +217,9 @@ impl PyGpr {
         let model = Model::of(virtualization, &self.gpr)?;
         let options = model::options(py, solver, metric)?;
         let raster = self.raster(py, yaw_rad, pitch_rad, height_m, false)?;
-        let found =
-            with_model!(&model, v => check_bounds(&self.gpr, &raster, v, &options, &mut |_| ()));
+        let found = py.detach(
+            || with_model!(&model, v => check_bounds(&self.gpr, &raster, v, &options, &mut |_| ())),
+        );
         if let Some(raised) = model.raised() {
             return Err(raised);
         }

@@ -1,6 +1,6 @@
 //! Many poses at a time.
 
-use jointplay::bulk::{Column, Quantity, Status, Tally};
+use jointplay::bulk::{Column, Quantity, Status, Tally, parts};
 use jointplay::gpr::Gpr;
 use jointplay::study::parallel;
 use jointplay::virtualization::SolveOptions;
@@ -10,7 +10,7 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 
 use crate::arrays::{Output, Spread, Triples};
 use crate::errors;
-use crate::model::{Model, ModelNames, with_model};
+use crate::model::{Model, ModelNames};
 use crate::quantities::Named;
 use crate::skin::{self, fields};
 use crate::threads::Threads;
@@ -35,6 +35,27 @@ fn evidence<'py>(
     }
     fields.set_item("failed", tally.failed())?;
     fields.set_item("failure_counts", counts)
+}
+
+/// Poses between two looks at whether the user has had enough: some milliseconds of them.
+const PART: usize = 1 << 18;
+
+/// Does the work without holding up Python's other threads, and stops where a signal asks for it.
+fn in_parts(
+    py: Python<'_>,
+    given: [Column<'_>; 3],
+    status: &mut [Status],
+    written: Vec<&mut [f64]>,
+    work: impl Fn([Column<'_>; 3], &mut [Status], Vec<&mut [f64]>) -> Result<Tally, jointplay::Error>
+    + Sync,
+) -> PyResult<Tally> {
+    let mut sum = Tally::default();
+    for (given, status, written) in parts(given, status, written, PART) {
+        py.check_signals()?;
+        sum +=
+            py.detach(|| work(given, status, written)).map_err(|error| errors::core(py, &error))?;
+    }
+    Ok(sum)
 }
 
 /// What is asked for, and arrays to write it into.
@@ -109,24 +130,25 @@ pub(crate) fn forward<'py>(
     for (named, output) in &mut outputs {
         slices.extend(named.quantities(virtual_joints).into_iter().zip(output.slices()?));
     }
-    let found = match (model, &threads) {
-        // Python's own code runs in one thread at a time anyhow, and in this one.
-        (Model::Own(own), _) => {
-            gpr.forward_many(columns, &**own, options, &mut status, &mut slices)
+    let (quantities, written): (Vec<Quantity>, Vec<&mut [f64]>) = slices.into_iter().unzip();
+    let tally = in_parts(py, columns, &mut status, written, |columns, status, written| {
+        let mut wanted: Vec<_> = quantities.iter().copied().zip(written).collect();
+        match (model, &threads) {
+            // Python's own code runs in one thread at a time anyhow.
+            (Model::Own(own), _) => gpr.forward_many(columns, &**own, options, status, &mut wanted),
+            (_, Threads::Here) => {
+                gpr.forward_many(columns, model.virtualization(), options, status, &mut wanted)
+            }
+            (_, Threads::Pool(pool)) => pool.install(|| {
+                let virtualization = model.virtualization();
+                parallel::forward_many(gpr, columns, virtualization, options, status, &mut wanted)
+            }),
         }
-        (_, Threads::Here) => py.detach(|| {
-            with_model!(model, v => gpr.forward_many(columns, v, options, &mut status, &mut slices))
-        }),
-        (_, Threads::Pool(pool)) => py.detach(|| {
-            pool.install(|| {
-                with_model!(model, v => parallel::forward_many(gpr, columns, v, options, &mut status, &mut slices))
-            })
-        }),
-    };
+    });
     if let Some(raised) = model.raised() {
         return Err(raised);
     }
-    let tally = found.map_err(|error| errors::core(py, &error))?;
+    let tally = tally?;
     let names = ModelNames::of_model(model);
     let fields = fields!(py;
         virtualization = names.name.as_str(),
@@ -158,16 +180,18 @@ pub(crate) fn inverse<'py>(
     let columns = given.columns()?;
     let columns: [Column<'_>; 3] =
         columns.try_into().map_err(|_| errors::internal("a tilt is not three columns"))?;
-    let [yaw, pitch, height] = columns;
-    let rods: [&mut [f64]; 3] =
-        output.slices()?.try_into().map_err(|_| errors::internal("rods are not three columns"))?;
-    let found = match threads {
-        Threads::Here => py.detach(|| gpr.inverse_many(yaw, pitch, height, &mut status, rods)),
-        Threads::Pool(pool) => {
-            py.detach(|| pool.install(|| parallel::inverse_many(gpr, columns, &mut status, rods)))
+    let tally = in_parts(py, columns, &mut status, output.slices()?, |columns, status, rods| {
+        let Ok(rods) = <[&mut [f64]; 3]>::try_from(rods) else {
+            unreachable!("an output of width three has three columns")
+        };
+        let [yaw, pitch, height] = columns;
+        match &threads {
+            Threads::Here => gpr.inverse_many(yaw, pitch, height, status, rods),
+            Threads::Pool(pool) => {
+                pool.install(|| parallel::inverse_many(gpr, columns, status, rods))
+            }
         }
-    };
-    let tally = found.map_err(|error| errors::core(py, &error))?;
+    })?;
     let fields = fields!(py; rods_m = output.array);
     evidence(py, &given.shape, status, tally, &fields)?;
     skin::result(py, "InverseMany", &fields)

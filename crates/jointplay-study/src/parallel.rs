@@ -1,7 +1,7 @@
 //! Many poses over the cores of the machine.
 
 use jointplay_core::Error;
-use jointplay_core::bulk::{Column, Quantity, Status, Tally};
+use jointplay_core::bulk::{Column, Quantity, Status, Tally, parts};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 use rayon::prelude::*;
@@ -53,9 +53,6 @@ pub fn forward_many(
     })
 }
 
-/// One part of the work: what is read, the statuses, the columns that are written.
-type Part<'a> = ([Column<'a>; 3], &'a mut [Status], Vec<&'a mut [f64]>);
-
 /// Hands the poses out in parts, and adds the tallies up.
 fn in_parts<'a>(
     given: [Column<'a>; 3],
@@ -63,27 +60,7 @@ fn in_parts<'a>(
     columns: Vec<&'a mut [f64]>,
     work: impl Fn([Column<'_>; 3], &mut [Status], Vec<&mut [f64]>) -> Result<Tally, Error> + Sync,
 ) -> Result<Tally, Error> {
-    let poses = status.len();
-    let uneven = given.iter().any(|column| column.len() != poses)
-        || columns.iter().any(|column| column.len() != poses);
-    if uneven || poses <= PART {
-        // Too little to hand out; or lengths that do not agree, which the work itself tells.
-        return work(given, status, columns);
-    }
-    let mut parts: Vec<Part<'a>> = Vec::with_capacity(poses.div_ceil(PART));
-    let (mut status, mut columns, mut first) = (status, columns, 0);
-    while first < poses {
-        let end = (first + PART).min(poses);
-        let (here, rest) = std::mem::take(&mut status).split_at_mut(end - first);
-        let mut taken = Vec::with_capacity(columns.len());
-        for column in &mut columns {
-            let (here, rest) = std::mem::take(column).split_at_mut(end - first);
-            taken.push(here);
-            *column = rest;
-        }
-        parts.push((given.map(|column| column.part(first..end)), here, taken));
-        (status, first) = (rest, end);
-    }
+    let parts = parts(given, status, columns, PART);
     parts.into_par_iter().map(|(given, status, columns)| work(given, status, columns)).try_reduce(
         Tally::default,
         |mut sum, more| {

@@ -54,7 +54,7 @@ impl Use {
                 MotionKind::Slide => Unit::Length,
             };
             let mut broken = |kind: Kind, severity: f64, value: f64, limit: f64| {
-                let hit = Hit { about: (kind, index, 0), severity, value, limit, unit };
+                let hit = Hit { about: (kind, index, 0), kind, severity, value, limit, unit };
                 found.add(when, &hit, || (vec![axis.name.clone()], String::new()));
             };
             let position = sample.positions[index];
@@ -98,7 +98,7 @@ impl Use {
         let (tilt, most) = (platform.tilt().pitch, gpr.limits().tilt_max);
         row.tilt = row.tilt.max(tilt / most);
         let mut broken = |kind: Kind, value: f64, limit: f64, unit: Unit| {
-            let hit = Hit { about: (kind, 0, 0), severity: value, value, limit, unit };
+            let hit = Hit { about: (kind, 0, 0), kind, severity: value, value, limit, unit };
             found.add(when, &hit, || (Vec::new(), String::new()));
         };
         if tilt > most + POSITION_SLACK {

@@ -11,6 +11,8 @@ pub(super) type About = (Kind, usize, usize);
 /// One thing that is broken at one sample.
 pub(super) struct Hit {
     pub(super) about: About,
+    /// What it is called: of two bodies that come too near and then touch, the worse of the two.
+    pub(super) kind: Kind,
     /// Larger is worse, whatever the kind.
     pub(super) severity: f64,
     pub(super) value: f64,
@@ -58,6 +60,7 @@ impl Found {
                 violation.start = violation.start.min(when.time);
                 if hit.severity > open.severity {
                     open.severity = hit.severity;
+                    violation.kind = hit.kind;
                     violation.worst = hit.value;
                     violation.limit = hit.limit;
                     violation.worst_time = when.time;
@@ -69,7 +72,7 @@ impl Found {
         }
         let (names, detail) = words();
         let violation = Violation {
-            kind: hit.about.0,
+            kind: hit.kind,
             names,
             instruction: when.step.instruction,
             place: when.step.place,

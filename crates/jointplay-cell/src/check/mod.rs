@@ -207,6 +207,7 @@ impl<'a> Check<'a> {
                 let kind = if platform { Kind::Platform } else { Kind::Droop };
                 let hit = Hit {
                     about: (kind, 0, 0),
+                    kind,
                     severity: 0.0,
                     value: 0.0,
                     limit: 0.0,
@@ -234,6 +235,7 @@ impl<'a> Check<'a> {
             if push.needed > push.held {
                 let hit = Hit {
                     about: (Kind::Slip, place, 0),
+                    kind: Kind::Slip,
                     severity: push.needed - push.held,
                     value: push.needed,
                     limit: push.held,
@@ -262,6 +264,7 @@ impl<'a> Check<'a> {
                 if off > 0.0 {
                     let hit = Hit {
                         about: (Kind::SafeZone, place, *zone),
+                        kind: Kind::SafeZone,
                         severity: off,
                         value: off,
                         limit: 0.0,

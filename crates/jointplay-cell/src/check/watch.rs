@@ -349,7 +349,14 @@ impl Watch {
             Rule::Slots(_) => (Kind::SlotClearance, apart, limit),
             _ => (Kind::Clearance, apart, limit),
         };
-        let hit = Hit { about: (kind, a, b), severity: -value, value, limit, unit: Unit::Length };
+        let hit = Hit {
+            about: (Kind::Collision, a, b),
+            kind,
+            severity: -value,
+            value,
+            limit,
+            unit: Unit::Length,
+        };
         let when = When { time, ..now.when };
         found.add(when, &hit, || {
             let names = [a, b].map(|item| now.scene.items[item].name.clone());

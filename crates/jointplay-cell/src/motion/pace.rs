@@ -6,9 +6,13 @@ use super::spline::Spline;
 use crate::robot::Dynamics;
 
 /// Stages at which the fastest way under speed and acceleration limits is decided.
-const STAGES: usize = 160;
-/// Times at which a candidate is held against the limits, besides those where its jerk changes.
-const PROBES: usize = 240;
+const STAGES: usize = 80;
+/// Halvings by which the fastest rate at a stage is found.
+const HALVINGS: usize = 24;
+/// Times at which a candidate is held against the limits while the best is looked for.
+const GLANCES: usize = 100;
+/// Times at which the best one is, besides those where its jerk or that of the path changes.
+const PROBES: usize = 1200;
 /// Slack left below each limit for what lies between the probes, as a share.
 const SLACK: f64 = 2e-3;
 /// Shares of the acceleration limits that the fastest way is looked for with: what is left is for the jerk.
@@ -40,25 +44,36 @@ impl Pace<'_> {
     /// # Source
     /// [TOPPRA] for the stages; the window is own derivation: it keeps ends and rest, and its jerk is a difference of accelerations over its width
     pub(crate) fn plan(&self) -> Result<Curve, String> {
-        let mut best = self.like_one_axis()?;
-        if self.evenly_geared() {
-            return Ok(best);
+        let single = self.like_one_axis()?;
+        if single.duration() == 0.0 || self.evenly_geared() {
+            return Ok(single);
         }
+        let mut best = (single.duration(), None);
+        let mut about = None;
         for share in SHARES {
             let way = self.fastest(share);
             let total: f64 = way.iter().map(|(duration, _)| duration).sum();
-            let mut width = 0.5 * total;
-            while width > 5e-3 * total && total + width < 1.5 * best.duration() + total {
-                if total + width < best.duration() {
-                    let candidate = self.within(averaged(&way, width));
-                    if candidate.duration() < best.duration() {
-                        best = candidate;
-                    }
+            // From the second share on only near the width that was best.
+            let widths: Vec<f64> = match about {
+                None => (1..8).map(|k| total * 0.5_f64.powi(k)).collect(),
+                Some(width) => [0.5, 0.7, 1.0, 1.4, 2.0].map(|by| by * width).into(),
+            };
+            let mut shortest = f64::INFINITY;
+            for width in widths {
+                let candidate = averaged(&way, width);
+                let duration = candidate.duration() * self.glance(&candidate);
+                if duration < shortest {
+                    (shortest, about) = (duration, Some(width));
                 }
-                width *= 0.8;
+                if duration < best.0 {
+                    best = (duration, Some(candidate));
+                }
             }
         }
-        Ok(best)
+        Ok(match best.1.map(|candidate| self.within(candidate)) {
+            Some(found) if found.duration() < single.duration() => found,
+            _ => single,
+        })
     }
 
     /// Constant limits of the parameter from the steepest axis.
@@ -88,7 +103,7 @@ impl Pace<'_> {
         let found = together(&[0.0], &[1.0], |_| limits)?;
         let curve = found.curves.into_iter().next().expect("one axis was asked for");
         // Where the path bends, the parameter's speed adds to what the axes do.
-        Ok(if self.excess(&curve) > 1.0 + SLACK { self.within(curve) } else { curve })
+        Ok(if self.excess(&curve) > 1.0 + 1e-9 { self.within(curve) } else { curve })
     }
 
     fn evenly_geared(&self) -> bool {
@@ -120,7 +135,7 @@ impl Pace<'_> {
             if keeps(high) {
                 low = high;
             } else {
-                for _ in 0..40 {
+                for _ in 0..HALVINGS {
                     let middle = 0.5 * (low + high);
                     if keeps(middle) { low = middle } else { high = middle }
                 }
@@ -167,46 +182,57 @@ impl Pace<'_> {
         curve.slowed(factor)
     }
 
-    /// By how much longer it would have to take so that it just keeps every limit.
-    fn excess(&self, curve: &Curve) -> f64 {
-        let duration = curve.duration();
-        let mut worst = 1e-9_f64;
-        let mut probe = |s: [f64; 4], interval: usize| {
-            let [s, rate, acceleration, jerk] = s;
-            worst = worst.max(rate / self.rate);
-            for (axis, limits) in self.limits.iter().enumerate() {
-                let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
-                let v = slope * rate;
-                let a = curvature * rate * rate + slope * acceleration;
-                let j = third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk;
-                worst = worst
-                    .max(v.abs() / limits.velocity)
-                    .max((a.abs() / limits.acceleration).sqrt())
-                    .max((j.abs() / limits.jerk).cbrt());
-            }
-        };
-        let even = (0..=PROBES).map(|k| duration * k as f64 / PROBES as f64);
-        for t in even.chain(curve.breaks()) {
-            // The jerk jumps where the pieces meet: both sides are looked at.
-            for t in [t - 1e-9 * duration, t + 1e-9 * duration] {
-                if t <= 0.0 || t >= duration {
-                    continue;
-                }
-                let state = curve.at(t);
-                let interval = self.spline.interval(state[0]);
-                probe(state, interval);
-            }
-        }
-        // The third derivative jumps at the knots: the parameter grows, so that they are met in order.
-        for (interval, &knot) in self.spline.knots().iter().enumerate().skip(1) {
-            if interval + 1 == self.spline.knots().len() {
-                break;
-            }
-            let state = curve.at(time_at(curve, knot));
-            probe(state, interval - 1);
-            probe(state, interval);
+    /// By how much longer it would have to take so that it just keeps every limit, at a glance.
+    fn glance(&self, curve: &Curve) -> f64 {
+        let mut worst = 1e-9;
+        for k in 1..GLANCES {
+            let state = curve.at(curve.duration() * k as f64 / GLANCES as f64);
+            self.exceed(&mut worst, state, self.spline.interval(state[0]));
         }
         worst
+    }
+
+    /// The same, closely.
+    fn excess(&self, curve: &Curve) -> f64 {
+        let duration = curve.duration();
+        let mut worst = 1e-9;
+        for k in 1..PROBES {
+            let state = curve.at(duration * k as f64 / PROBES as f64);
+            self.exceed(&mut worst, state, self.spline.interval(state[0]));
+        }
+        // The jerk jumps where the pieces meet: both sides are looked at.
+        for t in curve.breaks() {
+            for t in [t - 1e-9 * duration, t + 1e-9 * duration] {
+                if t > 0.0 && t < duration {
+                    let state = curve.at(t);
+                    self.exceed(&mut worst, state, self.spline.interval(state[0]));
+                }
+            }
+        }
+        // So does the third derivative of the path at its knots.
+        let knots = self.spline.knots();
+        for (interval, &knot) in knots.iter().enumerate().take(knots.len() - 1).skip(1) {
+            let state = curve.at(time_at(curve, knot));
+            self.exceed(&mut worst, state, interval - 1);
+            self.exceed(&mut worst, state, interval);
+        }
+        worst
+    }
+
+    /// Raises `worst` to the factor of time by which a state of the parameter exceeds the limits.
+    fn exceed(&self, worst: &mut f64, [s, rate, acceleration, jerk]: [f64; 4], interval: usize) {
+        let mut most = rate / self.rate;
+        let (mut squared, mut cubed) = (0.0_f64, 0.0_f64);
+        for (axis, limits) in self.limits.iter().enumerate() {
+            let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
+            let v = slope * rate;
+            let a = curvature * rate * rate + slope * acceleration;
+            let j = third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk;
+            most = most.max(v.abs() / limits.velocity);
+            squared = squared.max(a.abs() / limits.acceleration);
+            cubed = cubed.max(j.abs() / limits.jerk);
+        }
+        *worst = worst.max(most).max(squared.sqrt()).max(cubed.cbrt());
     }
 }
 

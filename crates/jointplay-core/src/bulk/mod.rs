@@ -7,6 +7,7 @@
 //! | hand numbers in: contiguous, every n-th, or one for all | [`Column`] |
 //! | say what is wanted | [`Quantity`] |
 //! | know which poses have no answer, and why | [`Status`], [`Tally`] |
+//! | do some at a time | [`parts`] |
 //!
 //! Each pose is what [`Gpr::forward`](crate::gpr::Gpr::forward) says of it to 10⁻¹² of the platform's size, and does not depend on the poses beside it.
 //! A pose without an answer is NaN in every column of numbers and has its reason in the column of statuses; the others go on.
@@ -30,6 +31,7 @@ mod column;
 mod forward;
 mod inverse;
 mod lanes;
+mod parts;
 mod pose;
 mod quantity;
 mod shape;
@@ -39,6 +41,7 @@ mod status;
 mod trigonometry;
 
 pub use column::Column;
+pub use parts::{Part, parts};
 pub use quantity::Quantity;
 pub use status::{Status, Tally};
 

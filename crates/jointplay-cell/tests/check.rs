@@ -1,0 +1,427 @@
+//! Every limit crossed once, each with its message; a wall that only a swept check sees; slip by hand.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+#[expect(dead_code, reason = "one kind of robot is enough here")]
+mod common;
+
+use std::collections::BTreeSet;
+
+use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
+use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
+use jointplay_cell::motion::{Motion, MotionOptions, timed};
+use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
+use jointplay_cell::robot::{EffectorId, WaferTarget};
+use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::wafer::{Droop, DroopRow, Material, Wafer};
+use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
+use jointplay_core::spatial::{Pose, Tilt};
+use nalgebra::{Rotation3, Translation3, Vector3};
+
+const A: EffectorId = EffectorId { arm: 0, effector: 0 };
+const T: usize = 3;
+const GRAVITY: f64 = 9.80665;
+
+/// A radial arm with a wafer on it, and nothing around.
+fn cell() -> Cell {
+    let material =
+        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
+    let mut robot = common::kind(0, [0.25, 0.22, 0.2]);
+    robot.arms[0].effectors[0].friction = 1.0;
+    Cell {
+        name: "test".into(),
+        assumed: Vec::new(),
+        robot,
+        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
+        stations: Vec::new(),
+        occupied: Vec::new(),
+        carried: vec![A],
+        bodies: Vec::new(),
+        allowed_pairs: Vec::new(),
+        zones: Vec::new(),
+        play_budget: 1e-2,
+        clearance: 1e-3,
+        slot_clearance: 1e-3,
+        gravity: GRAVITY,
+        plane_threshold: 1e-6,
+    }
+}
+
+fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
+    Step {
+        instruction,
+        place: Place { line: instruction + 10, column: 1 },
+        phase: Phase::Move,
+        from: from.to_vec(),
+        to: to.to_vec(),
+        path: Path::Axes,
+        speed: 1.0,
+        line_speed: None,
+        loaded: vec![A],
+        handover: None,
+        slot: None,
+    }
+}
+
+/// Level, the arm bent, T from 0 to 1.2 rad; then back.
+fn turn(cell: &Cell) -> Motion {
+    let from = [0.5, 0.5, 0.5, 0.0, 0.9];
+    let to = [0.5, 0.5, 0.5, 1.2, 0.9];
+    let mut first = step(0, &from, &to);
+    first.phase = Phase::Turn;
+    timed(cell, vec![first, step(1, &to, &from)], &MotionOptions::default()).unwrap()
+}
+
+fn at(x: f64, y: f64, z: f64) -> Pose {
+    Pose::from_parts(Translation3::new(x, y, z), Rotation3::identity())
+}
+
+fn kinds(report: &Report) -> BTreeSet<Kind> {
+    report.violations.iter().map(|violation| violation.kind).collect()
+}
+
+/// Checks the turn in a cell that was changed since, and that just this is broken.
+#[track_caller]
+fn breaks(change: impl FnOnce(&mut Cell), kind: Kind, says: &str) -> Report {
+    let mut cell = cell();
+    let motion = turn(&cell);
+    change(&mut cell);
+    let report = check(&cell, &motion, &CheckOptions::default());
+    assert_eq!(kinds(&report), BTreeSet::from([kind]), "{:#?}", report.violations);
+    assert_eq!(report.verdict, Verdict::Broken);
+    let said = report.violations[0].to_string();
+    assert!(said.contains(says) && said.starts_with("line 10,"), "{said}");
+    assert!(report.violations.windows(2).all(|pair| pair[0].start <= pair[1].start));
+    let counted: usize = report.by_instruction.iter().map(|row| row.violations).sum();
+    assert_eq!(counted, report.violations.len());
+    for violation in &report.violations {
+        assert!(violation.start <= violation.worst_time && violation.worst_time <= violation.end);
+    }
+    report
+}
+
+#[test]
+fn a_sound_motion_is_sound() {
+    let cell = cell();
+    let motion = turn(&cell);
+    let report = check(&cell, &motion, &CheckOptions::default());
+    assert_eq!((report.verdict, report.violations.len()), (Verdict::Sound, 0));
+    assert_eq!(report.by_instruction.len(), 2);
+    let row = &report.by_instruction[0];
+    assert_eq!((row.steps.clone(), row.start), (0..1, 0.0));
+    assert!((row.duration - motion.times[1]).abs() < 1e-12);
+    // Only T moves, all the time, and reaches a limit.
+    assert!((row.moving[T] - row.duration).abs() < 1e-12);
+    assert_eq!(row.moving.iter().filter(|time| **time == 0.0).count(), 4);
+    assert!((row.jerk.unwrap().share - 1.0).abs() < 1e-9);
+    assert!((report.moving[T] - report.duration).abs() < 1e-12);
+    assert_eq!((report.wafers, report.wafers_per_hour), (0, None));
+}
+
+#[test]
+fn every_limit_of_an_axis_has_its_message() {
+    let report = breaks(|cell| cell.robot.axes[T].max = 0.9, Kind::Position, "axis T comes to 1.2");
+    assert_eq!(report.violations.len(), 2, "out in one instruction, back in the next");
+    assert!((report.violations[0].worst - 1.2).abs() < 1e-12);
+    breaks(|cell| cell.robot.axes[T].loaded.velocity = 1.0, Kind::Velocity, "axis T runs at");
+    breaks(
+        |cell| cell.robot.axes[T].loaded.acceleration = 5.0,
+        Kind::Acceleration,
+        "axis T accelerates by",
+    );
+    let report =
+        breaks(|cell| cell.robot.axes[T].loaded.jerk = 80.0, Kind::Jerk, "axis T jerks by 100");
+    assert_eq!(report.violations[0].limit, 80.0);
+    // The empty limits are not asked for while a wafer is carried.
+    let mut cell = cell();
+    let motion = turn(&cell);
+    cell.robot.axes[T].empty.velocity = 0.1;
+    assert_eq!(check(&cell, &motion, &CheckOptions::default()).verdict, Verdict::Sound);
+}
+
+#[test]
+fn tilt_play_and_droop_have_their_messages() {
+    let leaning = |cell: &mut Cell| {
+        let rods = cell.robot.gpr.inverse(Tilt { yaw: 0.4, pitch: 0.02 }, AxisHeight(0.5)).unwrap();
+        let mut from = rods.to_vec();
+        from.extend([0.0, 0.9]);
+        let mut to = from.clone();
+        to[T] = 1.0;
+        timed(cell, vec![step(0, &from, &to)], &MotionOptions::default()).unwrap()
+    };
+    let mut tilted = cell();
+    let motion = leaning(&mut tilted);
+    assert_eq!(check(&tilted, &motion, &CheckOptions::default()).verdict, Verdict::Sound);
+    let gpr = tilted.robot.gpr.clone();
+    let limits = Limits { tilt_max: 0.015, ..*gpr.limits() };
+    tilted.robot.gpr = Gpr::new(gpr.limbs(), limits, gpr.working_height()).unwrap();
+    let report = check(&tilted, &motion, &CheckOptions::default());
+    assert_eq!(kinds(&report), BTreeSet::from([Kind::Tilt]));
+    assert!((report.violations[0].worst - 0.02).abs() < 1e-9);
+    assert!((report.by_instruction[0].tilt - 0.02 / 0.015).abs() < 1e-9);
+    breaks(|cell| cell.play_budget = 1e-4, Kind::Play, "the play budget is 1.000e-4 m");
+    let row = |reach| DroopRow {
+        reach,
+        empty_drop: 0.0,
+        empty_slope: 0.0,
+        loaded_drop: 0.0,
+        loaded_slope: 0.0,
+        load: 0.1,
+    };
+    let rows = vec![row(1.0), row(1.2)];
+    breaks(|cell| cell.robot.arms[0].droop = Droop::Table { rows }, Kind::Droop, "droop");
+}
+
+#[test]
+fn a_wafer_slips_where_the_hand_computation_says() {
+    let mut cell = cell();
+    for axis in &mut cell.robot.axes {
+        axis.loaded.velocity = 3.0;
+    }
+    let motion = turn(&cell);
+    let center = cell.wafer_pose(A, &motion.at(0.0).positions, true).unwrap().translation.vector;
+    // The wafer goes round the first joint, level: tangential and radial acceleration.
+    let mount = cell.robot.arms[0].mount;
+    let platform = cell.robot.forward(&motion.at(0.0).positions).unwrap().platform;
+    let joint = platform.base_from_platform * nalgebra::Point3::from(mount);
+    let radius = (center - joint.coords).xy().norm();
+    let push = |t: f64| {
+        let sample = motion.at(t);
+        radius * sample.accelerations[T].hypot(sample.velocities[T].powi(2))
+    };
+    let worst = motion.samples(1000.0).map(|sample| push(sample.time)).fold(0.0, f64::max);
+    cell.robot.arms[0].effectors[0].friction = 0.9 * worst / GRAVITY;
+    let report = check(&cell, &motion, &CheckOptions::default());
+    assert_eq!(kinds(&report), BTreeSet::from([Kind::Slip]));
+    let found = report.violations.iter().map(|one| one.worst).fold(0.0, f64::max);
+    assert!((found - worst).abs() < 1e-5 * worst, "{found} {worst}");
+    assert!((report.violations[0].limit - 0.9 * worst).abs() < 1e-9);
+    assert!(report.violations[0].to_string().contains("the wafer on A slips"));
+    // It starts where the hand computation passes the limit, to a sample.
+    let start = report.violations[0].start;
+    assert!(push(start) > 0.9 * worst && push(start - 1e-3) <= 0.9 * worst);
+    cell.robot.arms[0].effectors[0].friction = 1.01 * worst / GRAVITY;
+    assert_eq!(check(&cell, &motion, &CheckOptions::default()).verdict, Verdict::Sound);
+    // Tilted at rest: g sin α against µ g cos α.
+    let rods = cell.robot.gpr.inverse(Tilt { yaw: 0.4, pitch: 0.02 }, AxisHeight(0.5)).unwrap();
+    let mut still = rods.to_vec();
+    still.extend([0.0, 0.9]);
+    let mut wait = step(0, &still, &still);
+    wait.path = Path::Still(0.01);
+    let motion = timed(&cell, vec![wait], &MotionOptions::default()).unwrap();
+    for (friction, sound) in [(0.0199, false), (0.0201, true)] {
+        cell.robot.arms[0].effectors[0].friction = friction;
+        let report = check(&cell, &motion, &CheckOptions::default());
+        assert_eq!(report.verdict == Verdict::Sound, sound);
+        let share = report.by_instruction[0].slip.unwrap().share;
+        assert!((share - 0.02_f64.tan() / friction).abs() < 1e-6, "{share}");
+    }
+}
+
+/// A thin upright wall across the way of the arm's tip, at an angle of T.
+fn wall(name: &str, cell: &Cell, angle: f64, radius: f64, thickness: f64) -> Body {
+    let positions = [0.5, 0.5, 0.5, angle, 0.9];
+    let wafer = cell.wafer_pose(A, &positions, false).unwrap().translation.vector;
+    let platform = cell.robot.forward(&positions).unwrap().platform;
+    let joint =
+        (platform.base_from_platform * nalgebra::Point3::from(cell.robot.arms[0].mount)).coords;
+    let out = (wafer - joint).xy().normalize();
+    let along = Rotation3::from_axis_angle(&Vector3::z_axis(), out.y.atan2(out.x));
+    let center = joint + Vector3::new(out.x, out.y, 0.0) * radius;
+    Body {
+        name: name.into(),
+        carrier: Carrier::World,
+        carrier_from_shape: Pose::from_parts(Translation3::new(center.x, center.y, wafer.z), along),
+        shape: Shape::Box { half: [0.03, 0.5 * thickness, 0.05] },
+    }
+}
+
+#[test]
+fn a_wall_between_two_samples_is_seen() {
+    let mut cell = cell();
+    cell.carried.clear();
+    cell.clearance = 1e-6;
+    // A pin on the first link, of a millimetre.
+    cell.bodies.push(Body {
+        name: "pin".into(),
+        carrier: Carrier::Link { arm: 0, link: 0 },
+        carrier_from_shape: Pose::identity(),
+        shape: Shape::Capsule { ends: [[0.25, 0.0, -0.01], [0.25, 0.0, 0.01]], radius: 5e-4 },
+    });
+    let motion = turn(&cell);
+    let link = |t: f64| {
+        let chain = cell.robot.forward(&motion.at(t).positions).unwrap();
+        let link = chain.base_from_link[0][0];
+        (link.translation.vector, link.rotation * Vector3::x())
+    };
+    // Half way between the samples 0.40 s and 0.41 s of a hundred a second, where the pin goes millimetres a sample.
+    let (joint, out) = link(0.405);
+    let (_, before) = link(0.40);
+    let (_, after) = link(0.41);
+    let way = 0.25 * before.angle(&after);
+    assert!(way > 4e-3, "{way}");
+    let along = Rotation3::from_axis_angle(&Vector3::z_axis(), out.y.atan2(out.x));
+    let place = joint + out * 0.25;
+    cell.bodies.push(Body {
+        name: "sheet".into(),
+        carrier: Carrier::World,
+        carrier_from_shape: Pose::from_parts(Translation3::from(place), along),
+        shape: Shape::Box { half: [0.02, 2e-4, 0.05] },
+    });
+    let report = check(&cell, &motion, &CheckOptions { rate: 100.0, near: 0.05 });
+    let hit = &report.violations[0];
+    assert_eq!(
+        (hit.kind, &*hit.names),
+        (Kind::Collision, &["pin".to_string(), "sheet".to_string()][..])
+    );
+    assert!(hit.start > 0.4 && hit.start < 0.41, "{}", hit.start);
+    assert!(hit.to_string().contains("pin and sheet touch"), "{hit}");
+    assert_eq!(
+        kinds(&report),
+        BTreeSet::from([Kind::Collision]),
+        "no sample is near enough itself"
+    );
+    // Beside the way, nothing is hit.
+    cell.bodies[1].carrier_from_shape.translation.vector += out * 0.03;
+    let report = check(&cell, &motion, &CheckOptions { rate: 4000.0, near: 0.05 });
+    assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
+    let nearest = &report.distances[0];
+    assert!((nearest.distance - 9.5e-3).abs() < 2e-4, "{}", nearest.distance);
+}
+
+#[test]
+fn bodies_too_near_touching_allowed_and_zones() {
+    let standing = cell();
+    let thick = |cell: &mut Cell| cell.bodies.push(wall("wall", &standing, 0.9, 0.6, 0.01));
+    let report = breaks(thick, Kind::Collision, "wafer from A and wall collide");
+    assert!(report.violations[0].worst < 0.0);
+    assert!(report.by_instruction[0].nearest.as_ref().unwrap().distance == 0.0);
+    // Above the wafer by half of the clearance.
+    let above = |cell: &mut Cell| {
+        let mut body = wall("lamp", &standing, 0.9, 0.6, 0.01);
+        body.carrier_from_shape.translation.vector.z += 0.05 + 775e-6 + 5e-4;
+        cell.bodies.push(body);
+    };
+    let report = breaks(above, Kind::Clearance, "comes within 0.000500 m of lamp");
+    assert!((report.distances[0].distance - 5e-4).abs() < 1e-7);
+    let zone = |rule, name: &str, shape, pose| Zone {
+        name: name.into(),
+        rule,
+        base_from_shape: pose,
+        shape,
+    };
+    let body = wall("", &standing, 0.9, 0.6, 0.01);
+    let keep_out = zone(ZoneRule::KeepOut, "door", body.shape, body.carrier_from_shape);
+    breaks(|cell| cell.zones.push(keep_out), Kind::KeepOut, "is in keep-out zone door");
+    let safe = zone(ZoneRule::Safe, "yard", Shape::Box { half: [0.2; 3] }, at(0.0, 0.0, 0.6));
+    let report = breaks(|cell| cell.zones.push(safe), Kind::SafeZone, "outside safe zone yard");
+    assert!(report.violations.iter().all(|one| one.instruction == 0), "only while it turns");
+    // Two bodies of the robot that may touch.
+    let mut cell = cell();
+    let block = |name: &str, carrier| Body {
+        name: name.into(),
+        carrier,
+        carrier_from_shape: Pose::identity(),
+        shape: Shape::Cylinder { radius: 0.3, half_height: 0.2 },
+    };
+    cell.bodies.push(block("base", Carrier::Platform));
+    cell.bodies.push(block("hand", Carrier::Link { arm: 0, link: 1 }));
+    let motion = turn(&cell);
+    let report = check(&cell, &motion, &CheckOptions::default());
+    assert!(kinds(&report).contains(&Kind::Collision));
+    cell.allowed_pairs.push([1, 0]);
+    cell.carried.clear();
+    let report = check(&cell, &motion, &CheckOptions::default());
+    assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
+}
+
+/// Into slot 2 of three, up with its wafer, and out.
+fn get(cell: &mut Cell, pitch: f64) -> Motion {
+    let from = vec![0.5, 0.5, 0.5, 0.3, 0.9];
+    let start = cell.wafer_pose(A, &from, false).unwrap();
+    let out = (start.rotation * Vector3::x()).xy().push(0.0).normalize();
+    let place = start.translation.vector + out * 0.1 + Vector3::new(0.0, 0.0, 0.002);
+    let base_from_station = Pose::from_parts(
+        Translation3::from(place - Vector3::new(0.0, 0.0, pitch)),
+        Rotation3::identity(),
+    );
+    let slot = SlotId { station: 0, slot: 2 };
+    cell.carried.clear();
+    cell.stations = vec![Station {
+        name: "port".into(),
+        base_from_station,
+        origin: Origin::Nominal,
+        slots: 3,
+        pitch,
+        stroke: Stroke { below: 0.002, above: 0.002, speed: 0.05 },
+        offset: [0.0; 3],
+        retract_reach: 0.3,
+        via: Vec::new(),
+        approach: Approach::Radial,
+        effectors: vec![A],
+        process_time: 0.0,
+    }];
+    cell.occupied = (1..=3).map(|slot| SlotId { station: 0, slot }).collect();
+    let up = |height: f64, near: &[f64]| {
+        let center = place + Vector3::new(0.0, 0.0, height);
+        let target = WaferTarget { center, normal: Vector3::z(), heading: None };
+        cell.reach(A, &target, false, near).unwrap().positions
+    };
+    let below = up(-0.002, &from);
+    let rest = up(0.0, &below);
+    let above = up(0.002, &rest);
+    let mut out = from.clone();
+    for rod in 0..3 {
+        out[rod] += above[rod] - below[rod];
+    }
+    let line = |from: &[f64], to: &[f64], phase, handover, loaded: bool| Step {
+        phase,
+        path: Path::Line(A),
+        handover,
+        loaded: if loaded { vec![A] } else { Vec::new() },
+        slot: Some(slot),
+        ..step(0, from, to)
+    };
+    let steps = vec![
+        line(&from, &below, Phase::Extend, None, false),
+        line(&below, &rest, Phase::Lift, Some(Handover::Taken(A, slot)), false),
+        line(&rest, &above, Phase::Lift, None, true),
+        line(&above, &out, Phase::Retract, None, true),
+    ];
+    timed(cell, steps, &MotionOptions::default()).unwrap()
+}
+
+#[test]
+fn a_slot_is_reached_into_with_the_clearance_of_slots() {
+    let mut cell = cell();
+    cell.clearance = 0.02;
+    cell.slot_clearance = 0.001;
+    // A thin blade under the wafer, on the last link.
+    let blade = Shape::Box { half: [0.1, 0.02, 0.0002] };
+    cell.bodies.push(Body {
+        name: "blade".into(),
+        carrier: Carrier::Link { arm: 0, link: 2 },
+        carrier_from_shape: at(0.2, 0.0, 0.005 - 0.0002),
+        shape: blade,
+    });
+    let motion = get(&mut cell, 0.01);
+    let report = check(&cell, &motion, &CheckOptions::default());
+    assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
+    let distance = |names: [&str; 2]| {
+        let row = report.distances.iter().find(|row| row.names == names.map(String::from));
+        row.map(|row| row.distance).unwrap()
+    };
+    // Up by the stroke, the wafer is its own thickness nearer to the one above.
+    let above = distance(["wafer of port 2", "wafer of port 3"]);
+    assert!((above - (0.01 - 0.002 - 775e-6)).abs() < 1e-4, "{above}");
+    let under = distance(["blade", "wafer of port 1"]);
+    assert!((under - (0.01 - 0.002 - 0.0004 - 775e-6)).abs() < 1e-4, "{under}");
+    // Slots that lie too close.
+    let motion = get(&mut cell, 0.0037);
+    let report = check(&cell, &motion, &CheckOptions::default());
+    assert_eq!(kinds(&report), BTreeSet::from([Kind::SlotClearance]), "{:#?}", report.violations);
+    let names: BTreeSet<&str> =
+        report.violations.iter().flat_map(|one| one.names.iter().map(String::as_str)).collect();
+    assert!(names.contains("wafer of port 2") && names.contains("blade"), "{names:?}");
+    assert!(report.violations[0].to_string().contains("the slots ask for 0.001000 m"));
+}

@@ -1,0 +1,266 @@
+//! Motions keep every limit at every sample, by their own derivatives and by differences, and end exactly where they should.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod common;
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::motion::{Motion, MotionOptions, Sample, limits_of, timed};
+use jointplay_cell::program::{Path, Phase, Place, Step};
+use jointplay_cell::robot::{EffectorId, RODS, WaferTarget};
+use jointplay_cell::wafer::{Droop, Material, Wafer};
+use jointplay_core::gpr::AxisHeight;
+use jointplay_core::spatial::Tilt;
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+const A: EffectorId = EffectorId { arm: 0, effector: 0 };
+
+fn cell(kind: usize, droop: Droop) -> Cell {
+    let mut robot = common::kind(kind, [0.25, 0.22, 0.2]);
+    for arm in &mut robot.arms {
+        arm.droop = droop.clone();
+    }
+    for (place, axis) in robot.axes.iter_mut().enumerate() {
+        // Unequal, so that each takes its turn in being the slowest.
+        let share = [1.0, 0.6, 0.35, 0.8][place % 4];
+        axis.empty.velocity *= share;
+        axis.loaded.acceleration *= 0.5 * share;
+        axis.loaded.jerk *= 0.7;
+    }
+    let material =
+        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
+    Cell {
+        name: "test".into(),
+        assumed: Vec::new(),
+        robot,
+        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
+        stations: Vec::new(),
+        occupied: Vec::new(),
+        carried: vec![A],
+        bodies: Vec::new(),
+        allowed_pairs: Vec::new(),
+        zones: Vec::new(),
+        play_budget: 1e-2,
+        clearance: 1e-3,
+        slot_clearance: 1e-3,
+        gravity: 9.80665,
+        plane_threshold: 1e-6,
+    }
+}
+
+fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step {
+    Step {
+        instruction: 0,
+        place: Place { line: 1, column: 1 },
+        phase: Phase::Move,
+        from: from.to_vec(),
+        to: to.to_vec(),
+        path,
+        speed,
+        line_speed: None,
+        loaded: if loaded { vec![A] } else { Vec::new() },
+        handover: None,
+        slot: None,
+    }
+}
+
+/// Limits at every sample, derivatives as differences, and exact ends.
+fn keeps(cell: &Cell, motion: &Motion) {
+    const RATE: f64 = 4000.0;
+    let samples: Vec<Sample> = motion.samples(RATE).collect();
+    let (first, last) = (&samples[0], &samples[samples.len() - 1]);
+    assert_eq!(first.positions, motion.steps[0].from);
+    assert_eq!(last.positions, motion.steps[motion.steps.len() - 1].to);
+    assert_eq!(last.time, motion.duration());
+    for (index, step) in motion.steps.iter().enumerate() {
+        let end = motion.at(motion.times[index + 1]);
+        assert_eq!(end.positions, step.to);
+        assert!(end.velocities.iter().chain(&end.accelerations).all(|value| value.abs() < 1e-9));
+    }
+    for triple in samples.windows(3) {
+        let [before, now, after] = triple else { unreachable!() };
+        let dt = 1.0 / RATE;
+        if after.step != before.step || (after.time - now.time - dt).abs() > 1e-9 {
+            continue;
+        }
+        for axis in 0..now.positions.len() {
+            let limits = limits_of(&cell.robot, axis, &motion.steps[now.step]);
+            let share = motion.steps[now.step].speed;
+            let (v, a, j) = (now.velocities[axis], now.accelerations[axis], now.jerks[axis]);
+            let name = &cell.robot.axes[axis].name;
+            assert!(
+                v.abs() <= share * limits.velocity * (1.0 + 1e-9),
+                "{name} {v} at {}",
+                now.time
+            );
+            assert!(
+                a.abs() <= share * limits.acceleration * (1.0 + 1e-9),
+                "{name} {a} at {}",
+                now.time
+            );
+            assert!(j.abs() <= share * limits.jerk * (1.0 + 1e-9), "{name} {j} at {}", now.time);
+            let difference =
+                |of: fn(&Sample) -> &Vec<f64>| (of(after)[axis] - of(before)[axis]) / (2.0 * dt);
+            // Off by what the jerk does in a step.
+            assert!((difference(|s| &s.positions) - v).abs() <= limits.jerk * dt * dt);
+            assert!((difference(|s| &s.velocities) - a).abs() <= limits.jerk * dt);
+            let jerk = difference(|s| &s.accelerations);
+            assert!(
+                jerk.abs() <= share * limits.jerk * 1.001 + 1e-6,
+                "{name} {jerk} at {}",
+                now.time
+            );
+        }
+    }
+}
+
+/// Positions with the platform at a tilt and height and the motors at shares of their range.
+fn positions(cell: &Cell, tilt: Tilt, height: f64, shares: [f64; 5]) -> Vec<f64> {
+    let robot = &cell.robot;
+    let mut all = robot.gpr.inverse(tilt, AxisHeight(height)).unwrap().to_vec();
+    for (axis, share) in robot.axes[RODS..].iter().zip(shares) {
+        all.push(axis.min + share * (axis.max - axis.min));
+    }
+    all
+}
+
+fn shares() -> impl Strategy<Value = [f64; 5]> {
+    prop::array::uniform5(0.15..0.85)
+}
+
+fn tilt() -> impl Strategy<Value = Tilt> {
+    (-3.0..3.0, 0.0..0.02).prop_map(|(yaw, pitch)| Tilt { yaw, pitch })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn axes_keep_their_limits(
+        kind in 0..common::KINDS,
+        first in shares(), second in shares(), third in shares(),
+        tilts in [tilt(), tilt(), tilt()],
+        heights in [0.3..0.7, 0.3..0.7, 0.3..0.7],
+        speed in 0.1..1.0,
+        loaded: bool,
+    ) {
+        let cell = cell(kind, Droop::Rigid);
+        let [a, b, c] = [(0, first), (1, second), (2, third)]
+            .map(|(k, shares)| positions(&cell, tilts[k], heights[k], shares));
+        let steps = vec![
+            step(&a, &b, Path::Axes, 1.0, loaded),
+            step(&b, &b, Path::Still(0.1), 1.0, loaded),
+            step(&b, &c, Path::Axes, speed, !loaded),
+        ];
+        let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+        keeps(&cell, &motion);
+        // The slowest axis of a step is at its limits all the time, the others no longer.
+        prop_assert!(motion.slowest_axis(0).is_some() && motion.slowest_axis(1).is_none());
+    }
+
+    #[test]
+    fn lines_are_straight_and_keep_the_limits(
+        kind in 0..common::KINDS,
+        shares in shares(),
+        tilts in [tilt(), tilt()],
+        way in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
+        droops: bool,
+        loaded: bool,
+    ) {
+        let droop = Droop::Cantilever { stiffness: 900.0, mass_per_length: 2.5 };
+        let cell = cell(kind, if droops { droop } else { Droop::Rigid });
+        let from = positions(&cell, tilts[0], 0.5, shares);
+        let start = cell.wafer_pose(A, &from, loaded).unwrap();
+        let target = WaferTarget {
+            center: start.translation.vector + Vector3::from(way),
+            normal: tilts[1].normal(),
+            heading: None,
+        };
+        let reached = cell.reach(A, &target, loaded, &from);
+        prop_assume!(reached.is_ok());
+        let to = reached.unwrap().positions;
+        // Another bend of the arm is not to be reached along a line.
+        let near = from.iter().zip(&to).all(|(a, b)| (a - b).abs() < 1.2);
+        prop_assume!(near);
+        let steps = vec![step(&from, &to, Path::Line(A), 1.0, loaded)];
+        let motion = match timed(&cell, steps, &MotionOptions::default()) {
+            Ok(motion) => motion,
+            // Past a singular position there may be none; it is said where.
+            Err(error) => {
+                prop_assert!(error.to_string().contains("along the line"), "{error}");
+                return Ok(());
+            }
+        };
+        keeps(&cell, &motion);
+        let straight = motion.straightness(0).unwrap();
+        prop_assert!(straight.deviation <= 1e-6);
+        let end = cell.wafer_pose(A, &to, loaded).unwrap();
+        let along = (end.translation.vector - start.translation.vector).normalize();
+        let mut worst = 0.0_f64;
+        let normal = |pose: &jointplay_core::spatial::Pose| pose.rotation * Vector3::z();
+        let (first, last) = (normal(&start), normal(&end));
+        for sample in motion.samples(2000.0) {
+            let pose = cell.wafer_pose(A, &sample.positions, loaded).unwrap();
+            let off = pose.translation.vector - start.translation.vector;
+            worst = worst.max((off - along * off.dot(&along)).norm());
+            // Between the planes of the ends, on the short way.
+            let angle = normal(&pose).angle(&first) + normal(&pose).angle(&last);
+            prop_assert!(angle <= first.angle(&last) + 1e-5, "{angle}");
+        }
+        prop_assert!(worst <= straight.deviation * 1.3 + 1e-11, "{worst} {}", straight.deviation);
+    }
+}
+
+#[test]
+fn a_line_has_its_own_speed_limit() {
+    let cell = cell(0, Droop::Rigid);
+    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let to: Vec<f64> =
+        from.iter().enumerate().map(|(k, q)| if k < RODS { q + 0.02 } else { *q }).collect();
+    let mut lift = step(&from, &to, Path::Line(A), 1.0, false);
+    lift.line_speed = Some(0.05);
+    let motion = timed(&cell, vec![lift], &MotionOptions::default()).unwrap();
+    let fastest =
+        motion.samples(1000.0).map(|sample| sample.velocities[0].abs()).fold(0.0, f64::max);
+    assert!((fastest - 0.05).abs() < 2e-4, "{fastest}");
+    assert!((motion.straightness(0).unwrap().length - 0.02).abs() < 1e-12);
+}
+
+#[test]
+fn a_station_is_waited_for_from_when_its_wafer_was_left() {
+    let cell = cell(0, Droop::Rigid);
+    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let mut to = from.clone();
+    to[3] += 0.5;
+    let wait = |since, seconds| step(&to, &to, Path::Processed { since, seconds }, 1.0, false);
+    let go = || step(&from, &to, Path::Axes, 1.0, false);
+    let still = step(&to, &to, Path::Still(2.0), 1.0, false);
+    let motion =
+        timed(&cell, vec![go(), still, wait(0, 5.0), wait(0, 1.0)], &MotionOptions::default())
+            .unwrap();
+    assert!((motion.step_duration(2) - 3.0).abs() < 1e-12);
+    assert_eq!(motion.step_duration(3), 0.0);
+}
+
+#[test]
+fn all_that_cannot_be_timed_is_said() {
+    let cell = cell(0, Droop::Rigid);
+    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let mut to = from.clone();
+    to[3] += 0.5;
+    let steps = vec![
+        step(&from, &to, Path::Axes, 0.0, false),
+        step(&from, &to, Path::Axes, 1.0, false),
+        step(&to, &from, Path::Still(1.0), 1.0, false),
+        // The arm has no motor that moves its wafer aside along a straight line this far.
+        step(&from, &from, Path::Still(f64::NAN), 1.0, false),
+    ];
+    let error = timed(&cell, steps, &MotionOptions::default()).unwrap_err();
+    let said: Vec<String> = error.problems.iter().map(ToString::to_string).collect();
+    assert_eq!(said.len(), 4, "{said:#?}");
+    assert!(said[0].contains("share of speed is 0"), "{}", said[0]);
+    assert!(said[1].contains("axis T starts at"), "{}", said[1]);
+    assert!(said[2].contains("ends elsewhere"), "{}", said[2]);
+    assert!(said[3].contains("waits NaN s"), "{}", said[3]);
+}
