@@ -53,7 +53,13 @@ pub enum Part {
     Effector(usize, usize),
 }
 
-type Fault = (Part, CellError);
+type Fault = (Part, Box<CellError>);
+
+impl Part {
+    fn at_fault(self) -> impl Fn(CellError) -> Fault {
+        move |error| (self, Box::new(error))
+    }
+}
 
 impl HybridRobot {
     /// The robot, if it is one: names are unique, counts possible, numbers finite, limits in order, home positions within them, and each arm can be moved in its plane.
@@ -65,7 +71,7 @@ impl HybridRobot {
     pub fn checked(self) -> Result<Self, CellError> {
         match self.check() {
             Ok(()) => Ok(self),
-            Err((_, error)) => Err(error),
+            Err((_, error)) => Err(*error),
         }
     }
 
@@ -73,32 +79,32 @@ impl HybridRobot {
     ///
     /// # Errors
     /// The first fault found.
-    pub fn check(&self) -> Result<(), (Part, CellError)> {
-        let whole = |error| (Part::Robot, error);
+    pub fn check(&self) -> Result<(), (Part, Box<CellError>)> {
+        let whole = Part::Robot.at_fault();
         if self.name.trim().is_empty() {
             return Err(whole(CellError::NoName { what: "the robot".to_owned() }));
         }
-        count("arms", self.arms.len(), 1, MAX_ARMS).map_err(whole)?;
-        count("axes, rods included", self.axes.len(), RODS + 1, MAX_AXES).map_err(whole)?;
+        count("arms", self.arms.len(), 1, MAX_ARMS).map_err(&whole)?;
+        count("axes, rods included", self.axes.len(), RODS + 1, MAX_AXES).map_err(&whole)?;
         unique("axes", self.axes.iter().map(|axis| &axis.name))
-            .map_err(|(index, error)| (Part::Axis(index), error))?;
+            .map_err(|(index, error)| Part::Axis(index).at_fault()(error))?;
         unique("arms", self.arms.iter().map(|arm| &arm.name))
-            .map_err(|(index, error)| (Part::Arm(index), error))?;
+            .map_err(|(index, error)| Part::Arm(index).at_fault()(error))?;
         let effectors: Vec<(usize, usize)> = (0..self.arms.len())
             .flat_map(|arm| (0..self.arms[arm].effectors.len()).map(move |k| (arm, k)))
             .collect();
         let names = effectors.iter().map(|&(arm, k)| &self.arms[arm].effectors[k].name);
         unique("effectors", names).map_err(|(index, error)| {
             let (arm, k) = effectors[index];
-            (Part::Effector(arm, k), error)
+            Part::Effector(arm, k).at_fault()(error)
         })?;
         for (index, axis) in self.axes.iter().enumerate() {
-            self.check_axis_of(index, axis).map_err(|error| (Part::Axis(index), error))?;
+            self.check_axis_of(index, axis).map_err(Part::Axis(index).at_fault())?;
         }
         let home = [0, 1, 2].map(|rod| self.axes[rod].home);
         let pitch = self.gpr.plane_tilt(&home).pitch;
         let what = "the tilt of the home position".to_owned();
-        in_range(what, pitch, 0.0, self.gpr.limits().tilt_max, "rad").map_err(whole)?;
+        in_range(what, pitch, 0.0, self.gpr.limits().tilt_max, "rad").map_err(&whole)?;
         for (index, arm) in self.arms.iter().enumerate() {
             self.check_arm(index, arm)?;
         }
@@ -107,7 +113,7 @@ impl HybridRobot {
             let mut drives = joints.flat_map(|joint| &joint.drives);
             if !drives.any(|&(driven, _)| driven == index) {
                 let idle = CellError::IdleAxis { axis: axis.name.clone() };
-                return Err((Part::Axis(index), idle));
+                return Err(Part::Axis(index).at_fault()(idle));
             }
         }
         Ok(())
@@ -157,24 +163,24 @@ impl HybridRobot {
 
     fn check_arm(&self, index: usize, arm: &Arm) -> Result<(), Fault> {
         let of = |what: &str| format!("{what} of arm {}", arm.name);
-        let at_fault = |error| (Part::Arm(index), error);
+        let at_fault = Part::Arm(index).at_fault();
         for value in arm.mount {
-            finite(of("the mount"), value).map_err(at_fault)?;
+            finite(of("the mount"), value).map_err(&at_fault)?;
         }
-        count(&of("joints"), arm.joints.len(), 1, MAX_JOINTS).map_err(at_fault)?;
-        count(&of("effectors"), arm.effectors.len(), 1, MAX_EFFECTORS).map_err(at_fault)?;
+        count(&of("joints"), arm.joints.len(), 1, MAX_JOINTS).map_err(&at_fault)?;
+        count(&of("effectors"), arm.effectors.len(), 1, MAX_EFFECTORS).map_err(&at_fault)?;
         let mut motors = BTreeSet::new();
         for (k, joint) in arm.joints.iter().enumerate() {
             let of = |what: &str| format!("{what} of joint {} of arm {}", k + 1, arm.name);
-            self.check_joint(joint, of).map_err(|error| (Part::Joint(index, k), error))?;
+            self.check_joint(joint, of).map_err(Part::Joint(index, k).at_fault())?;
             motors.extend(joint.drives.iter().map(|&(axis, _)| axis));
         }
         // More could not be told apart, and their positions would be anyone's choice.
-        count(&of("motors"), motors.len(), 1, arm.joints.len()).map_err(at_fault)?;
+        count(&of("motors"), motors.len(), 1, arm.joints.len()).map_err(&at_fault)?;
         for (k, effector) in arm.effectors.iter().enumerate() {
             let id = EffectorId { arm: index, effector: k };
             let checked = self.check_effector_of(id, arm, effector);
-            checked.map_err(|error| (Part::Effector(index, k), error))?;
+            checked.map_err(Part::Effector(index, k).at_fault())?;
         }
         Ok(())
     }
