@@ -1,6 +1,5 @@
 //! From the text of a program to the steps of a lot, in the example cell.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
-#![expect(missing_docs, reason = "criterion makes functions without them")]
 
 use std::hint::black_box;
 

@@ -1,7 +1,5 @@
 //! The program of the example cell.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
-
 use std::collections::BTreeSet;
 
 use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
