@@ -27,6 +27,9 @@ pub(super) fn bodies(
     stations: &[Station],
     files: &mut Files,
 ) -> Vec<Body> {
+    let name_of = |table: Table| Some(table.entry("name")?.value.get_ref().as_str()?.to_owned());
+    let station_names: Vec<String> =
+        top.tables("station").into_iter().filter_map(name_of).collect();
     let mut names = BTreeMap::new();
     let mut bodies = Vec::new();
     for mut table in few(top, "body") {
@@ -35,7 +38,7 @@ pub(super) fn bodies(
             table.whose = format!("the body {name:?}");
             unique(&table, "body", name, &mut names);
         }
-        let carried = carrier(&table, robot, stations);
+        let carried = carrier(&table, robot, (stations, &station_names));
         let pose = pose(&table);
         let shape = shape(&table, files);
         table.finish();
@@ -106,7 +109,7 @@ pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
 fn carrier(
     table: &Table,
     robot: Option<&HybridRobot>,
-    stations: &[Station],
+    (stations, names): (&[Station], &[String]),
 ) -> Option<(Carrier, Pose)> {
     let reader = table.reader;
     let Some(entry) = table.entry("on") else { return Some((Carrier::World, Pose::identity())) };
@@ -121,8 +124,10 @@ fn carrier(
         (Some(station), None, None) => {
             let name = station.text(reader)?;
             let Some(found) = stations.iter().find(|known| known.name == name) else {
-                let names: Vec<String> = stations.iter().map(|one| one.name.clone()).collect();
-                station.unknown(reader, "station", name, &names);
+                // A station that could not be read was told of already.
+                if !names.iter().any(|known| known == name) {
+                    station.unknown(reader, "station", name, names);
+                }
                 return None;
             };
             return Some((Carrier::World, found.base_from_station));
@@ -189,7 +194,7 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
             })
         }
         "convex" => inner.needed("points_mm").and_then(|entry| {
-            let points = points(&entry, reader);
+            let points = points(&entry, reader)?;
             if !is_solid(&points) {
                 let why = "a convex body needs 4 points or more that do not lie in one plane";
                 entry.wrong(reader, Fault::Unfit(why.to_owned()));
@@ -204,7 +209,7 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
 }
 
 /// Whether points span a volume.
-fn is_solid(points: &[Vector3<f64>]) -> bool {
+pub(super) fn is_solid(points: &[Vector3<f64>]) -> bool {
     let Some(first) = points.first() else { return false };
     let far = points.iter().map(|point| point - first);
     let Some(one) = far.clone().max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return false };

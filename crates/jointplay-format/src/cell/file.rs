@@ -202,11 +202,12 @@ fn wafer(table: &Table) -> Option<Wafer> {
     table.finish();
     let (diameter, thickness) = (diameter?, thickness?);
     if thickness > diameter / 10.0 {
-        table.wrong(Fault::Unfit(format!(
+        let why = format!(
             "a wafer {} mm thick and {} mm wide is no thin plate: its thickness may be a tenth of its diameter at most",
             crate::units::mm(thickness),
             crate::units::mm(diameter)
-        )));
+        );
+        table.wrong_at("thickness_mm", Fault::Unfit(why));
     }
     Some(Wafer { diameter, thickness, material: material? })
 }
@@ -243,7 +244,8 @@ pub(super) fn lean(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>
 }
 
 /// The points of a list [m].
-pub(super) fn points(entry: &Entry, reader: &Reader) -> Vec<Vector3<f64>> {
-    let list = entry.list(reader).unwrap_or_default();
-    list.into_iter().filter_map(|point| point.point(reader)).collect()
+pub(super) fn points(entry: &Entry, reader: &Reader) -> Option<Vec<Vector3<f64>>> {
+    // All are read before one that is wrong ends it, so that each is told of.
+    let points: Vec<_> = entry.list(reader)?.iter().map(|point| point.point(reader)).collect();
+    points.into_iter().collect()
 }

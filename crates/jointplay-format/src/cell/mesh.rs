@@ -5,6 +5,7 @@ use std::io::Cursor;
 use jointplay_cell::cell::Shape;
 
 use super::Files;
+use super::bodies::is_solid;
 use super::problem::Fault;
 use super::tree::Table;
 use crate::robot::stays_within;
@@ -46,7 +47,12 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let mesh =
         mesh.map_err(|why| file.wrong(reader, Fault::File { name: name.to_owned(), why })).ok()?;
     let length = |value: f32| if is_mm { m_from_mm(f64::from(value)) } else { f64::from(value) };
-    let vertices = mesh.vertices.iter().map(|vertex| vertex.map(length)).collect();
+    let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex.map(length)).collect();
+    if convex && !is_solid(&vertices.iter().map(|&vertex| vertex.into()).collect::<Vec<_>>()) {
+        let why = "its points lie in one plane, and make no convex body".to_owned();
+        file.wrong(reader, Fault::File { name: name.to_owned(), why });
+        return None;
+    }
     Some(if convex {
         Shape::Convex { points: vertices }
     } else {

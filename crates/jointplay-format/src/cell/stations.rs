@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 use super::file::{Effectors, lean, named_effectors, points};
 use super::problem::Fault;
 use super::tree::{Reader, Span, Table};
-use crate::units::{deg, m_from_mm, mm, um};
+use crate::units::{deg, m_from_mm, mm, shift, um};
 
 /// Most slots of a station.
 const MOST_SLOTS: usize = 1000;
@@ -74,7 +74,7 @@ fn station(
     let placed = place(table, slots.unwrap_or(1), pitch.map(m_from_mm));
     let offset = table.entry("offset_mm").and_then(|offset| offset.point(reader));
     let retract_reach = table.length("retract_mm", Span::NotNegative);
-    let via = table.entry("via_mm").map(|via| points(&via, reader)).unwrap_or_default();
+    let via = table.entry("via_mm").and_then(|via| points(&via, reader)).unwrap_or_default();
     let approach = table.entry("approach").map_or(Some(Approach::Radial), |approach| {
         let known = [("radial", Approach::Radial), ("line", Approach::Line)];
         approach.word(reader, "approach", &known)
@@ -84,7 +84,7 @@ fn station(
     let may = match (named, effectors) {
         (Some(named), Some(known)) => {
             let may = named_effectors(&named, reader, known);
-            if named.is_list() && may.is_empty() && reader.is_clean() {
+            if named.list_is_empty() {
                 let (key, needed) = ("effectors".to_owned(), "1 or more".to_owned());
                 named.wrong(reader, Fault::Count { key, found: 0, needed });
             }
@@ -177,14 +177,11 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
     }
     let position = table.point("position_mm");
     if let Some(taught) = taught {
-        let threshold =
-            taught.number_or("threshold_um", Span::Positive, TAUGHT_THRESHOLD_UM) * 1e-6;
+        let threshold = taught.number_or("threshold_um", Span::Positive, TAUGHT_THRESHOLD_UM);
+        let threshold = shift(threshold, -6);
         let points = taught.needed("points_mm").map(|entry| points(&entry, reader));
         taught.finish();
-        if !reader.is_clean() {
-            return None;
-        }
-        let fit = teach::fit_plane(&points?, threshold)
+        let fit = teach::fit_plane(&points??, threshold)
             .map_err(|error| taught.wrong(Fault::Unfit(error.to_string())))
             .ok()?;
         if fit.verdict == Verdict::Scattered {
@@ -221,10 +218,8 @@ fn check_reach(table: &Table, station: &Station) {
     let center = station.slot_frame(1).translation.vector;
     let reach = center.x.hypot(center.y);
     if station.retract_reach >= reach {
-        let entry = table.entry("retract_mm");
-        let span = entry.map_or(table.span.clone(), |entry| entry.span());
-        table.reader.wrong(
-            span,
+        table.wrong_at(
+            "retract_mm",
             Fault::Unfit(format!(
                 "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the robot's axis",
                 mm(station.retract_reach),

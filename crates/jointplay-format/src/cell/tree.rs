@@ -128,6 +128,12 @@ impl<'r, 'a> Table<'r, 'a> {
         self.reader.wrong(self.span.clone(), fault);
     }
 
+    /// Notes something wrong with what stands under a key, or with the table where nothing does.
+    pub(super) fn wrong_at(&self, key: &'static str, fault: impl Into<Fault>) {
+        let span = self.entry(key).map_or(self.span.clone(), |entry| entry.span());
+        self.reader.wrong(span, fault);
+    }
+
     /// The value of a key, if it is there.
     pub(super) fn entry(&self, key: &'static str) -> Option<Entry<'r, 'a>> {
         if !self.known.borrow().contains(&key) {
@@ -242,8 +248,8 @@ impl<'r, 'a> Entry<'r, 'a> {
         self.value.get_ref().is_str()
     }
 
-    pub(super) fn is_list(&self) -> bool {
-        self.value.get_ref().is_array()
+    pub(super) fn list_is_empty(&self) -> bool {
+        self.value.get_ref().as_array().is_some_and(|list| list.is_empty())
     }
 
     pub(super) fn number(&self, reader: &Reader, span: Span) -> Option<f64> {
