@@ -245,16 +245,21 @@ pub fn parse(text: &str) -> Result<Robot, Error> {
 }
 
 fn read_mesh(text: &str, path: &str, span: std::ops::Range<usize>) -> Result<Mesh, Error> {
-    let strange = |letter: char| letter.is_control() || matches!(letter, '\\' | ':');
-    let within = path.split('/').all(|name| !matches!(name, "" | "." | ".."));
+    let within = stays_within(path);
     let path = path.to_owned();
-    if !within || path.contains(strange) {
+    if !within {
         return Err(Error::at(text, span, Problem::MeshPath { path }));
     }
     match MeshFormat::of(&path) {
         Some(format) => Ok(Mesh { path, format, place: Place::of(text, span) }),
         None => Err(Error::at(text, span, Problem::MeshFormat { path })),
     }
+}
+
+/// Whether a path stays within the folder that it counts from, on every system.
+pub(crate) fn stays_within(path: &str) -> bool {
+    let strange = |letter: char| letter.is_control() || matches!(letter, '\\' | ':');
+    path.split('/').all(|name| !matches!(name, "" | "." | "..")) && !path.contains(strange)
 }
 
 /// The part of the file that a geometry error is about.

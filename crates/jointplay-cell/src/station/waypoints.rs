@@ -3,8 +3,11 @@
 use jointplay_core::spatial::{Pose, leaning};
 use nalgebra::{Point3, Vector3};
 
-use super::{Approach, Station};
-use crate::robot::WaferTarget;
+use super::{Approach, SlotId, Station};
+use crate::CellError;
+use crate::cell::Cell;
+use crate::robot::{EffectorId, WaferTarget};
+use crate::wafer::Unreachable;
 
 /// Places of the wafer's centre for one slot, all in planes parallel to the slot's.
 ///
@@ -50,7 +53,7 @@ impl Station {
     /// The places that a wafer passes for a slot, counted from 1.
     ///
     /// # Arguments
-    /// * `axis` – where the axis that the arm turns about crosses the base plane: x, y in the base frame [m]
+    /// * `axis` – where the axis that the arm turns about crosses the slot's plane: x, y in the base frame [m]; [`Cell::waypoints`] finds it
     #[must_use]
     pub fn waypoints(&self, slot: usize, axis: [f64; 2]) -> Waypoints {
         let frame = self.slot_frame(slot);
@@ -108,5 +111,125 @@ impl Station {
         let nearest = -b / a;
         let root = (b * b - a * c).max(0.0).sqrt() / a;
         (nearest - root).max(0.0)
+    }
+}
+
+impl Cell {
+    /// The places that a wafer passes for a slot, on the line that the arm extends along as the platform then leans.
+    ///
+    /// The axis of a leaning arm crosses the slot's plane beside the robot's: at a height of 150 mm over the platform and 1° by 3 mm, which is much for a wafer that is retracted to a few.
+    ///
+    /// # Arguments
+    /// * `near` – positions of all axes that the robot is at
+    ///
+    /// # Errors
+    /// Those of [`Cell::reach`] for the place where the wafer rests.
+    ///
+    /// # Panics
+    /// If the cell has no such station.
+    pub fn waypoints(
+        &self,
+        effector: EffectorId,
+        slot: SlotId,
+        near: &[f64],
+    ) -> Result<Waypoints, Unreachable> {
+        let station = &self.stations[slot.station];
+        let frame = station.slot_frame(slot.slot);
+        let resting = station.waypoints(slot.slot, [0.0, 0.0]).resting;
+        let positions = self.reach(effector, &resting, true, near)?.positions;
+        let rods = [positions[0], positions[1], positions[2]];
+        let platform = self.robot.model.forward(&self.robot.gpr, rods).map_err(CellError::from)?;
+        let mount = self.robot.arms[effector.arm].mount;
+        let joint = (platform.base_from_platform * Point3::from(mount)).coords;
+        let (along, normal) = (platform.normal(), frame.rotation * Vector3::z());
+        let rise = normal.dot(&(frame.translation.vector - joint)) / normal.dot(&along);
+        let crossing = joint + along * rise;
+        Ok(station.waypoints(slot.slot, [crossing.x, crossing.y]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Origin, Stroke, teach};
+    use super::*;
+    use jointplay_core::spatial::Tilt;
+
+    fn station(approach: Approach, retract_reach: f64) -> Station {
+        let normal = Tilt { yaw: 1.0, pitch: 0.0139 }.normal();
+        Station {
+            name: "LP".into(),
+            base_from_station: teach::frame(Vector3::new(0.3, 0.6, 0.5), &normal, -0.2),
+            origin: Origin::Nominal,
+            slots: 25,
+            pitch: 0.01,
+            stroke: Stroke { below: 0.004, above: 0.003, speed: 0.02 },
+            offset: [0.001, 0.0, 0.0],
+            retract_reach,
+            via: vec![[0.0, -0.25, 0.0]],
+            approach,
+            effectors: Vec::new(),
+            process_time: 0.0,
+        }
+    }
+
+    #[test]
+    fn all_places_lie_in_the_planes_of_the_slot() {
+        for approach in [Approach::Radial, Approach::Line] {
+            let station = station(approach, 0.4);
+            let frame = station.slot_frame(7);
+            assert!(
+                (frame.translation.vector - station.slot_frame(6).translation.vector).norm() - 0.01
+                    < 1e-15
+            );
+            let axis = [0.02, -0.01];
+            let way = station.waypoints(7, axis);
+            let height = |target: &WaferTarget| (frame.inverse() * Point3::from(target.center)).z;
+            for (target, expected) in [
+                (&way.retracted_below, -0.004),
+                (&way.via_below[0], -0.004),
+                (&way.below, -0.004),
+                (&way.resting, 0.0),
+                (&way.above, 0.003),
+                (&way.via_above[0], 0.003),
+            ] {
+                assert!((height(target) - expected).abs() < 1e-15, "{approach:?} {target:?}");
+            }
+            assert!((height(&way.retracted_above) - 0.003).abs() < 1e-15);
+            // Straight below the way in the slot's plane, and as far from the axis as asked for.
+            let out = way.retracted_below.center - way.below.center;
+            let retracted = way.resting.center + out - Vector3::new(axis[0], axis[1], 0.0);
+            assert!((retracted.xy().norm() - 0.4).abs() < 1e-12);
+            assert!((way.retracted_above.center - way.above.center - out).norm() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_way_in_is_radial_or_along_the_station() {
+        let radial = station(Approach::Radial, 0.2);
+        let way = radial.waypoints(1, [0.0, 0.0]);
+        let (near, far) = (way.retracted_below.center.xy(), way.below.center.xy());
+        // Both on a line through the axis but for the little that the plane of passing lies aside.
+        assert!((near.x * far.y - near.y * far.x).abs() < 1e-4);
+        assert_eq!(way.resting.heading, None);
+        let line = station(Approach::Line, 0.45);
+        let way = line.waypoints(1, [0.0, 0.0]);
+        let along = line
+            .base_from_station
+            .inverse_transform_vector(&(way.below.center - way.retracted_below.center));
+        assert!(along.x.abs() < 1e-15 && along.z.abs() < 1e-15 && along.y > 0.0);
+        assert!(
+            (way.resting.heading.unwrap_or(0.0) - (std::f64::consts::FRAC_PI_2 - 0.2)).abs()
+                < 1e-12
+        );
+    }
+
+    #[test]
+    fn a_way_that_passes_the_axis_ends_where_it_is_nearest() {
+        let station = station(Approach::Line, 0.01);
+        let way = station.waypoints(1, [0.0, 0.0]);
+        let inward = station.base_from_station.rotation * Vector3::y();
+        let retracted = way.retracted_below.center;
+        assert!(retracted.xy().norm() > 0.01);
+        assert!(retracted.xy().dot(&inward.xy()).abs() < 1e-3);
     }
 }

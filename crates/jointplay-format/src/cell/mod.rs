@@ -2,10 +2,23 @@
 //!
 //! All that is wrong with a file is told at once, each with its place.
 
+mod bodies;
+mod edit;
 pub mod explain;
+mod file;
+mod mesh;
 mod problem;
 pub mod robot;
-#[expect(dead_code, reason = "files of cells will read by it")]
+mod stations;
 mod tree;
 
+pub use edit::{Change, set_station};
+pub use file::{MAX_BYTES, read};
+pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
 pub use problem::{Fault, Problem};
+
+/// The files that a cell names, by name: bytes, or why they cannot be had.
+pub type Files<'f> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'f;
+
+/// A cell that comes with the program: a robot with two arms between two load ports, an aligner and a process station.
+pub const EXAMPLE: &str = include_str!("../../../../cells/example.toml");

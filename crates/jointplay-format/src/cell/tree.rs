@@ -128,6 +128,12 @@ impl<'r, 'a> Table<'r, 'a> {
         self.reader.wrong(self.span.clone(), fault);
     }
 
+    /// Notes something wrong with what stands under a key, or with the table where nothing does.
+    pub(super) fn wrong_at(&self, key: &'static str, fault: impl Into<Fault>) {
+        let span = self.entry(key).map_or(self.span.clone(), |entry| entry.span());
+        self.reader.wrong(span, fault);
+    }
+
     /// The value of a key, if it is there.
     pub(super) fn entry(&self, key: &'static str) -> Option<Entry<'r, 'a>> {
         if !self.known.borrow().contains(&key) {
@@ -168,11 +174,6 @@ impl<'r, 'a> Table<'r, 'a> {
     pub(super) fn length_or(&self, key: &'static str, span: Span, default: f64) -> f64 {
         let found = self.entry(key).and_then(|entry| entry.number(self.reader, span));
         found.map_or(default, m_from_mm)
-    }
-
-    /// A word that has to be there.
-    pub(super) fn text(&self, key: &'static str) -> Option<&'r str> {
-        self.needed(key)?.text(self.reader)
     }
 
     /// A name that has to be there and that programs can write.
@@ -247,8 +248,8 @@ impl<'r, 'a> Entry<'r, 'a> {
         self.value.get_ref().is_str()
     }
 
-    pub(super) fn is_list(&self) -> bool {
-        self.value.get_ref().is_array()
+    pub(super) fn list_is_empty(&self) -> bool {
+        self.value.get_ref().as_array().is_some_and(|list| list.is_empty())
     }
 
     pub(super) fn number(&self, reader: &Reader, span: Span) -> Option<f64> {

@@ -1,0 +1,222 @@
+//! Bodies and zones of a cell file.
+
+use std::collections::BTreeMap;
+
+use jointplay_cell::cell::{Body, Carrier, Shape, Zone, ZoneRule};
+use jointplay_cell::robot::HybridRobot;
+use jointplay_cell::station::Station;
+use jointplay_cell::station::teach::frame;
+use jointplay_core::spatial::{Pose, Tilt};
+use nalgebra::Vector3;
+
+use super::Files;
+use super::file::{lean, points};
+use super::mesh;
+use super::problem::Fault;
+use super::stations::unique;
+use super::tree::{Entry, Span, Table};
+use crate::units::m_from_mm;
+
+/// Most bodies, and most zones: their pairs are what is checked.
+const MOST_BODIES: usize = 400;
+
+/// All bodies.
+pub(super) fn bodies(
+    top: &Table,
+    robot: Option<&HybridRobot>,
+    stations: &[Station],
+    files: &mut Files,
+) -> Vec<Body> {
+    let name_of = |table: Table| Some(table.entry("name")?.value.get_ref().as_str()?.to_owned());
+    let station_names: Vec<String> =
+        top.tables("station").into_iter().filter_map(name_of).collect();
+    let mut names = BTreeMap::new();
+    let mut bodies = Vec::new();
+    for mut table in few(top, "body") {
+        let name = table.name("name");
+        if let Some(name) = &name {
+            table.whose = format!("the body {name:?}");
+            unique(&table, "body", name, &mut names);
+        }
+        let carried = carrier(&table, robot, (stations, &station_names));
+        let pose = pose(&table);
+        let shape = shape(&table, files);
+        table.finish();
+        let (Some(name), Some(carried), Some(shape)) = (name, carried, shape) else { continue };
+        let (carrier, carrier_from_frame) = carried;
+        bodies.push(Body { name, carrier, carrier_from_shape: carrier_from_frame * pose, shape });
+    }
+    bodies
+}
+
+/// All zones.
+pub(super) fn zones(top: &Table, files: &mut Files) -> Vec<Zone> {
+    let mut names = BTreeMap::new();
+    let mut zones = Vec::new();
+    for mut table in few(top, "zone") {
+        let name = table.name("name");
+        if let Some(name) = &name {
+            table.whose = format!("the zone {name:?}");
+            unique(&table, "zone", name, &mut names);
+        }
+        let known = [("keep-out", ZoneRule::KeepOut), ("safe", ZoneRule::Safe)];
+        let rule = table.needed("rule").and_then(|rule| rule.word(table.reader, "rule", &known));
+        let base_from_shape = pose(&table);
+        let shape = shape(&table, files);
+        table.finish();
+        let (Some(name), Some(rule), Some(shape)) = (name, rule, shape) else { continue };
+        zones.push(Zone { name, rule, base_from_shape, shape });
+    }
+    zones
+}
+
+fn few<'r, 'a>(top: &Table<'r, 'a>, key: &'static str) -> Vec<Table<'r, 'a>> {
+    let mut tables = top.tables(key);
+    if tables.len() > MOST_BODIES {
+        let (found, needed) = (tables.len(), format!("at most {MOST_BODIES}"));
+        tables[MOST_BODIES].wrong(Fault::Count { key: key.to_owned(), found, needed });
+        tables.truncate(MOST_BODIES);
+    }
+    tables
+}
+
+/// Pairs of bodies whose distance is not asked for, by index.
+pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
+    let reader = top.reader;
+    let Some(entry) = top.entry("may_touch") else { return Vec::new() };
+    let names: Vec<String> = bodies.iter().map(|body| body.name.clone()).collect();
+    let index = |entry: &Entry| {
+        let name = entry.text(reader)?;
+        let found = names.iter().position(|known| known == name);
+        if found.is_none() {
+            entry.unknown(reader, "body", name, &names);
+        }
+        found
+    };
+    let pair = |pair: Entry| {
+        let list = pair.list(reader)?;
+        let [one, other] = list.as_slice() else {
+            let (key, found, needed) = ("may_touch".to_owned(), list.len(), "2 bodies".to_owned());
+            pair.wrong(reader, Fault::Count { key, found, needed });
+            return None;
+        };
+        Some([index(one)?, index(other)?])
+    };
+    entry.list(reader).unwrap_or_default().into_iter().filter_map(pair).collect()
+}
+
+/// What a body moves with, and the frame that its place counts in.
+fn carrier(
+    table: &Table,
+    robot: Option<&HybridRobot>,
+    (stations, names): (&[Station], &[String]),
+) -> Option<(Carrier, Pose)> {
+    let reader = table.reader;
+    let Some(entry) = table.entry("on") else { return Some((Carrier::World, Pose::identity())) };
+    if entry.is_text() {
+        let known = [("world", Carrier::World), ("platform", Carrier::Platform)];
+        return Some((entry.word(reader, "carrier", &known)?, Pose::identity()));
+    }
+    let on = entry.table(reader, "a carrier")?;
+    let (station, arm, link) = (on.entry("station"), on.entry("arm"), on.entry("link"));
+    on.finish();
+    let (name, link) = match (station, arm, link) {
+        (Some(station), None, None) => {
+            let name = station.text(reader)?;
+            let Some(found) = stations.iter().find(|known| known.name == name) else {
+                // A station that could not be read was told of already.
+                if !names.iter().any(|known| known == name) {
+                    station.unknown(reader, "station", name, names);
+                }
+                return None;
+            };
+            return Some((Carrier::World, found.base_from_station));
+        }
+        (None, Some(arm), Some(link)) => (arm, link),
+        _ => {
+            let needed = "\"world\", \"platform\", { station = … } or { arm = …, link = … }";
+            entry.misfit(reader, needed);
+            return None;
+        }
+    };
+    let (arm, robot) = (name.text(reader)?, robot?);
+    let Some(index) = robot.arms.iter().position(|known| known.name == arm) else {
+        let names: Vec<String> = robot.arms.iter().map(|arm| arm.name.clone()).collect();
+        name.unknown(reader, "arm", arm, &names);
+        return None;
+    };
+    let link = link.count(reader, 1, robot.arms[index].joints.len())? - 1;
+    Some((Carrier::Link { arm: index, link }, Pose::identity()))
+}
+
+fn pose(table: &Table) -> Pose {
+    let position = table.entry("position_mm").and_then(|entry| entry.point(table.reader));
+    let (yaw, tilt) = lean(table);
+    frame(position.unwrap_or_default(), &tilt.unwrap_or(Tilt::LEVEL).normal(), yaw)
+}
+
+/// Exactly one of the shapes.
+fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
+    let reader = table.reader;
+    let kinds = ["box", "cylinder", "capsule", "convex", "mesh"];
+    let found: Vec<Entry> = kinds.into_iter().filter_map(|kind| table.entry(kind)).collect();
+    let [entry] = found.as_slice() else {
+        table.wrong(Fault::Unfit(format!(
+            "{} needs one shape out of {}; found {}",
+            table.whose,
+            kinds.map(|kind| format!("`{kind}`")).join(", "),
+            match found.len() {
+                0 => "none".to_owned(),
+                count => count.to_string(),
+            }
+        )));
+        return None;
+    };
+    let inner = entry.table(reader, format!("a {}", entry.key))?;
+    let shape = match entry.key {
+        "box" => inner
+            .needed("size_mm")
+            .and_then(|size| size.numbers::<3>(reader, Span::Positive))
+            .map(|size| Shape::Box { half: size.map(|side| m_from_mm(side) / 2.0) }),
+        "cylinder" => {
+            let radius = inner.length("radius_mm", Span::Positive);
+            let height = inner.length("height_mm", Span::Positive);
+            radius
+                .zip(height)
+                .map(|(radius, height)| Shape::Cylinder { radius, half_height: height / 2.0 })
+        }
+        "capsule" => {
+            let (from, to) = (inner.point("from_mm"), inner.point("to_mm"));
+            let radius = inner.length("radius_mm", Span::Positive);
+            from.zip(to).zip(radius).map(|((from, to), radius)| Shape::Capsule {
+                ends: [from.into(), to.into()],
+                radius,
+            })
+        }
+        "convex" => inner.needed("points_mm").and_then(|entry| {
+            let points = points(&entry, reader)?;
+            if !is_solid(&points) {
+                let why = "a convex body needs 4 points or more that do not lie in one plane";
+                entry.wrong(reader, Fault::Unfit(why.to_owned()));
+                return None;
+            }
+            Some(Shape::Convex { points: points.into_iter().map(Into::into).collect() })
+        }),
+        _ => mesh::shape(&inner, files),
+    };
+    inner.finish();
+    shape
+}
+
+/// Whether points span a volume.
+pub(super) fn is_solid(points: &[Vector3<f64>]) -> bool {
+    let Some(first) = points.first() else { return false };
+    let far = points.iter().map(|point| point - first);
+    let Some(one) = far.clone().max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return false };
+    let Some(two) = far.clone().map(|p| one.cross(&p)).max_by(|a, b| a.norm().total_cmp(&b.norm()))
+    else {
+        return false;
+    };
+    let deepest = far.map(|p| two.dot(&p).abs()).fold(0.0, f64::max);
+    deepest > 1e-6 * one.norm() * two.norm() && two.norm() > 0.0
+}

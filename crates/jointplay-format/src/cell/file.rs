@@ -1,0 +1,251 @@
+//! From text to a cell.
+
+use std::collections::BTreeMap;
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::robot::{EffectorId, HybridRobot};
+use jointplay_cell::station::SlotId;
+use jointplay_cell::wafer::{Material, Wafer};
+use nalgebra::Vector3;
+
+use super::problem::{Fault, Problem};
+use super::tree::{Entry, Reader, Span, Table};
+use super::{Files, bodies, robot, stations};
+use crate::catalogue;
+use crate::place::Error;
+
+/// Longer texts are refused unread.
+pub const MAX_BYTES: usize = 1_000_000;
+
+/// Standard gravity [m/s²].
+const GRAVITY: f64 = 9.80665;
+
+/// Materials by name: Young's modulus in GPa, Poisson's ratio, density in kg/m³.
+///
+/// Silicon is not isotropic; these are the means over the directions of a (100) wafer's plane.
+///
+/// # Source
+/// [Hopcroft] for silicon
+const MATERIALS: [(&str, [f64; 3]); 2] =
+    [("silicon", [148.0, 0.18, 2329.0]), ("glass", [73.0, 0.23, 2480.0])];
+
+/// Reads a cell file and the files that it names.
+///
+/// # Arguments
+/// * `files` – gives the bytes of a file that the cell names, by a path within the cell's folder, or says why not; robots of the catalogue are not asked for
+///
+/// # Errors
+/// All that is wrong, each with its place: TOML that is malformed, keys that are missing, unknown or of the wrong kind, names that are not known, files that cannot be had or read, and what does not fit together.
+pub fn read(text: &str, files: &mut Files) -> Result<Cell, Vec<Problem>> {
+    if text.len() > MAX_BYTES {
+        let fault = Fault::TooLong { found: text.len(), allowed: MAX_BYTES };
+        return Err(vec![Error::at("", 0..0, fault)]);
+    }
+    let reader = Reader::new(text);
+    let document = reader.parse();
+    let top = Table::new(&reader, "a cell", document.get_ref(), 0..0);
+    let cell = whole(&top, files);
+    top.finish();
+    reader.done(cell)
+}
+
+fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
+    let reader = top.reader;
+    let kind = top.needed("kind").and_then(|kind| kind.word(reader, "kind", &[("cell", ())]));
+    let name = top.needed("name").and_then(|name| name.line(reader)).map(str::to_owned);
+    let robot = top.needed("robot").and_then(|name| read_robot(&name, reader, files));
+    let assumed = lines(top, "assumed");
+    let wafer = top.table("wafer", "`[wafer]`").map_or_else(
+        || {
+            top.missing("wafer");
+            None
+        },
+        |table| wafer(&table),
+    );
+    let effectors = robot.as_ref().map(effectors);
+    let read = stations::read(top, robot.as_ref(), effectors.as_ref());
+    let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) = read.into_iter().unzip();
+    let bodies = bodies::bodies(top, robot.as_ref(), &stations, files);
+    let allowed_pairs = bodies::pairs(top, &bodies);
+    let zones = bodies::zones(top, files);
+    let carried = carried(top, effectors.as_ref());
+    let budgets = top.table("budgets", "`[budgets]`").map_or_else(
+        || {
+            top.missing("budgets");
+            None
+        },
+        |table| budgets(&table),
+    );
+    kind?;
+    let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
+    let occupied = occupied
+        .into_iter()
+        .enumerate()
+        .flat_map(|(station, slots)| slots.into_iter().map(move |slot| SlotId { station, slot }));
+    Some(Cell {
+        name: name?,
+        assumed,
+        robot: robot?,
+        wafer: wafer?,
+        occupied: occupied.collect(),
+        stations,
+        carried,
+        bodies,
+        allowed_pairs,
+        zones,
+        play_budget,
+        clearance,
+        slot_clearance,
+        gravity,
+        plane_threshold,
+    })
+}
+
+/// Effectors by name, in the order of arms.
+pub(super) type Effectors = Vec<(String, EffectorId)>;
+
+fn effectors(robot: &HybridRobot) -> Effectors {
+    let of_arm = |(arm, one): (usize, &jointplay_cell::robot::Arm)| {
+        let id = move |(effector, named): (usize, &jointplay_cell::robot::Effector)| {
+            (named.name.clone(), EffectorId { arm, effector })
+        };
+        one.effectors.iter().enumerate().map(id).collect::<Vec<_>>()
+    };
+    robot.arms.iter().enumerate().flat_map(of_arm).collect()
+}
+
+/// The effectors of a list of names; all that are known, where the key is left out.
+pub(super) fn named_effectors(
+    entry: &Entry,
+    reader: &Reader,
+    known: &Effectors,
+) -> Vec<EffectorId> {
+    let names: Vec<String> = known.iter().map(|(name, _)| name.clone()).collect();
+    let mut seen = BTreeMap::new();
+    let of = |entry: Entry| {
+        let name = entry.text(reader)?;
+        let Some((_, id)) = known.iter().find(|(known, _)| known == name) else {
+            entry.unknown(reader, "effector", name, &names);
+            return None;
+        };
+        if let Some(first) = seen.insert(name.to_owned(), reader.line(entry.span())) {
+            let (what, found) = ("effector".to_owned(), name.to_owned());
+            entry.wrong(reader, Fault::Twice { what, found, first });
+        }
+        Some(*id)
+    };
+    entry.list(reader).unwrap_or_default().into_iter().filter_map(of).collect()
+}
+
+fn carried(top: &Table, effectors: Option<&Effectors>) -> Vec<EffectorId> {
+    let (Some(entry), Some(known)) = (top.entry("carried"), effectors) else { return Vec::new() };
+    named_effectors(&entry, top.reader, known)
+}
+
+fn lines(top: &Table, key: &'static str) -> Vec<String> {
+    let Some(entry) = top.entry(key) else { return Vec::new() };
+    let list = entry.list(top.reader).unwrap_or_default();
+    list.into_iter().filter_map(|line| line.line(top.reader)).map(str::to_owned).collect()
+}
+
+fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<HybridRobot> {
+    let name = named.line(reader)?;
+    let cannot = |why: String| {
+        named.wrong(reader, Fault::File { name: name.to_owned(), why });
+        None
+    };
+    let text = match catalogue::find(name) {
+        Some(entry) => entry.text.to_owned(),
+        None if !name.ends_with(".toml") => {
+            return cannot(
+                "it is none of the robots that come with the program, and no file whose name ends in .toml"
+                    .to_owned(),
+            );
+        }
+        None => match super::mesh::named(name, files).map(String::from_utf8) {
+            Ok(Ok(text)) => text,
+            Ok(Err(_)) => return cannot("it is not text in UTF-8".to_owned()),
+            Err(why) => return cannot(why),
+        },
+    };
+    match robot::parse(&text) {
+        Ok(robot) => Some(robot),
+        Err(problems) => {
+            let others = problems.len().saturating_sub(1);
+            if let Some(inner) = problems.into_iter().next() {
+                let inner = Box::new(inner);
+                named.wrong(reader, Fault::Within { name: name.to_owned(), inner, others });
+            }
+            None
+        }
+    }
+}
+
+fn wafer(table: &Table) -> Option<Wafer> {
+    let reader = table.reader;
+    let diameter = table.length("diameter_mm", Span::Positive);
+    let thickness = table.length("thickness_mm", Span::Positive);
+    let material = table.needed("material").and_then(|entry| {
+        if entry.is_text() {
+            let known = MATERIALS.map(|(name, values)| (name, (name, values)));
+            let (name, values) = entry.word(reader, "material", &known)?;
+            return Some(material(name, values));
+        }
+        let table = entry.table(reader, "a material")?;
+        let name = table.needed("name").and_then(|name| name.line(reader));
+        let young = table.number("young_gpa", Span::Positive);
+        let poisson = table.number("poisson", Span::Within(-0.99, 0.49));
+        let density = table.number("density_kg_m3", Span::Positive);
+        table.finish();
+        Some(material(name?, [young?, poisson?, density?]))
+    });
+    table.finish();
+    let (diameter, thickness) = (diameter?, thickness?);
+    if thickness > diameter / 10.0 {
+        let why = format!(
+            "a wafer {} mm thick and {} mm wide is no thin plate: its thickness may be a tenth of its diameter at most",
+            crate::units::mm(thickness),
+            crate::units::mm(diameter)
+        );
+        table.wrong_at("thickness_mm", Fault::Unfit(why));
+    }
+    Some(Wafer { diameter, thickness, material: material? })
+}
+
+fn material(name: &str, [young, poisson, density]: [f64; 3]) -> Material {
+    let young = crate::units::shift(young, 9);
+    Material { name: name.to_owned(), young, poisson, density }
+}
+
+fn budgets(table: &Table) -> Option<[f64; 5]> {
+    let micro = |key, span| table.number(key, span).map(|value| crate::units::shift(value, -6));
+    let play = micro("play_um", Span::Positive);
+    let clearance = table.length("clearance_mm", Span::NotNegative);
+    let slot_clearance = table.length("slot_clearance_mm", Span::NotNegative);
+    let plane = micro("plane_urad", Span::Positive);
+    let gravity = table.number_or("gravity_m_s2", Span::NotNegative, GRAVITY);
+    table.finish();
+    Some([play?, clearance?, slot_clearance?, plane?, gravity])
+}
+
+/// The pose of `position_mm`, `yaw_deg` and `tilt`; the position may be left out only where there is a default.
+pub(super) fn lean(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>) {
+    let yaw = table.number_or("yaw_deg", Span::Within(-360.0, 360.0), 0.0).to_radians();
+    let tilt = table.table("tilt", "a tilt").map(|tilt| {
+        let toward = tilt.number("yaw_deg", Span::Within(-360.0, 360.0));
+        let pitch = tilt.number("pitch_deg", Span::Within(-89.0, 89.0));
+        tilt.finish();
+        jointplay_core::spatial::Tilt {
+            yaw: toward.unwrap_or(0.0).to_radians(),
+            pitch: pitch.unwrap_or(0.0).to_radians(),
+        }
+    });
+    (yaw, tilt)
+}
+
+/// The points of a list [m].
+pub(super) fn points(entry: &Entry, reader: &Reader) -> Option<Vec<Vector3<f64>>> {
+    // All are read before one that is wrong ends it, so that each is told of.
+    let points: Vec<_> = entry.list(reader)?.iter().map(|point| point.point(reader)).collect();
+    points.into_iter().collect()
+}

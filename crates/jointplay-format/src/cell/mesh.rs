@@ -1,0 +1,166 @@
+//! Shapes from files: STL and OBJ.
+
+use std::io::Cursor;
+
+use jointplay_cell::cell::Shape;
+
+use super::Files;
+use super::bodies::is_solid;
+use super::problem::Fault;
+use super::tree::Table;
+use crate::robot::stays_within;
+use crate::units::m_from_mm;
+
+/// Larger files of shapes are refused unread.
+pub const MAX_MESH_BYTES: usize = 64 << 20;
+
+/// Most triangles of a shape; collisions are checked a thousand times a second of motion.
+pub const MAX_TRIANGLES: usize = 500_000;
+
+/// Bytes of a binary STL file before its triangles, and for each of them.
+const STL_HEAD: usize = 84;
+const STL_TRIANGLE: usize = 50;
+
+/// The file of a path within the cell's folder.
+pub(super) fn named(name: &str, files: &mut Files) -> Result<Vec<u8>, String> {
+    if !stays_within(name) {
+        return Err(
+            "it has to be a path within the cell file's folder, with / between names and without `..`"
+                .to_owned(),
+        );
+    }
+    files(name)
+}
+
+/// The shape of `{ file = …, unit = …, convex = … }`.
+pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
+    let reader = table.reader;
+    let file = table.needed("file");
+    let unit = table
+        .entry("unit")
+        .map_or(Some(true), |unit| unit.word(reader, "unit", &[("mm", true), ("m", false)]));
+    let convex = table.entry("convex").map_or(Some(false), |convex| convex.flag(reader));
+    let file = file?;
+    let name = file.line(reader)?;
+    let (is_mm, convex) = (unit?, convex?);
+    let mesh = named(name, files).and_then(|bytes| parse(name, &bytes));
+    let mesh =
+        mesh.map_err(|why| file.wrong(reader, Fault::File { name: name.to_owned(), why })).ok()?;
+    let length = |value: f32| if is_mm { m_from_mm(f64::from(value)) } else { f64::from(value) };
+    let vertices: Vec<_> = mesh.vertices.iter().map(|vertex| vertex.map(length)).collect();
+    if convex && !is_solid(&vertices.iter().map(|&vertex| vertex.into()).collect::<Vec<_>>()) {
+        let why = "its points lie in one plane, and make no convex body".to_owned();
+        file.wrong(reader, Fault::File { name: name.to_owned(), why });
+        return None;
+    }
+    Some(if convex {
+        Shape::Convex { points: vertices }
+    } else {
+        Shape::Mesh { vertices, triangles: mesh.triangles }
+    })
+}
+
+/// A surface as a file has it, in its own unit.
+struct Mesh {
+    vertices: Vec<[f32; 3]>,
+    triangles: Vec<[u32; 3]>,
+}
+
+fn parse(name: &str, bytes: &[u8]) -> Result<Mesh, String> {
+    if bytes.len() > MAX_MESH_BYTES {
+        return Err(format!(
+            "it has {} bytes, but at most {MAX_MESH_BYTES} are allowed; simplify the shape",
+            bytes.len()
+        ));
+    }
+    let ending = name.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase());
+    let mesh = match ending.as_deref() {
+        Some("stl") => stl(bytes)?,
+        Some("obj") => obj(bytes)?,
+        _ => return Err("its name ends neither in .stl nor in .obj".to_owned()),
+    };
+    if mesh.triangles.is_empty() {
+        return Err("it has no triangles".to_owned());
+    }
+    if mesh.vertices.iter().flatten().any(|value| !value.is_finite()) {
+        return Err("it has coordinates that are not finite numbers".to_owned());
+    }
+    if mesh.triangles.iter().flatten().any(|&index| index as usize >= mesh.vertices.len()) {
+        return Err("it names corners that it does not have".to_owned());
+    }
+    Ok(mesh)
+}
+
+fn too_many() -> String {
+    format!("it has more than {MAX_TRIANGLES} triangles; simplify the shape")
+}
+
+fn stl(bytes: &[u8]) -> Result<Mesh, String> {
+    let mut bytes = bytes.to_vec();
+    // Many programs start the free text of a binary file with the word that marks a text file.
+    let count = bytes.get(80..STL_HEAD).and_then(|count| count.try_into().ok());
+    let count = count.map_or(usize::MAX, |count| u32::from_le_bytes(count) as usize);
+    let is_binary = count
+        .checked_mul(STL_TRIANGLE)
+        .and_then(|length| length.checked_add(STL_HEAD))
+        .is_some_and(|length| length == bytes.len());
+    if is_binary {
+        bytes[0] = b' ';
+    }
+    let mut cursor = Cursor::new(bytes);
+    let broken = |error: std::io::Error| format!("it is no STL file, or a broken one: {error}");
+    let found = stl_io::create_stl_reader(&mut cursor).map_err(broken)?;
+    let mut corners = Vec::new();
+    let mut triangles = Vec::new();
+    for triangle in found {
+        if triangles.len() == MAX_TRIANGLES {
+            return Err(too_many());
+        }
+        let first = corners.len() as u32;
+        corners.extend(triangle.map_err(broken)?.vertices.map(|vertex| vertex.0));
+        triangles.push([first, first + 1, first + 2]);
+    }
+    Ok(joined(corners, triangles))
+}
+
+/// The same surface with equal corners once.
+fn joined(corners: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
+    let key = |corner: &[f32; 3]| corner.map(|value| (value + 0.0).to_bits());
+    let mut indices = std::collections::BTreeMap::new();
+    let mut vertices = Vec::new();
+    let index: Vec<u32> = corners
+        .iter()
+        .map(|corner| {
+            *indices.entry(key(corner)).or_insert_with(|| {
+                vertices.push(*corner);
+                vertices.len() as u32 - 1
+            })
+        })
+        .collect();
+    let triangles = triangles.into_iter().map(|corners| corners.map(|k| index[k as usize]));
+    Mesh { vertices, triangles: triangles.collect() }
+}
+
+fn obj(bytes: &[u8]) -> Result<Mesh, String> {
+    let options = tobj::LoadOptions {
+        triangulate: true,
+        single_index: true,
+        ignore_points: true,
+        ignore_lines: true,
+    };
+    // Materials are of no use for collisions, and would be another file.
+    let none = |_: &std::path::Path| Ok((Vec::new(), Default::default()));
+    let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, none)
+        .map_err(|error| format!("it is no OBJ file, or a broken one: {error}"))?;
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for model in models {
+        let first = vertices.len() as u32;
+        vertices.extend(model.mesh.positions.chunks_exact(3).map(|p| [p[0], p[1], p[2]]));
+        let corners = model.mesh.indices.chunks_exact(3);
+        triangles.extend(corners.map(|c| [first + c[0], first + c[1], first + c[2]]));
+        if triangles.len() > MAX_TRIANGLES {
+            return Err(too_many());
+        }
+    }
+    Ok(Mesh { vertices, triangles })
+}

@@ -1,0 +1,252 @@
+//! Stations of a cell file.
+
+use std::collections::BTreeMap;
+
+use jointplay_cell::robot::HybridRobot;
+use jointplay_cell::station::teach::{self, Verdict};
+use jointplay_cell::station::{Approach, Origin, Station, Stroke};
+use jointplay_core::spatial::{Pose, Tilt};
+use nalgebra::Vector3;
+
+use super::file::{Effectors, lean, named_effectors, points};
+use super::problem::Fault;
+use super::tree::{Reader, Span, Table};
+use crate::units::{deg, m_from_mm, mm, shift, um};
+
+/// Most slots of a station.
+const MOST_SLOTS: usize = 1000;
+
+/// How far taught points may be from their plane where nothing else is said [µm].
+const TAUGHT_THRESHOLD_UM: f64 = 100.0;
+
+/// How much of its pitch a station may be off between its first and last slot.
+const PITCH_SHARE: f64 = 0.01;
+
+/// Relative slack of the robot's largest tilt.
+const SLACK: f64 = 1e-9;
+
+/// All stations, each with its slots that hold a wafer.
+pub(super) fn read(
+    top: &Table,
+    robot: Option<&HybridRobot>,
+    effectors: Option<&Effectors>,
+) -> Vec<(Station, Vec<usize>)> {
+    let mut names = BTreeMap::new();
+    let tables = top.tables("station");
+    if tables.is_empty() {
+        top.missing("station");
+    }
+    let mut stations = Vec::new();
+    for mut table in tables {
+        let name = table.name("name");
+        if let Some(name) = &name {
+            table.whose = format!("the station {name:?}");
+            unique(&table, "station", name, &mut names);
+        }
+        stations.extend(station(&table, name, robot, effectors));
+        table.finish();
+    }
+    stations
+}
+
+/// Notes a name that was there before.
+pub(super) fn unique(table: &Table, what: &str, name: &str, names: &mut BTreeMap<String, usize>) {
+    let entry = table.entry("name");
+    let span = entry.map_or(table.span.clone(), |entry| entry.span());
+    let line = table.reader.line(span.clone());
+    if let Some(&first) = names.get(name) {
+        let (what, found) = (what.to_owned(), name.to_owned());
+        table.reader.wrong(span, Fault::Twice { what, found, first });
+    } else {
+        names.insert(name.to_owned(), line);
+    }
+}
+
+fn station(
+    table: &Table,
+    name: Option<String>,
+    robot: Option<&HybridRobot>,
+    effectors: Option<&Effectors>,
+) -> Option<(Station, Vec<usize>)> {
+    let reader = table.reader;
+    let slots = table.entry("slots").map_or(Some(1), |slots| slots.count(reader, 1, MOST_SLOTS));
+    let pitch = table.entry("pitch_mm").and_then(|pitch| pitch.number(reader, Span::Positive));
+    let placed = place(table, slots.unwrap_or(1), pitch.map(m_from_mm));
+    let offset = table.entry("offset_mm").and_then(|offset| offset.point(reader));
+    let retract_reach = table.length("retract_mm", Span::NotNegative);
+    let via = table.entry("via_mm").and_then(|via| points(&via, reader)).unwrap_or_default();
+    let approach = table.entry("approach").map_or(Some(Approach::Radial), |approach| {
+        let known = [("radial", Approach::Radial), ("line", Approach::Line)];
+        approach.word(reader, "approach", &known)
+    });
+    let all: Vec<_> = effectors.into_iter().flatten().map(|(_, id)| *id).collect();
+    let named = table.entry("effectors");
+    let may = match (named, effectors) {
+        (Some(named), Some(known)) => {
+            let may = named_effectors(&named, reader, known);
+            if named.list_is_empty() {
+                let (key, needed) = ("effectors".to_owned(), "1 or more".to_owned());
+                named.wrong(reader, Fault::Count { key, found: 0, needed });
+            }
+            may
+        }
+        _ => all,
+    };
+    let stroke = stroke(table);
+    let process_time = table.number_or("process_s", Span::NotNegative, 0.0);
+    let wafers = wafers(table, slots.unwrap_or(1));
+    let (base_from_station, origin, pitch) = placed?;
+    if let Some(robot) = robot {
+        check_tilt(table, &base_from_station, robot.gpr.limits().tilt_max);
+    }
+    let station = Station {
+        name: name?,
+        base_from_station,
+        origin,
+        slots: slots?,
+        pitch,
+        stroke: stroke?,
+        offset: offset.unwrap_or_default().into(),
+        retract_reach: retract_reach?,
+        via: via.into_iter().map(Into::into).collect(),
+        approach: approach?,
+        effectors: may,
+        process_time,
+    };
+    check_reach(table, &station);
+    Some((station, wafers))
+}
+
+fn stroke(table: &Table) -> Option<Stroke> {
+    let Some(stroke) = table.table("stroke", "a stroke") else {
+        table.entry("stroke").is_none().then(|| table.missing("stroke"));
+        return None;
+    };
+    let below = stroke.length("below_mm", Span::Positive);
+    let above = stroke.length("above_mm", Span::Positive);
+    let speed = stroke.length("speed_mm_s", Span::Positive);
+    stroke.finish();
+    Some(Stroke { below: below?, above: above?, speed: speed? })
+}
+
+/// Where the station is, what that comes from, and its pitch.
+fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origin, f64)> {
+    let reader = table.reader;
+    let (yaw, tilt) = lean(table);
+    let taught = table.table("taught", "taught points");
+    let drift = table.table("drift", "a drift");
+    let ways: Vec<&str> =
+        [("tilt", tilt.is_some()), ("taught", taught.is_some()), ("drift", drift.is_some())]
+            .into_iter()
+            .filter_map(|(key, is_there)| is_there.then_some(key))
+            .collect();
+    if let [one, other, ..] = ways.as_slice() {
+        table.wrong(Fault::Unfit(format!(
+            "{} has both `{one}` and `{other}`, but its tilt can come from one of them only",
+            table.whose
+        )));
+        return None;
+    }
+    let nominal_pitch = || match pitch {
+        None if slots > 1 => {
+            table.missing("pitch_mm");
+            None
+        }
+        pitch => Some(pitch.unwrap_or(0.0)),
+    };
+    if let Some(drift) = drift {
+        let (first, last) = (drift.point("first_mm"), drift.point("last_mm"));
+        drift.finish();
+        if let Some(entry) = table.entry("position_mm") {
+            let why = "`position_mm` does not belong beside `drift`, whose `first_mm` says where the station is";
+            entry.wrong(reader, Fault::Unfit(why.to_owned()));
+        }
+        let found = teach::drift(first?, last?, slots)
+            .map_err(|error| drift.wrong(Fault::Unfit(error.to_string())))
+            .ok()?;
+        if let Some(pitch) = pitch.filter(|pitch| (found.pitch / pitch - 1.0).abs() > PITCH_SHARE) {
+            drift.wrong(Fault::Unfit(format!(
+                "first and last slot were taught {} mm apart, slot by slot {:.4} mm, but `pitch_mm` is {}",
+                mm((found.pitch * (slots as f64 - 1.0) * 1e9).round() / 1e9),
+                found.pitch * 1e3,
+                mm(pitch)
+            )));
+        }
+        let pose = teach::frame(found.first, &found.tilt.normal(), yaw);
+        return Some((pose, Origin::Drift(found), found.pitch));
+    }
+    let position = table.point("position_mm");
+    if let Some(taught) = taught {
+        let threshold = taught.number_or("threshold_um", Span::Positive, TAUGHT_THRESHOLD_UM);
+        let threshold = shift(threshold, -6);
+        let points = taught.needed("points_mm").map(|entry| points(&entry, reader));
+        taught.finish();
+        let fit = teach::fit_plane(&points??, threshold)
+            .map_err(|error| taught.wrong(Fault::Unfit(error.to_string())))
+            .ok()?;
+        if fit.verdict == Verdict::Scattered {
+            taught.wrong(Fault::Unfit(format!(
+                "a taught point lies {:.1} µm from the plane of them all, but {} µm are allowed: teach the points again, or allow more by `threshold_um`",
+                um(fit.worst),
+                um(threshold)
+            )));
+        }
+        return Some((fit.frame(&position?, yaw), Origin::Taught(fit), nominal_pitch()?));
+    }
+    let normal = tilt.unwrap_or(Tilt::LEVEL).normal();
+    let pitch = nominal_pitch();
+    Some((teach::frame(position?, &normal, yaw), Origin::Nominal, pitch?))
+}
+
+fn check_tilt(table: &Table, base_from_station: &Pose, tilt_max: f64) {
+    let tilt = Tilt::from_normal(&(base_from_station.rotation * Vector3::z()));
+    if tilt.pitch <= tilt_max * (1.0 + SLACK) {
+        return;
+    }
+    let from = ["tilt", "taught", "drift"].into_iter().find_map(|key| table.entry(key));
+    let span = from.map_or(table.span.clone(), |entry| entry.span());
+    let (pitch, yaw) = (deg(tilt.pitch), deg(tilt.yaw));
+    table.reader.wrong(span, Fault::Unfit(format!(
+        "{} leans {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {:.3}°",
+        table.whose,
+        deg(tilt_max),
+        pitch - deg(tilt_max)
+    )));
+}
+
+fn check_reach(table: &Table, station: &Station) {
+    let center = station.slot_frame(1).translation.vector;
+    let reach = center.x.hypot(center.y);
+    if station.retract_reach >= reach {
+        table.wrong_at(
+            "retract_mm",
+            Fault::Unfit(format!(
+                "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the robot's axis",
+                mm(station.retract_reach),
+                table.whose,
+                reach * 1e3
+            )),
+        );
+    }
+}
+
+/// Slots that hold a wafer: `"all"`, or a list of numbers.
+fn wafers(table: &Table, slots: usize) -> Vec<usize> {
+    let reader: &Reader = table.reader;
+    let Some(entry) = table.entry("wafers") else { return Vec::new() };
+    if entry.is_text() {
+        return match entry.word(reader, "`wafers`", &[("all", true), ("none", false)]) {
+            Some(true) => (1..=slots).collect(),
+            _ => Vec::new(),
+        };
+    }
+    let list = entry.list(reader).unwrap_or_default();
+    let mut found: Vec<usize> =
+        list.iter().filter_map(|slot| slot.count(reader, 1, slots)).collect();
+    found.sort_unstable();
+    if let Some(pair) = found.windows(2).find(|pair| pair[0] == pair[1]) {
+        let why = format!("slot {} is listed twice, but holds one wafer", pair[0]);
+        entry.wrong(reader, Fault::Unfit(why));
+    }
+    found
+}

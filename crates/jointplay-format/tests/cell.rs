@@ -1,0 +1,417 @@
+//! Cell files: the example, what is wrong with others and where, and editing.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use jointplay_cell::cell::{Cell, Shape};
+use jointplay_cell::robot::RODS;
+use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
+use jointplay_core::spatial::Tilt;
+use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+fn no_files(name: &str) -> Result<Vec<u8>, String> {
+    Err(format!("nobody has {name}"))
+}
+
+fn problems(text: &str) -> Vec<Problem> {
+    read(text, &mut no_files).unwrap_err()
+}
+
+fn example() -> Cell {
+    match read(EXAMPLE, &mut no_files) {
+        Ok(cell) => cell,
+        Err(problems) => {
+            let told = problems.iter().map(|problem| problem.with_excerpt("example.toml"));
+            panic!("{}", told.collect::<Vec<_>>().join("\n"))
+        }
+    }
+}
+
+#[test]
+fn every_slot_of_the_example_is_within_reach_of_both_arms() {
+    let cell = example();
+    let home: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
+    for (index, station) in cell.stations.iter().enumerate() {
+        for slot in 1..=station.slots {
+            for &id in &station.effectors {
+                let slot_id = SlotId { station: index, slot };
+                let way = cell
+                    .waypoints(id, slot_id, &home)
+                    .unwrap_or_else(|error| panic!("{} slot {slot} {id:?}: {error}", station.name));
+                let mut near = home.clone();
+                let places = [
+                    &way.retracted_below,
+                    &way.below,
+                    &way.resting,
+                    &way.above,
+                    &way.retracted_above,
+                ];
+                for (k, place) in places.into_iter().enumerate() {
+                    let reached = cell.reach(id, place, k > 2, &near).unwrap_or_else(|error| {
+                        panic!("{} slot {slot} place {k} {id:?}: {error}", station.name)
+                    });
+                    // Out and back along its own radius an arm does not turn.
+                    if k > 0 {
+                        assert!((reached.positions[RODS] - near[RODS]).abs() < 0.01, "{k} {slot}");
+                    }
+                    near = reached.positions;
+                }
+            }
+        }
+    }
+}
+
+/// Replaces a piece of the example and reads the first message.
+#[track_caller]
+fn refuse(from: &str, to: &str, message: &str) {
+    assert!(EXAMPLE.contains(from), "{from:?} is not in the file");
+    let text = EXAMPLE.replacen(from, to, 1);
+    let found = problems(&text);
+    let line = EXAMPLE[..EXAMPLE.find(from).unwrap()].matches('\n').count() + 1;
+    let last = line + to.matches('\n').count();
+    let fits = |problem: &Problem| {
+        (line..=last).contains(&problem.place.line) && problem.to_string().contains(message)
+    };
+    let told: Vec<String> = found.iter().map(|problem| problem.with_excerpt("x.toml")).collect();
+    assert!(found.iter().any(fits), "line {line}:\n{}", told.join("\n"));
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
+    refuse(
+        "kind = \"cell\"",
+        "kind = \"sell\"",
+        "kind \"sell\" is not known (did you mean `cell`?)",
+    );
+    refuse(
+        "robot = \"dual-arm\"",
+        "robot = \"dual\"",
+        "none of the robots that come with the program",
+    );
+    refuse("robot = \"dual-arm\"", "robot = \"mine.toml\"", "nobody has mine.toml");
+    refuse("robot = \"dual-arm\"", "robot = \"../mine.toml\"", "within the cell file's folder");
+    refuse("robot = \"dual-arm\"", "robot = \"gpr\"", "is wrong");
+    refuse(
+        "diameter_mm = 300.0",
+        "diameter_mm = -300.0",
+        "`diameter_mm` is -300, but has to be positive",
+    );
+    refuse("diameter_mm = 300.0", "diameter_mm = nan", "`diameter_mm` is NaN");
+    refuse(
+        "diameter_mm = 300.0",
+        "diameter = 300.0",
+        "unknown key `diameter` (did you mean `diameter_mm`?)",
+    );
+    refuse(
+        "diameter_mm = 300.0",
+        "diameter_mm = \"300\"",
+        "has to be a number, but is the text \"300\"",
+    );
+    refuse("[wafer]", "[wafer]\nyoung = 3", "unknown key `young`");
+    refuse("thickness_mm = 0.775", "thickness_mm = 50.0\n", "no thin plate");
+    refuse("material = \"silicon\"", "material = \"silicone\"", "did you mean `silicon`?");
+    refuse("slots = 25", "slots = 25.5", "has to be a whole number");
+    refuse("slots = 25", "slots = 0", "`slots` is 0, but has to be from 1 to 1000");
+    refuse("wafers = \"all\"", "wafers = [3, 26]", "`wafers` is 26, but has to be from 1 to 25");
+    refuse("wafers = \"all\"", "wafers = [3, 3]", "slot 3 is listed twice");
+    refuse("wafers = \"all\"", "effectors = [\"C\"]", "effector \"C\" is not known; known: A, B");
+    refuse("wafers = \"all\"", "approach = \"straight\"", "approach \"straight\" is not known");
+    refuse("name = \"LP2\"", "name = \"LP1\"", "station \"LP1\" is there twice");
+    refuse("name = \"LP2\"", "name = \"load port\"", "a name is letters, digits");
+    refuse("retract_mm = 10.0", "retract_mm = 800.0", "is only 700.036 mm from the robot's axis");
+    refuse(
+        "pitch_deg = 0.8",
+        "pitch_deg = 2.0",
+        "leans 2.000° toward 100.0°, but the robot tilts by at most 1.500°: level the station by at least 0.500°",
+    );
+    refuse("threshold_um = 100.0", "threshold_um = 2.0", "a taught point lies");
+    refuse("rule = \"safe\"", "rule = \"save\"", "did you mean `safe`?");
+    refuse("on = \"platform\"", "on = \"plattform\"", "did you mean `platform`?");
+    refuse("{ arm = \"upper\", link = 2 }", "{ arm = \"upper\", link = 5 }", "from 1 to 4");
+    refuse(
+        "{ arm = \"upper\", link = 2 }",
+        "{ arm = \"uper\", link = 2 }",
+        "did you mean `upper`?",
+    );
+    refuse("{ station = \"LP2\" }", "{ station = \"LP3\" }", "station \"LP3\" is not known");
+    refuse("{ station = \"LP2\" }", "{ station = \"LP2\", link = 1 }", "{ arm = …, link = … }");
+    refuse("[\"base\", \"platform\"]", "[\"base\", \"platfrom\"]", "did you mean `platform`?");
+    refuse("[\"base\", \"platform\"]", "[\"base\"]", "needs 2 bodies");
+    refuse("play_um = 60.0", "play_mm = 0.06", "unknown key `play_mm`");
+    refuse("play_um = 60.0", "play_um = 0.0", "has to be positive");
+    refuse("[[zone]]", "[[zones]]", "unknown key `zones` (did you mean `zone`?)");
+    refuse("tilt = {", "tilt = = {", "");
+}
+
+#[test]
+fn several_problems_are_told_at_once_in_order() {
+    let text = EXAMPLE
+        .replace("thickness_mm = 0.775", "thickness_mm = -1")
+        .replace("slots = 25", "slots = \"many\"")
+        .replace("rule = \"safe\"", "rul = \"safe\"");
+    let found = problems(&text);
+    let lines: Vec<usize> = found.iter().map(|problem| problem.place.line).collect();
+    assert!(lines.is_sorted(), "{lines:?}");
+    let told: Vec<String> = found.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        told.iter().filter(|one| one.contains("has to be a number")).count(),
+        2,
+        "{told:#?}"
+    );
+    assert!(told.iter().any(|one| one.contains("needs `rule`")), "{told:#?}");
+    assert!(told.iter().any(|one| one.contains("unknown key `rul`")), "{told:#?}");
+}
+
+#[test]
+fn a_station_without_its_keys_says_which() {
+    let text = EXAMPLE.replace(
+        "stroke = { below_mm = 4.0, above_mm = 3.0, speed_mm_s = 20.0 }",
+        "stroke = { below_mm = 4.0 }",
+    );
+    let told: Vec<String> = problems(&text).iter().map(ToString::to_string).collect();
+    assert!(told.contains(&"a stroke needs `above_mm`".to_owned()), "{told:#?}");
+    let text = EXAMPLE.replace("pitch_mm = 10.0", "");
+    let told: Vec<String> = problems(&text).iter().map(ToString::to_string).collect();
+    assert!(told.contains(&"the station \"LP1\" needs `pitch_mm`".to_owned()), "{told:#?}");
+}
+
+/// The example with other lines in place of those that place LP1.
+fn placed(lines: &str) -> Result<Cell, Vec<Problem>> {
+    let from = "position_mm = [-495.0, 495.0, 500.0]";
+    assert!(EXAMPLE.contains(from));
+    read(&EXAMPLE.replacen(from, lines, 1), &mut no_files)
+}
+
+#[test]
+fn stations_come_from_taught_points_and_from_drift() {
+    let cell =
+        placed("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-493.0, 495.0, 739.99] }")
+            .unwrap();
+    let Origin::Drift(drift) = &cell.stations[0].origin else { panic!() };
+    assert!((drift.drift - 0.002).abs() < 1e-15);
+    assert!((drift.tilt.pitch.tan() - 0.002 / 0.23999).abs() < 1e-12);
+    let last = cell.stations[0].slot_frame(25).translation.vector;
+    assert!((last - Vector3::new(-0.493, 0.495, 0.73999)).norm() < 1e-14, "{last}");
+    let wrong = |lines: &str| placed(lines).unwrap_err()[0].to_string();
+    let told =
+        wrong("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 750.0] }");
+    assert!(told.contains("but `pitch_mm` is 10"), "{told}");
+    let told =
+        wrong("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-495.0, 495.0, 400.0] }");
+    assert!(told.contains("has to be above it"), "{told}");
+    let told =
+        wrong("drift = { first_mm = [-495.0, 495.0, 500.0], last_mm = [-485.0, 495.0, 739.8] }");
+    assert!(told.contains("but the robot tilts by at most 1.500°"), "{told}");
+    let position = "position_mm = [-495.0, 495.0, 500.0]\n";
+    let taught = |points: &str| wrong(&format!("{position}taught = {{ points_mm = {points} }}"));
+    let told = taught("[[0, 0, 500], [1, 0, 500]]");
+    assert!(told.contains("2 taught points make no plane"), "{told}");
+    let told = taught("[[0, 0, 500], [100, 0, 500], [200, 0, 500.001]]");
+    assert!(told.contains("µm of one line"), "{told}");
+    let told = taught("[[0, 0, 500], [100, 0, 500], [0, 100, 503]]");
+    assert!(told.contains("leans 1.718° toward -90.0°"), "{told}");
+    let told = wrong(&format!(
+        "{position}tilt = {{ yaw_deg = 0, pitch_deg = 1 }}\ntaught = {{ points_mm = [] }}"
+    ));
+    assert!(told.contains("has both `tilt` and `taught`"), "{told}");
+}
+
+/// A body of the shape of a file in place of the wall.
+fn with_mesh(name: &str, bytes: &[u8], options: &str) -> Result<Shape, String> {
+    let from = "box = { size_mm = [600.0, 20.0, 1000.0] }";
+    let text = EXAMPLE.replacen(from, &format!("mesh = {{ file = \"{name}\"{options} }}"), 1);
+    let mut files = |asked: &str| match asked == name {
+        true => Ok(bytes.to_vec()),
+        false => Err("no such file".to_owned()),
+    };
+    match read(&text, &mut files) {
+        Ok(cell) => Ok(cell.bodies.into_iter().find(|body| body.name == "wall").unwrap().shape),
+        Err(problems) => Err(problems[0].to_string()),
+    }
+}
+
+const TETRAHEDRON_OBJ: &str = "mtllib none.mtl\nv 0 0 0\nv 100 0 0\nv 0 100 0\nv 0 0 50\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+
+/// The first two of its triangles.
+fn stl(header: &[u8], count: u32) -> Vec<u8> {
+    let mut bytes = vec![b' '; 80];
+    bytes[..header.len()].copy_from_slice(header);
+    bytes.extend(count.to_le_bytes());
+    for triangle in [
+        [[0.0_f32, 0.0, 0.0], [0.0, 100.0, 0.0], [100.0, 0.0, 0.0]],
+        [[0.0; 3], [100.0, 0.0, 0.0], [0.0, 0.0, 50.0]],
+    ] {
+        bytes.extend([0_u8; 12]);
+        bytes.extend(triangle.iter().flatten().flat_map(|value| value.to_le_bytes()));
+        bytes.extend([0_u8; 2]);
+    }
+    bytes
+}
+
+#[test]
+fn shapes_come_from_stl_and_obj() {
+    let tall = |shape: Shape| match shape {
+        Shape::Mesh { vertices, triangles } => {
+            (vertices.len(), triangles.len(), vertices.iter().map(|v| v[2]).fold(0.0, f64::max))
+        }
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(tall(with_mesh("a/t.obj", TETRAHEDRON_OBJ.as_bytes(), "").unwrap()), (4, 4, 0.05));
+    let in_m = with_mesh("t.OBJ", TETRAHEDRON_OBJ.as_bytes(), ", unit = \"m\"").unwrap();
+    assert_eq!(tall(in_m), (4, 4, 50.0));
+    assert_eq!(tall(with_mesh("t.stl", &stl(b"made by hand", 2), "").unwrap()), (4, 2, 0.05));
+    // Many programs write this at the start of binary files too.
+    assert_eq!(tall(with_mesh("t.stl", &stl(b"solid body", 2), "").unwrap()), (4, 2, 0.05));
+    let text = "solid t\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 5\nendloop\nendfacet\nendsolid t\n";
+    assert_eq!(tall(with_mesh("t.stl", text.as_bytes(), "").unwrap()), (3, 1, 0.005));
+    let convex = with_mesh("t.obj", TETRAHEDRON_OBJ.as_bytes(), ", convex = true").unwrap();
+    assert!(matches!(convex, Shape::Convex { points } if points.len() == 4));
+}
+
+#[test]
+fn broken_shapes_are_refused() {
+    #[track_caller]
+    fn refuse(name: &str, bytes: &[u8], message: &str) {
+        let told = with_mesh(name, bytes, "").unwrap_err();
+        assert!(told.contains(message), "{told}");
+    }
+    refuse("t.stl", b"", "no STL file, or a broken one");
+    refuse("t.stl", &stl(b"", 3), "no STL file, or a broken one");
+    refuse("t.stl", &stl(b"", u32::MAX), "no STL file, or a broken one");
+    refuse("t.stl", &stl(b"", 0), "it has no triangles");
+    refuse("t.obj", b"", "it has no triangles");
+    refuse("t.obj", b"v 0 0 0\nf 1 2 3\n", "no OBJ file, or a broken one");
+    refuse("t.obj", b"v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite");
+    refuse("t.step", b"", "ends neither in .stl nor in .obj");
+    refuse("../t.stl", b"", "within the cell file's folder");
+    let mut many = String::from("v 0 0 0\nv 1 0 0\nv 0 1 0\n");
+    many.push_str(&"f 1 2 3\n".repeat(MAX_TRIANGLES + 1));
+    refuse("t.obj", many.as_bytes(), "more than 500000 triangles; simplify");
+    assert!(
+        with_mesh("t.obj", TETRAHEDRON_OBJ.as_bytes(), ", convex = 1")
+            .unwrap_err()
+            .contains("true or false")
+    );
+    let flat = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let told = with_mesh("t.obj", flat.as_bytes(), ", convex = true").unwrap_err();
+    assert!(told.contains("lie in one plane"), "{told}");
+}
+
+#[test]
+fn an_edit_changes_one_station_and_keeps_every_comment() {
+    let changes = [
+        Change::Position(Vector3::new(-0.4951, -0.495, 0.5)),
+        Change::Tilt(Tilt { yaw: 1.0_f64.to_radians(), pitch: 0.4_f64.to_radians() }),
+        Change::Retract(0.012),
+        Change::ProcessTime(3.0),
+    ];
+    let text = set_station(EXAMPLE, "LP2", &changes).unwrap();
+    let station = &read(&text, &mut no_files).unwrap().stations[1];
+    assert_eq!(station.base_from_station.translation.vector.x, -0.4951);
+    assert_eq!((station.retract_reach, station.process_time), (0.012, 3.0));
+    let comments = |text: &str| -> Vec<String> {
+        text.lines().filter(|line| line.contains('#')).map(str::to_owned).collect()
+    };
+    assert_eq!(comments(&text), comments(EXAMPLE));
+    // Three lines are others, one is new.
+    let old: Vec<&str> = EXAMPLE.lines().collect();
+    let added: Vec<&str> = text.lines().filter(|line| !old.contains(line)).collect();
+    assert_eq!(
+        added,
+        [
+            "position_mm = [-495.1, -495.0, 500.0]",
+            "tilt = { yaw_deg = 1.0, pitch_deg = 0.4 }",
+            "retract_mm = 12.0",
+            "process_s = 3.0"
+        ]
+    );
+    assert_eq!(set_station(EXAMPLE, "LP2", &[]).unwrap(), EXAMPLE);
+}
+
+#[test]
+fn an_edit_leaves_one_way_of_placing() {
+    let of = |changes: &[Change]| {
+        let text = set_station(EXAMPLE, "PM1", changes).unwrap();
+        read(&text, &mut no_files).unwrap().stations[3].clone()
+    };
+    let taught = |z: f64| Change::Taught {
+        points: vec![
+            Vector3::new(0.8, 0.0, z),
+            Vector3::new(0.7, 0.1, 0.62),
+            Vector3::new(0.6, 0.0, 0.62),
+        ],
+        threshold: 5e-5,
+    };
+    let drift = Change::Drift {
+        first: Vector3::new(-0.495, 0.495, 0.5),
+        last: Vector3::new(-0.494, 0.495, 0.74),
+    };
+    assert!(matches!(of(&[Change::Tilt(Tilt::LEVEL)]).origin, Origin::Nominal));
+    assert!(matches!(of(&[taught(0.621)]).origin, Origin::Taught(fit) if fit.threshold == 5e-5));
+    let text = set_station(EXAMPLE, "LP1", &[drift]).unwrap();
+    assert!(matches!(read(&text, &mut no_files).unwrap().stations[0].origin, Origin::Drift(_)));
+    // Back again: the place of the first slot stays.
+    let text = set_station(&text, "LP1", &[Change::Tilt(Tilt::LEVEL)]).unwrap();
+    let station = &read(&text, &mut no_files).unwrap().stations[0];
+    assert_eq!(station.base_from_station.translation.vector, Vector3::new(-0.495, 0.495, 0.5));
+    let text = set_station(
+        EXAMPLE,
+        "LP1",
+        &[
+            Change::Yaw(0.5),
+            Change::Pitch(0.011),
+            Change::Offset(Vector3::new(0.001, 0.0, 0.0)),
+            Change::Via(vec![Vector3::new(0.0, -0.3, 0.0)]),
+            Change::Approach(Approach::Line),
+            Change::Stroke(Stroke { below: 0.002, above: 0.0025, speed: 0.03 }),
+        ],
+    )
+    .unwrap();
+    let station = &read(&text, &mut no_files).unwrap().stations[0];
+    assert_eq!(
+        (station.pitch, station.offset, station.approach),
+        (0.011, [0.001, 0.0, 0.0], Approach::Line)
+    );
+    assert_eq!(
+        (station.via.as_slice(), station.stroke.above),
+        ([[0.0, -0.3, 0.0]].as_slice(), 0.0025)
+    );
+}
+
+#[test]
+fn an_edit_of_what_is_not_there_is_refused() {
+    let told = set_station(EXAMPLE, "LP3", &[]).unwrap_err().to_string();
+    assert!(
+        told.contains("station \"LP3\" is not known (did you mean `LP2`?); known: LP1, LP2"),
+        "{told}"
+    );
+    assert!(set_station("x = = 1", "LP1", &[]).is_err());
+    assert!(
+        set_station("station = 3", "LP1", &[]).unwrap_err().to_string().contains("[[station]]")
+    );
+}
+
+#[test]
+fn too_long_a_text_is_refused_unread() {
+    let told = problems(&" ".repeat(1_000_001))[0].to_string();
+    assert!(told.contains("at most 1000000 are allowed"), "{told}");
+    assert!(problems("").iter().any(|problem| problem.to_string() == "a cell needs `robot`"));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+    #[test]
+    fn no_mutation_panics(at in 0..EXAMPLE.len(), length in 0..40_usize, put in "[-0-9a-z_.=\"\\[\\]{}#\n ]{0,6}") {
+        let start = EXAMPLE.floor_char_boundary(at);
+        let end = EXAMPLE.floor_char_boundary((start + length).min(EXAMPLE.len()));
+        let text = format!("{}{put}{}", &EXAMPLE[..start], &EXAMPLE[end..]);
+        if let Err(problems) = read(&text, &mut no_files) {
+            prop_assert!(!problems.is_empty());
+            for problem in problems {
+                let _ = problem.with_excerpt("x.toml");
+            }
+        }
+        let _ = set_station(&text, "LP1", &[Change::Yaw(0.5)]);
+    }
+}
