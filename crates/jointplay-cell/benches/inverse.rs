@@ -3,6 +3,7 @@
 //! Targets vary from call to call, over a thousand positions and tilts within limits, so that neither branches nor caches know the answer beforehand.
 #![expect(clippy::unwrap_used, reason = "a benchmark of a failure would be none")]
 
+#[expect(dead_code, reason = "the laws use all of it")]
 #[path = "../tests/common/mod.rs"]
 mod common;
 
