@@ -248,7 +248,8 @@ export class CellViewer {
 function nameOf(part: Object3D): string {
   for (let at: Object3D | null = part; at; at = at.parent) {
     const name = (at.userData as { name?: string }).name;
-    if (name) return name;
+    // All wafers have one shape; which one it is, the frame that it moves with says.
+    if (name && name !== 'wafer') return name;
   }
   return '';
 }
