@@ -152,6 +152,9 @@ fn along(
     let pose = |positions: &[f64]| {
         cell.wafer_pose(effector, positions, loaded).map_err(|error| error.to_string())
     };
+    let jacobian = |positions: &[f64]| {
+        robot.effector_jacobian(positions, effector).map_err(|error| error.to_string())
+    };
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| moves(robot, axis, effector)).collect();
     // Two motors of an arm place the wafer's centre; from three on they also turn it.
@@ -169,6 +172,7 @@ fn along(
         variables,
         turn: free.then_some(turn),
         pose: &pose,
+        jacobian: &jacobian,
         deviation: options.line_deviation,
     };
     let line = task
