@@ -172,13 +172,8 @@ impl<'a> Check<'a> {
     fn up_to(&mut self, before: Option<&Sample>, sample: &Sample) {
         let mut ended: Option<Sample> = None;
         while self.step < sample.step {
-            let mut rest = self.motion.at(self.motion.times[self.step]);
-            rest.time = self.motion.times[self.step + 1];
-            rest.step = self.step;
-            rest.positions.copy_from_slice(&self.motion.steps[self.step].to);
-            for values in [&mut rest.velocities, &mut rest.accelerations, &mut rest.jerks] {
-                values.fill(0.0);
-            }
+            let mut rest = Sample::default();
+            self.motion.fill_in(self.step, self.motion.times[self.step + 1], &mut rest);
             self.sample(ended.as_ref().or(before), &rest);
             self.end();
             self.begin(self.step + 1);
