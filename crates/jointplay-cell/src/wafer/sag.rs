@@ -160,31 +160,32 @@ impl Shape {
         shape
     }
 
-    fn circle(&self, radius: f64) -> Circle<'_> {
-        let waves = |(orbit, _): &(Orbit, f64)| orbit.waves(self.poisson, radius);
-        Circle {
-            shape: self,
-            rest: self.lift - plate::under_weight(self.poisson, radius),
-            waves: self.reactions.iter().map(waves).collect(),
+    /// The plate along a circle about its centre.
+    fn circle(&self, radius: f64) -> Circle {
+        let mut waves = vec![self.lift - plate::under_weight(self.poisson, radius)];
+        for (orbit, share) in &self.reactions {
+            let by_orbit = orbit.waves(self.poisson, radius);
+            waves.resize(waves.len().max(by_orbit.len()), 0.0);
+            waves.iter_mut().zip(by_orbit).for_each(|(wave, one)| *wave += share * one);
         }
+        Circle { waves, symmetry: self.symmetry() }
     }
 
-    /// A direction after which the plate repeats itself, mirrored.
-    fn sector(&self) -> f64 {
-        self.reactions
-            .first()
-            .map_or(1.0, |(orbit, _)| std::f64::consts::PI / orbit.symmetry as f64)
+    /// What the numbers of waves are multiples of; the same for all that pushes.
+    fn symmetry(&self) -> f64 {
+        self.reactions.first().map_or(1.0, |(orbit, _)| orbit.symmetry as f64)
     }
 
     fn seen(&self, unit: f64, thickness: f64) -> Sag {
-        // Midpoints of rings of equal width, and of directions: sums over them are means over the plate.
         let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut mean, mut square) = (0.0, 0.0);
         for k in 0..=CIRCLES {
             let radius = k as f64 / CIRCLES as f64;
             let circle = self.circle(radius);
+            // After half a wave the plate repeats itself, mirrored.
+            let sector = std::f64::consts::PI / self.symmetry();
             for direction in 0..=DIRECTIONS {
-                let height = circle.height(self.sector() * direction as f64 / DIRECTIONS as f64);
+                let height = circle.height(sector * direction as f64 / DIRECTIONS as f64);
                 lowest = lowest.min(height);
                 highest = highest.max(height);
             }
@@ -211,39 +212,26 @@ impl Shape {
     }
 }
 
-/// The plate along a circle about its centre.
-struct Circle<'a> {
-    shape: &'a Shape,
-    rest: f64,
-    waves: Vec<Vec<f64>>,
+/// Heights along a circle about the centre, as waves in the direction.
+struct Circle {
+    waves: Vec<f64>,
+    symmetry: f64,
 }
 
-impl Circle<'_> {
+impl Circle {
     fn height(&self, angle: f64) -> f64 {
-        let lifted = |((orbit, share), waves): (&(Orbit, f64), &Vec<f64>)| {
-            share * orbit.height(waves, angle)
-        };
-        self.rest + self.shape.reactions.iter().zip(&self.waves).map(lifted).sum::<f64>()
+        plate::height(&self.waves, self.symmetry * angle)
     }
 
     /// The mean of the height along it.
     fn mean(&self) -> f64 {
-        let lifted = |((_, share), waves): (&(Orbit, f64), &Vec<f64>)| share * waves[0];
-        self.rest + self.shape.reactions.iter().zip(&self.waves).map(lifted).sum::<f64>()
+        self.waves[0]
     }
 
+    /// The mean of its square.
     fn mean_square(&self) -> f64 {
-        let longest = self.waves.iter().map(Vec::len).max().unwrap_or(0);
-        let mut sum = self.mean().powi(2);
-        for k in 1..longest {
-            let wave = |((orbit, share), waves): (&(Orbit, f64), &Vec<f64>)| {
-                let m = (k * orbit.symmetry) as f64;
-                share * waves.get(k).unwrap_or(&0.0) * (m * orbit.angle).cos()
-            };
-            let wave: f64 = self.shape.reactions.iter().zip(&self.waves).map(wave).sum();
-            sum += wave * wave / 2.0;
-        }
-        sum
+        let waves: f64 = self.waves[1..].iter().map(|wave| wave * wave).sum();
+        self.mean().powi(2) + waves / 2.0
     }
 }
 
@@ -268,7 +256,8 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
     let mut lifted = DMatrix::zeros(n, n);
     for (i, at) in points.iter().enumerate() {
         for (j, by) in points.iter().enumerate() {
-            lifted[(i, j)] = by.height(&by.waves(poisson, at.radius), at.angle);
+            let waves = by.waves(poisson, at.radius);
+            lifted[(i, j)] = plate::height(&waves, by.symmetry as f64 * at.angle);
         }
     }
     let weight = DVector::from_fn(n, |i, _| plate::under_weight(poisson, points[i].radius));
