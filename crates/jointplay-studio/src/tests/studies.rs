@@ -227,7 +227,10 @@ fn what_takes_too_long_is_ended() {
         // All turns are taken: the request waits for one, and longer than it may.
         for _ in 0..std::thread::available_parallelism().unwrap().get() {
             let work = hurried.work.clone();
-            let busy = || Ok(std::thread::sleep(Duration::from_millis(400)));
+            let busy = || {
+                std::thread::sleep(Duration::from_millis(400));
+                Ok(())
+            };
             tokio::spawn(async move { work.run(busy).await.is_ok() });
         }
         tokio::task::yield_now().await;
