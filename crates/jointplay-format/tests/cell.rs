@@ -3,10 +3,14 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_cell::cell::{Cell, Shape};
+use jointplay_cell::check::{CheckOptions, Report, check};
+use jointplay_cell::motion::{MotionOptions, timed};
+use jointplay_cell::program::expand;
 use jointplay_cell::robot::RODS;
 use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
 use jointplay_core::spatial::Tilt;
 use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};
+use jointplay_format::program;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -60,6 +64,30 @@ fn every_slot_of_the_example_is_within_reach_of_both_arms() {
             }
         }
     }
+}
+
+const PROGRAM: &str = "HOME
+TRANSFER LP1 SLOT 1 TO PM1 WITH A
+TRANSFER PM1 TO LP2 SLOT 25 WITH B
+HOME
+";
+
+/// What is wrong with a short program in a cell.
+fn checked(cell: &Cell) -> Report {
+    let steps = expand(cell, &program::parse(PROGRAM).unwrap()).unwrap();
+    check(cell, &timed(cell, steps, &MotionOptions::default()).unwrap(), &CheckOptions::default())
+}
+
+#[test]
+fn the_example_is_sound_and_a_wall_in_the_way_is_named() {
+    let report = checked(&example());
+    assert!(report.violations.is_empty(), "{:#?}", report.violations);
+    let from = "position_mm = [100.0, -600.0, 500.0]";
+    assert!(EXAMPLE.contains(from));
+    let text = EXAMPLE.replacen(from, "position_mm = [100.0, -300.0, 500.0]", 1);
+    let report = checked(&read(&text, &mut no_files).unwrap());
+    let hit = |name: &str| report.violations.iter().any(|one| one.to_string().contains(name));
+    assert!(hit("wall") && !hit("slit-above"), "{:#?}", report.violations);
 }
 
 /// Replaces a piece of the example and reads the first message.

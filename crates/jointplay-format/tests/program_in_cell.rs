@@ -174,7 +174,7 @@ fn a_get_is_the_sequence_of_the_trade() {
     // No level at the end: the compensation of the droop has tilted the platform, and it is put straight.
     assert_eq!(phases(&steps), [Turn, Enter, Extend, Lift, Lift, Retract, Level]);
     let slot = SlotId { station: 0, slot: 3 };
-    let way = cell.stations[0].waypoints(3, [0.0, 0.0]);
+    let way = cell.waypoints(A, slot, &steps[0].from).unwrap();
     for (index, step) in steps.iter().enumerate() {
         assert_eq!((step.instruction, step.place.line), (1, 2));
         assert!((step.speed - 0.5).abs() < 1e-15);
@@ -213,7 +213,7 @@ fn a_put_mirrors_it_in_the_tilt_of_the_station() {
     assert_eq!(phases(&put), [Turn, Enter, Extend, Lower, Lower, Retract, Level]);
     let slot = SlotId { station: 1, slot: 5 };
     assert_eq!(put[3].handover, Some(Handover::Left(A, slot)));
-    let way = cell.stations[1].waypoints(5, [0.0, 0.0]);
+    let way = cell.waypoints(A, slot, &put[0].from).unwrap();
     let pose = cell.wafer_pose(A, &put[3].to, true).unwrap();
     let sag = cell.sag(A).unwrap().plane_height;
     let rests = pose.translation.vector + way.resting.normal * sag;
@@ -355,6 +355,10 @@ fn what_is_out_of_reach_says_why() {
     let text =
         "REPEAT 3 AS n\n  GET port-1 SLOT n WITH A\n  PUT port-2 SLOT n WITH A\nEND\nGET aligner";
     insta::assert_snapshot!(wrong(&far, text));
+    // Each way is told where they are stopped by different limits.
+    let mut stiff = cell();
+    (stiff.robot.axes[4].min, stiff.robot.axes[4].max) = (-0.5, 0.5);
+    insta::assert_snapshot!(wrong(&stiff, "GET port-1 SLOT 1 WITH A"));
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! From instructions to steps.
 
+use std::collections::BTreeMap;
+use std::mem::discriminant;
+
 use super::presence::Presence;
 use super::resolve::{Act, Line, Number, Resolved, Slot, resolve};
 use super::sequence::Robot;
@@ -19,8 +22,11 @@ use crate::station::SlotId;
 /// # Errors
 /// Everything that is wrong with the program in this cell, each thing once with its place: names, programs without end, wafers that are missing or in the way, places out of reach and limits that stop them.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
-    let (resolved, errors) = resolve(cell, program);
-    let mut errors = Errors(errors);
+    let (resolved, unresolved) = resolve(cell, program);
+    let mut errors = Errors::default();
+    for error in unresolved {
+        errors.add(error.place, error.problem);
+    }
     let mut steps = Vec::new();
     if let Some(resolved) = &resolved {
         let mut run = Run {
@@ -33,23 +39,21 @@ pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramEr
         run.block(&resolved.body, &mut Vec::new());
         steps = run.robot.steps;
     }
-    let Errors(mut errors) = errors;
-    errors.sort_by_key(|error| error.place);
+    let errors: Vec<ProgramError> = errors.0.into_values().flatten().collect();
     if errors.is_empty() { Ok(steps) } else { Err(errors) }
 }
 
 /// What is wrong, each thing once a place.
-struct Errors(Vec<ProgramError>);
+#[derive(Default)]
+struct Errors(BTreeMap<Place, Vec<ProgramError>>);
 
 impl Errors {
     fn add(&mut self, place: Place, problem: ProgramProblem) {
-        let kind = std::mem::discriminant(&problem);
-        let alike = |error: &&mut ProgramError| {
-            error.place == place && std::mem::discriminant(&error.problem) == kind
-        };
-        match self.0.iter_mut().find(alike) {
+        let here = self.0.entry(place).or_default();
+        let kind = discriminant(&problem);
+        match here.iter_mut().find(|error| discriminant(&error.problem) == kind) {
             Some(first) => first.more += 1,
-            None => self.0.push(ProgramError { place, problem, more: 0 }),
+            None => here.push(ProgramError { place, problem, more: 0 }),
         }
     }
 }

@@ -7,10 +7,18 @@ use nalgebra::Vector3;
 
 use super::presence::slot_name;
 use super::resolve::effector_name;
+use super::stops::{limit_told, why};
 use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
 use crate::cell::Cell;
-use crate::robot::{BrokenLimit, EffectorId, MotionKind, RODS, WaferTarget};
+use crate::robot::{EffectorId, MotionKind, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};
+use crate::wafer::Unreachable;
+
+/// A platform that leans less counts as level: over the reach of an arm this is less than a micrometre [rad].
+const LEVEL_ENOUGH: f64 = 1e-6;
+
+/// Motors that are nearer to where they should turn to go there while the rods do, without a step of their own [m or rad].
+const TURNED_ENOUGH: f64 = 1e-6;
 
 /// The robot where it is, and the steps that brought it there.
 pub(super) struct Robot<'c> {
@@ -96,6 +104,7 @@ impl<'c> Robot<'c> {
             target: "the end of this line".to_owned(),
             effector: name.to_owned(),
             loaded,
+            why: why(&self.cell.robot, &source),
             source: Box::new(source),
         };
         let pose = self.cell.wafer_pose(effector, &self.positions, loaded).map_err(stopped)?;
@@ -127,7 +136,7 @@ impl<'c> Robot<'c> {
         effector: EffectorId,
         slot: SlotId,
     ) -> Result<(), ProgramProblem> {
-        let way = self.waypoints(effector, slot);
+        let way = self.waypoints(effector, slot)?;
         let (what, target) = if self.loaded.contains(&effector) {
             ("the place retracted above", &way.retracted_above)
         } else {
@@ -144,7 +153,7 @@ impl<'c> Robot<'c> {
         wait: Option<Path>,
     ) -> Result<(), ProgramProblem> {
         self.loaded.retain(|&id| id != effector);
-        let way = self.waypoints(effector, slot);
+        let way = self.waypoints(effector, slot)?;
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
         self.before(goal("the place retracted below", &way.retracted_below))?;
@@ -181,7 +190,7 @@ impl<'c> Robot<'c> {
             self.loaded.push(effector);
             self.loaded.sort_unstable();
         }
-        let way = self.waypoints(effector, slot);
+        let way = self.waypoints(effector, slot)?;
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
         self.before(goal("the place retracted above", &way.retracted_above))?;
@@ -203,9 +212,28 @@ impl<'c> Robot<'c> {
         Ok(left)
     }
 
-    fn waypoints(&self, effector: EffectorId, slot: SlotId) -> Waypoints {
-        let [x, y, _] = self.cell.robot.arms[effector.arm].mount;
-        self.cell.stations[slot.station].waypoints(slot.slot, [x, y])
+    fn waypoints(&self, effector: EffectorId, slot: SlotId) -> Result<Waypoints, ProgramProblem> {
+        let found = self.cell.waypoints(effector, slot, &self.positions);
+        found.map_err(|source| {
+            self.unreachable("the place of rest in", effector, slot, true, source)
+        })
+    }
+
+    fn unreachable(
+        &self,
+        what: &str,
+        effector: EffectorId,
+        slot: SlotId,
+        loaded: bool,
+        source: Unreachable,
+    ) -> ProgramProblem {
+        ProgramProblem::Unreachable {
+            target: format!("{what} {}", slot_name(self.cell, slot)),
+            effector: effector_name(&self.cell.robot, effector).to_owned(),
+            loaded,
+            why: why(&self.cell.robot, &source),
+            source: Box::new(source),
+        }
     }
 
     /// Arms in, level, turned to a retracted place with the motors alone, then there with the rods alone.
@@ -215,7 +243,10 @@ impl<'c> Robot<'c> {
         let to = self.reached(goal)?;
         let mut turned = to.clone();
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
-        self.go(Phase::Turn, turned, Path::Axes);
+        let way = |(to, from): (&f64, &f64)| (to - from).abs();
+        if turned.iter().zip(&self.positions).map(way).fold(0.0, f64::max) > TURNED_ENOUGH {
+            self.push(Phase::Turn, turned, Path::Axes);
+        }
         self.go(Phase::Enter, to, Path::Axes);
         Ok(())
     }
@@ -236,8 +267,11 @@ impl<'c> Robot<'c> {
     }
 
     fn level(&mut self) {
-        let to = self.leaning(Tilt::LEVEL);
-        self.go(Phase::Level, to, Path::Axes);
+        let rods = [self.positions[0], self.positions[1], self.positions[2]];
+        if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
+            let to = self.leaning(Tilt::LEVEL);
+            self.push(Phase::Level, to, Path::Axes);
+        }
     }
 
     /// Positions with another tilt, at the same height on the axis.
@@ -245,11 +279,8 @@ impl<'c> Robot<'c> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         let mut to = self.positions.clone();
-        // Level already is level to the bit.
-        let is_level = rods[0] == rods[1] && rods[1] == rods[2];
-        if let (false, Ok(rods)) =
-            (is_level && tilt == Tilt::LEVEL, gpr.inverse(tilt, gpr.plane_height(&rods)))
-        {
+        // Tilts without rods are not let in.
+        if let Ok(rods) = gpr.inverse(tilt, gpr.plane_height(&rods)) {
             to[..RODS].copy_from_slice(&rods);
         }
         to
@@ -283,11 +314,8 @@ impl<'c> Robot<'c> {
         let loaded = self.loaded.contains(&effector);
         let target = if loaded { self.sagged(effector, target)? } else { *target };
         let reached = self.cell.reach(effector, &target, loaded, &self.positions);
-        reached.map(|it| it.positions).map_err(|source| {
-            let target = format!("{what} {}", slot_name(self.cell, slot));
-            let effector = effector_name(&self.cell.robot, effector).to_owned();
-            ProgramProblem::Unreachable { target, effector, loaded, source: Box::new(source) }
-        })
+        let positions = reached.map(|it| it.positions);
+        positions.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
     }
 
     /// Straight to a place.
@@ -344,33 +372,13 @@ impl<'c> Robot<'c> {
     }
 
     fn within_limits(&self, what: &'static str, to: &[f64]) -> Result<(), ProgramProblem> {
-        let axes = &self.cell.robot.axes;
-        let broken = self.cell.robot.broken_limits(to).unwrap_or_default();
-        let told = |limit: &BrokenLimit| match *limit {
-            BrokenLimit::Axis { axis, position, min, max } => {
-                let axis = &axes[axis];
-                let (unit, factor) = match axis.kind {
-                    MotionKind::Turn => ("deg", 1_f64.to_degrees()),
-                    MotionKind::Slide => ("mm", 1e3),
-                };
-                format!(
-                    "axis {} to {:.3} {unit}, but its limits are {:.3} to {:.3} {unit}",
-                    axis.name,
-                    position * factor,
-                    min * factor,
-                    max * factor
-                )
-            }
-            BrokenLimit::Tilt { pitch, max } => format!(
-                "the platform to a tilt of {:.4} deg, but it leans by at most {:.4} deg",
-                pitch.to_degrees(),
-                max.to_degrees()
-            ),
-        };
+        let robot = &self.cell.robot;
+        let broken = robot.broken_limits(to).unwrap_or_default();
         if broken.is_empty() {
             return Ok(());
         }
-        Err(ProgramProblem::Limits { what, limits: broken.iter().map(told).collect() })
+        let limits = broken.iter().map(|limit| limit_told(robot, limit)).collect();
+        Err(ProgramProblem::Limits { what, limits })
     }
 }
 

@@ -30,32 +30,24 @@ pub(super) fn under_weight(poisson: f64, radius: f64) -> f64 {
 }
 
 impl Orbit {
-    /// Waves of the height that an orbit lifts the plate to at a radius, first the mean.
+    /// Waves of the height that an orbit lifts the plate to at a radius, first the mean: what cos mθ is multiplied with.
     ///
     /// Each wave is a biharmonic function within and without the circle of the points, joined with the jump of the shearing force there, and one that is regular in the whole plate and frees the edge of moment and force.
     pub(super) fn waves(&self, poisson: f64, radius: f64) -> Vec<f64> {
         let mut waves = vec![self.mean(poisson, radius)];
-        let mut sum = 0.0_f64;
+        let (mut sum, mut was_small) = (0.0_f64, false);
         for k in 1..=MOST_TERMS {
             let wave = self.wave(poisson, radius, k * self.symmetry);
-            waves.push(wave);
+            waves.push(wave * ((k * self.symmetry) as f64 * self.angle).cos());
             sum += wave.abs();
             // Waves near the points fall slowly, all others as powers: two small ones in a row end the series.
-            let small = |wave: &f64| wave.abs() <= THRESHOLD * sum / (k as f64);
-            if k > 8 && waves[k - 1..].iter().all(small) {
+            let is_small = wave.abs() <= THRESHOLD * sum / (k as f64);
+            if k > 8 && is_small && was_small {
                 break;
             }
+            was_small = is_small;
         }
         waves
-    }
-
-    /// Height at a place from the waves at its radius.
-    pub(super) fn height(&self, waves: &[f64], angle: f64) -> f64 {
-        let wave = |(k, wave): (usize, &f64)| {
-            let m = (k * self.symmetry) as f64;
-            wave * (m * self.angle).cos() * (m * angle).cos()
-        };
-        waves.iter().enumerate().map(wave).sum()
     }
 
     fn mean(&self, poisson: f64, radius: f64) -> f64 {
@@ -93,4 +85,16 @@ impl Orbit {
 /// What lifts a plate so that its edge is at height 0.
 pub(super) fn on_edge(poisson: f64) -> f64 {
     under_weight(poisson, 1.0)
+}
+
+/// Σ_k waves_k cos k x, by the recurrence of the cosines.
+pub(super) fn height(waves: &[f64], x: f64) -> f64 {
+    let twice = 2.0 * x.cos();
+    let (mut cosine, mut before) = (1.0, 0.5 * twice);
+    let mut sum = 0.0;
+    for wave in waves {
+        sum += wave * cosine;
+        (cosine, before) = (twice * cosine - before, cosine);
+    }
+    sum
 }

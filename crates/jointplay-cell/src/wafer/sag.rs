@@ -160,31 +160,32 @@ impl Shape {
         shape
     }
 
-    fn circle(&self, radius: f64) -> Circle<'_> {
-        let waves = |(orbit, _): &(Orbit, f64)| orbit.waves(self.poisson, radius);
-        Circle {
-            shape: self,
-            rest: self.lift - plate::under_weight(self.poisson, radius),
-            waves: self.reactions.iter().map(waves).collect(),
+    /// The plate along a circle about its centre.
+    fn circle(&self, radius: f64) -> Circle {
+        let mut waves = vec![self.lift - plate::under_weight(self.poisson, radius)];
+        for (orbit, share) in &self.reactions {
+            let by_orbit = orbit.waves(self.poisson, radius);
+            waves.resize(waves.len().max(by_orbit.len()), 0.0);
+            waves.iter_mut().zip(by_orbit).for_each(|(wave, one)| *wave += share * one);
         }
+        Circle { waves, symmetry: self.symmetry() }
     }
 
-    /// A direction after which the plate repeats itself, mirrored.
-    fn sector(&self) -> f64 {
-        self.reactions
-            .first()
-            .map_or(1.0, |(orbit, _)| std::f64::consts::PI / orbit.symmetry as f64)
+    /// What the numbers of waves are multiples of; the same for all that pushes.
+    fn symmetry(&self) -> f64 {
+        self.reactions.first().map_or(1.0, |(orbit, _)| orbit.symmetry as f64)
     }
 
     fn seen(&self, unit: f64, thickness: f64) -> Sag {
-        // Midpoints of rings of equal width, and of directions: sums over them are means over the plate.
         let (mut lowest, mut highest) = (f64::INFINITY, f64::NEG_INFINITY);
         let (mut mean, mut square) = (0.0, 0.0);
         for k in 0..=CIRCLES {
             let radius = k as f64 / CIRCLES as f64;
             let circle = self.circle(radius);
+            // After half a wave the plate repeats itself, mirrored.
+            let sector = std::f64::consts::PI / self.symmetry();
             for direction in 0..=DIRECTIONS {
-                let height = circle.height(self.sector() * direction as f64 / DIRECTIONS as f64);
+                let height = circle.height(sector * direction as f64 / DIRECTIONS as f64);
                 lowest = lowest.min(height);
                 highest = highest.max(height);
             }
@@ -211,39 +212,26 @@ impl Shape {
     }
 }
 
-/// The plate along a circle about its centre.
-struct Circle<'a> {
-    shape: &'a Shape,
-    rest: f64,
-    waves: Vec<Vec<f64>>,
+/// Heights along a circle about the centre, as waves in the direction.
+struct Circle {
+    waves: Vec<f64>,
+    symmetry: f64,
 }
 
-impl Circle<'_> {
+impl Circle {
     fn height(&self, angle: f64) -> f64 {
-        let lifted = |((orbit, share), waves): (&(Orbit, f64), &Vec<f64>)| {
-            share * orbit.height(waves, angle)
-        };
-        self.rest + self.shape.reactions.iter().zip(&self.waves).map(lifted).sum::<f64>()
+        plate::height(&self.waves, self.symmetry * angle)
     }
 
     /// The mean of the height along it.
     fn mean(&self) -> f64 {
-        let lifted = |((_, share), waves): (&(Orbit, f64), &Vec<f64>)| share * waves[0];
-        self.rest + self.shape.reactions.iter().zip(&self.waves).map(lifted).sum::<f64>()
+        self.waves[0]
     }
 
+    /// The mean of its square.
     fn mean_square(&self) -> f64 {
-        let longest = self.waves.iter().map(Vec::len).max().unwrap_or(0);
-        let mut sum = self.mean().powi(2);
-        for k in 1..longest {
-            let wave = |((orbit, share), waves): (&(Orbit, f64), &Vec<f64>)| {
-                let m = (k * orbit.symmetry) as f64;
-                share * waves.get(k).unwrap_or(&0.0) * (m * orbit.angle).cos()
-            };
-            let wave: f64 = self.shape.reactions.iter().zip(&self.waves).map(wave).sum();
-            sum += wave * wave / 2.0;
-        }
-        sum
+        let waves: f64 = self.waves[1..].iter().map(|wave| wave * wave).sum();
+        self.mean().powi(2) + waves / 2.0
     }
 }
 
@@ -268,7 +256,8 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
     let mut lifted = DMatrix::zeros(n, n);
     for (i, at) in points.iter().enumerate() {
         for (j, by) in points.iter().enumerate() {
-            lifted[(i, j)] = by.height(&by.waves(poisson, at.radius), at.angle);
+            let waves = by.waves(poisson, at.radius);
+            lifted[(i, j)] = plate::height(&waves, by.symmetry as f64 * at.angle);
         }
     }
     let weight = DVector::from_fn(n, |i, _| plate::under_weight(poisson, points[i].radius));
@@ -384,6 +373,43 @@ mod tests {
             let shear = (laplacian(1.0 + h) - laplacian(1.0 - h)) / (2.0 * h);
             let twist = (1.0 - poisson) * m2 * (first(1.0) - w(1.0));
             near(shear - twist, 0.0, 1e-3 * (shear.abs() + twist.abs()).max(scale));
+        }
+    }
+
+    /// Value and first three derivatives on one side of a place, by eight values there.
+    fn one_sided(f: impl Fn(f64) -> f64, at: f64, step: f64) -> [f64; 4] {
+        let mut row: Vec<f64> = (0..8).map(|k| f(at + step * f64::from(k))).collect();
+        let mut differences = Vec::new();
+        while let Some(&first) = row.first() {
+            differences.push(first);
+            row = row.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        }
+        // Coefficients of the powers of ln(1 + Δ).
+        let series: [&[f64]; 3] = [
+            &[1.0, -1.0 / 2.0, 1.0 / 3.0, -1.0 / 4.0, 1.0 / 5.0, -1.0 / 6.0, 1.0 / 7.0],
+            &[1.0, -1.0, 11.0 / 12.0, -5.0 / 6.0, 137.0 / 180.0, -7.0 / 10.0],
+            &[1.0, -3.0 / 2.0, 7.0 / 4.0, -15.0 / 8.0, 29.0 / 15.0],
+        ];
+        let derivative = |order: usize| {
+            let terms = series[order - 1].iter().zip(&differences[order..]);
+            terms.map(|(a, b)| a * b).sum::<f64>() / step.powi(order as i32)
+        };
+        [differences[0], derivative(1), derivative(2), derivative(3)]
+    }
+
+    #[test]
+    fn only_the_shearing_force_jumps_where_points_push() {
+        let b = 0.6;
+        let orbit = Orbit { radius: b, angle: 0.0, symmetry: 3 };
+        for k in 0..4 {
+            let wave = |r: f64| orbit.waves(0.28, r)[k];
+            let (below, above) = (one_sided(wave, b, -0.01), one_sided(wave, b, 0.01));
+            // Of the force π spread over the circle: its mean, and twice that in each wave.
+            let push = if k == 0 { 0.5 / b } else { 1.0 / b };
+            let scale = above[3].abs() + below[3].abs();
+            for (order, jump) in [0.0, 0.0, 0.0, push].into_iter().enumerate() {
+                near(above[order] - below[order], jump, 1e-3 * scale.max(1.0));
+            }
         }
     }
 

@@ -39,8 +39,8 @@ pub(crate) fn arm(name: &str, joints: Vec<ArmJoint>, wafer: [f64; 3]) -> Arm {
 pub(crate) fn robot(motors: Vec<Axis>, arms: Vec<Arm>) -> HybridRobot {
     let paper = Gpr::paper();
     let mut limbs: [Limb; 3] = paper.limbs();
-    limbs[0].base_point.x += 2e-3;
-    limbs[1].socket_radius += 1e-3;
+    limbs[0].base_point.x += 2e-4;
+    limbs[1].socket_radius += 1e-4;
     let gpr = Gpr::new(limbs, *paper.limits(), paper.working_height()).unwrap();
     let mut axes: Vec<Axis> = ["q1", "q2", "q3"]
         .map(|name| axis(name, Slide, gpr.limits().rod_min, gpr.limits().rod_max))

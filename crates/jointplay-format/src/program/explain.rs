@@ -2,7 +2,7 @@
 
 use jointplay_cell::program::{Place, ProgramError, ProgramProblem};
 
-use super::lexer::{Token, lines};
+use super::lexer::{Token, line_at};
 use crate::place::{self, Error, nearest, suggestion};
 
 /// What is wrong with a program in its cell, as a message.
@@ -29,7 +29,7 @@ pub fn explain(text: &str, error: &ProgramError) -> Error<Explained> {
 
 /// The line of a place, and how much of it is meant.
 fn shown(text: &str, at: Place) -> place::Place {
-    let line = lines(text).nth(at.line.saturating_sub(1));
+    let line = line_at(text, at.line);
     let token = line.as_ref().and_then(|line| line.tokens.iter().find(|it| it.column == at.column));
     place::Place {
         line: at.line,

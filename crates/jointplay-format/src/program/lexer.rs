@@ -56,8 +56,17 @@ pub(super) struct Line<'t> {
 
 /// The lines of a text.
 pub(super) fn lines(text: &str) -> impl Iterator<Item = Line<'_>> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    text.lines().enumerate().map(|(index, text)| line(index + 1, text))
+    unmarked(text).lines().enumerate().map(|(index, text)| line(index + 1, text))
+}
+
+/// One line of a text, counted from 1.
+pub(super) fn line_at(text: &str, number: usize) -> Option<Line<'_>> {
+    unmarked(text).lines().nth(number.checked_sub(1)?).map(|text| line(number, text))
+}
+
+/// Without the mark that some editors put before a text.
+fn unmarked(text: &str) -> &str {
+    text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
 fn line(number: usize, text: &str) -> Line<'_> {

@@ -70,6 +70,18 @@ impl Plan {
         }
     }
 
+    /// The direction in which a belt-coupled pair moves its wafer; that of the first arrow, where there is no belt.
+    pub(super) fn middle(&self, planar: &Planar, pair: [f64; 2]) -> Vector2<f64> {
+        let arrows = planar.arrows();
+        match self.pair {
+            Pair::Belt([i, j], w) => {
+                let middle = Middle::of(&arrows[i], &arrows[j], &arrows[w]);
+                turned(&Vector2::x(), 0.5 * (pair[0] + pair[1]) + middle.angle)
+            }
+            Pair::Links([i, _]) | Pair::Slide(i) => turned(&arrows[i].vector, pair[0]).normalize(),
+        }
+    }
+
     /// How the arm is bent at positions of its axes.
     pub(super) fn configuration(&self, planar: &Planar, own: &[f64; 4]) -> Configuration {
         let arrows = planar.arrows();
@@ -79,9 +91,8 @@ impl Plan {
                 Configuration { elbow: elbow(-at(i).perp(&at(j))), reaching: None }
             }
             Pair::Belt([i, j], w) => {
-                let middle = Middle::of(&arrows[i], &arrows[j], &arrows[w]);
-                let mean = 0.5 * (dot(&arrows[i].turn, own) + dot(&arrows[j].turn, own));
-                let axis = turned(&Vector2::x(), mean + middle.angle);
+                let pair = [i, j].map(|k| dot(&arrows[k].turn, own));
+                let axis = self.middle(planar, pair);
                 Configuration {
                     elbow: elbow(axis.perp(&at(i))),
                     reaching: reaching(axis.dot(&(at(i) + at(j) + at(w)))),

@@ -31,7 +31,7 @@ impl HybridRobot {
     /// ```
     /// Raising all rods alike raises the platform alike, so that each of these steps is exact, the shift of the centre and the height error of a tilt at reach included.
     /// Arms of two links with or without more joints at their ends, radial arms with a belt and radial arms with a slide are solved in closed form with all their branches,
-    /// redundant ones by keeping away from limits: least Σ cosh(4 u), u from −1 to 1 between the limits of an axis, bent as they were and from where they were;
+    /// redundant ones by keeping away from limits and from being stretched: least Σ 1/(1 − u²) + 1/sin² β, u from −1 to 1 between the limits of an axis, β the bend of the last two free links, from where they were;
     /// others by Newton's method from several starts.
     /// Positions that differ by whole turns are branches of their own where limits admit several.
     ///

@@ -1,0 +1,46 @@
+//! The program of the example cell.
+
+use std::collections::BTreeSet;
+
+use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
+use jointplay_format::{cell, program};
+
+const CELL: &str = include_str!("../../../cells/example.toml");
+const PROGRAM: &str = include_str!("../../../cells/example.program");
+
+#[test]
+fn a_lot_goes_there_and_back() {
+    let cell = cell::read(CELL, &mut |path| Err(format!("{path} is not there"))).unwrap();
+    assert_eq!(program::format(PROGRAM).unwrap(), PROGRAM);
+    let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap_or_else(|errors| {
+        let shown = |error| program::explain(PROGRAM, error).with_excerpt("example.program");
+        panic!("{}", errors.iter().map(shown).collect::<Vec<_>>().join("\n"))
+    });
+    let mut full: BTreeSet<_> = cell.occupied.iter().copied().collect();
+    let mut carried = BTreeSet::new();
+    let mut handed = [0, 0];
+    for step in &steps {
+        match step.handover {
+            Some(Handover::Taken(effector, slot)) => {
+                assert!(full.remove(&slot) && carried.insert(effector));
+                handed[0] += 1;
+            }
+            Some(Handover::Left(effector, slot)) => {
+                assert!(full.insert(slot) && carried.remove(&effector));
+                handed[1] += 1;
+            }
+            None => {}
+        }
+    }
+    assert_eq!(full, cell.occupied.iter().copied().collect(), "every wafer is back");
+    // Out of the port, the aligner and the process station there, out of the other port back.
+    assert_eq!(handed, [25 * 4, 25 * 4]);
+    // Aligner and process station are waited for, once a wafer each.
+    let processed = |step: &&Step| matches!(step.path, Path::Processed { .. });
+    assert_eq!(steps.iter().filter(processed).count(), 50);
+    assert_eq!(steps.iter().filter(|step| step.phase == Phase::Lift).count(), 200);
+    assert_eq!(
+        steps.last().unwrap().to,
+        cell.robot.axes.iter().map(|it| it.home).collect::<Vec<_>>()
+    );
+}
