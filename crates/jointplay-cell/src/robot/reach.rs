@@ -15,7 +15,7 @@ impl HybridRobot {
     /// As [`Self::effector_pose`].
     ///
     /// # Numerics
-    /// A search by steps of all motors from the best of a grid of starts, down to a billionth of their ranges.
+    /// A search by steps of all motors from the best of a grid of starts, down to a billionth of their ranges; with a wrist behind two links the least distance may be found a centimetre too large.
     pub fn reach(&self, id: EffectorId) -> Result<[f64; 2], CellError> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
         let motors: Vec<usize> =

@@ -149,7 +149,7 @@ impl Document {
                 json!([{ "name": name, "channels": self.channels, "samplers": self.samplers }]);
         }
         let mut text = serde_json::to_vec(&root).expect("all keys are strings");
-        while text.len() % 4 != 0 {
+        while !text.len().is_multiple_of(4) {
             text.push(b' ');
         }
         let total = 12 + 8 + text.len() + 8 + bytes.len();

@@ -173,7 +173,7 @@ impl Gantt {
             grid += &format!("M{} {}V{}", px(band.across(tick.value)), px(row_top(1)), px(bottom));
         }
         svg.path(&grid, " stroke=\"#e2e2e2\" stroke-width=\"1\"");
-        let mut number = 0;
+        let mut number = 0_usize;
         for span in &self.spans {
             let is_instruction = matches!(span.kind, SpanKind::Instruction(_));
             if is_instruction {
@@ -187,7 +187,7 @@ impl Gantt {
             let (row, fill) = match &span.kind {
                 SpanKind::Empty(axis) => (axis + 1, Colour::SKY_BLUE.hex()),
                 SpanKind::Loaded(axis) => (axis + 1, Colour::BLUE.hex()),
-                SpanKind::Instruction(_) if number % 2 == 0 => (0, "#e4e4e0".to_owned()),
+                SpanKind::Instruction(_) if number.is_multiple_of(2) => (0, "#e4e4e0".to_owned()),
                 SpanKind::Instruction(_) => (0, "#cfcfca".to_owned()),
                 SpanKind::Wrong => (rows.len() - 1, Colour::VERMILLION.hex()),
             };

@@ -152,10 +152,8 @@ impl<'a> TopView<'a> {
         points.extend(self.tracks.iter().flat_map(|track| track.points.iter().copied()));
         let (mut low, mut high) = ([f64::MAX; 2], [f64::MIN; 2]);
         for point in points {
-            for k in 0..2 {
-                low[k] = low[k].min(point[k]);
-                high[k] = high[k].max(point[k]);
-            }
+            low = [low[0].min(point[0]), low[1].min(point[1])];
+            high = [high[0].max(point[0]), high[1].max(point[1])];
         }
         let size = (high[0] - low[0]).min(high[1] - low[1]);
         if size.is_normal() && size < 1e6 {
@@ -202,7 +200,7 @@ impl<'a> TopView<'a> {
         for (k, track) in self.tracks.iter().enumerate() {
             let colour = effector_colour(k).hex();
             for reach in track.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
-                let dash = if k % 2 == 0 { "2 4" } else { "4 3" };
+                let dash = if k.is_multiple_of(2) { "2 4" } else { "4 3" };
                 let look =
                     format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
                 svg.path(&circle(camera, [0.0; 2], reach), &look);
@@ -216,7 +214,7 @@ impl<'a> TopView<'a> {
             }
             if way.len() > 1 {
                 // Ways of several effectors into one station lie on each other.
-                let dash = if k % 2 == 0 { "" } else { " stroke-dasharray=\"8 6\"" };
+                let dash = if k.is_multiple_of(2) { "" } else { " stroke-dasharray=\"8 6\"" };
                 let look = format!(
                     " stroke=\"{colour}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{dash}"
                 );
@@ -273,9 +271,9 @@ impl<'a> TopView<'a> {
             let name =
                 &self.cell.robot.arms[track.effector.arm].effectors[track.effector.effector].name;
             let colour = effector_colour(k).hex();
-            let gaps = if k % 2 == 0 { "" } else { " stroke-dasharray=\"8 6\"" };
+            let gaps = if k.is_multiple_of(2) { "" } else { " stroke-dasharray=\"8 6\"" };
             let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"{gaps}");
-            let dash = if k % 2 == 0 { "2 4" } else { "4 3" };
+            let dash = if k.is_multiple_of(2) { "2 4" } else { "4 3" };
             let reach =
                 format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
             entries.push((element("M0 0h20", &look), format!("wafer centre of {name}")));

@@ -31,7 +31,7 @@ impl Cdr {
 
     /// Each number stands at a multiple of its size, counted behind the head.
     fn align(&mut self, size: usize) {
-        while (self.0.len() - HEAD.len()) % size != 0 {
+        while !(self.0.len() - HEAD.len()).is_multiple_of(size) {
             self.0.push(0);
         }
     }
