@@ -74,6 +74,9 @@ fn keeps(cell: &Cell, motion: &Motion) {
     assert_eq!(last.positions, motion.steps[motion.steps.len() - 1].to);
     assert_eq!(last.time, motion.duration());
     for (index, step) in motion.steps.iter().enumerate() {
+        if motion.blend(index).is_some() {
+            continue;
+        }
         let end = motion.at(motion.times[index + 1]);
         assert_eq!(end.positions, step.to);
         assert!(end.velocities.iter().chain(&end.accelerations).all(|value| value.abs() < 1e-9));
@@ -209,6 +212,65 @@ proptest! {
             prop_assert!(angle <= first.angle(&last) + 1e-5, "{angle}");
         }
         prop_assert!(worst <= straight.deviation * 1.3 + 1e-11, "{worst} {}", straight.deviation);
+    }
+}
+
+#[test]
+fn moves_run_into_each_other_within_a_radius() {
+    let cell = cell(0, Droop::Rigid);
+    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.45, [0.5; 5]);
+    let mut turned = from.clone();
+    turned[3] += 1.0;
+    let mut up = turned.clone();
+    for rod in &mut up[..RODS] {
+        *rod += 0.1;
+    }
+    let mut back = up.clone();
+    back[3] -= 0.8;
+    let steps = || {
+        vec![
+            step(&from, &turned, Path::Axes, 1.0, true),
+            step(&turned, &up, Path::Axes, 1.0, true),
+            step(&up, &back, Path::Axes, 1.0, true),
+            step(&back, &back, Path::Still(0.1), 1.0, true),
+        ]
+    };
+    let apart = timed(&cell, steps(), &MotionOptions::default()).unwrap();
+    let centers = |motion: &Motion| -> Vec<Vector3<f64>> {
+        motion
+            .samples(2000.0)
+            .map(|s| cell.wafer_pose(A, &s.positions, true).unwrap().translation.vector)
+            .collect()
+    };
+    let way = centers(&apart);
+    let mut before = apart.duration();
+    for radius in [0.002, 0.02] {
+        let options = MotionOptions { blend: radius, ..MotionOptions::default() };
+        let motion = timed(&cell, steps(), &options).unwrap();
+        keeps(&cell, &motion);
+        assert!(motion.duration() < before - 1e-3, "{} {before}", motion.duration());
+        before = motion.duration();
+        let overlaps: f64 = (0..4).filter_map(|k| motion.blend(k)).map(|one| one.overlap).sum();
+        assert!((apart.duration() - motion.duration() - overlaps).abs() < 1e-9);
+        let stated =
+            (0..4).filter_map(|k| motion.blend(k)).map(|one| one.deviation).fold(0.0, f64::max);
+        assert!(stated <= radius && motion.blend(2).is_none());
+        let strays = centers(&motion)
+            .iter()
+            .map(|c| way.iter().map(|w| (w - c).norm()).fold(f64::INFINITY, f64::min))
+            .fold(0.0, f64::max);
+        // The way is known at points a millimetre apart.
+        assert!(strays <= stated + 1e-3, "{strays} {stated}");
+        // Positions and speeds do not jump where one step gives over to the next.
+        let all: Vec<Sample> = motion.samples(4000.0).collect();
+        for pair in all.windows(2) {
+            for axis in 0..pair[0].positions.len() {
+                let dt = pair[1].time - pair[0].time;
+                let mean = 0.5 * (pair[0].velocities[axis] + pair[1].velocities[axis]);
+                let moved = pair[1].positions[axis] - pair[0].positions[axis];
+                assert!((moved - mean * dt).abs() < 1e-8, "{moved} {}", mean * dt);
+            }
+        }
     }
 }
 

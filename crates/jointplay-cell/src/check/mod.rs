@@ -66,14 +66,13 @@ impl Default for CheckOptions {
 #[must_use]
 pub fn check(cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
     let mut check = Check::new(cell, motion, options);
-    let mut before: Option<Sample> = None;
-    let mut sample = Sample::default();
+    let (mut before, mut sample) = (Sample::default(), Sample::default());
     if !motion.steps.is_empty() {
         check.begin(0);
-        for time in motion.sample_times(options.rate) {
+        for (number, time) in motion.sample_times(options.rate).enumerate() {
             motion.fill(time, &mut sample);
-            check.up_to(before.take(), &sample);
-            before = Some(sample.clone());
+            check.up_to((number > 0).then_some(&before), &sample);
+            std::mem::swap(&mut before, &mut sample);
         }
     }
     check.finished()
@@ -170,22 +169,17 @@ impl<'a> Check<'a> {
     }
 
     /// All samples up to one, that of each step's end among them: what is asked changes there.
-    fn up_to(&mut self, before: Option<Sample>, sample: &Sample) {
-        let mut before = before;
+    fn up_to(&mut self, before: Option<&Sample>, sample: &Sample) {
+        let mut ended: Option<Sample> = None;
         while self.step < sample.step {
-            let mut rest = self.motion.at(self.motion.times[self.step]);
-            rest.time = self.motion.times[self.step + 1];
-            rest.step = self.step;
-            rest.positions.copy_from_slice(&self.motion.steps[self.step].to);
-            for values in [&mut rest.velocities, &mut rest.accelerations, &mut rest.jerks] {
-                values.fill(0.0);
-            }
-            self.sample(before.as_ref(), &rest);
+            let mut rest = Sample::default();
+            self.motion.fill_in(self.step, self.motion.times[self.step + 1], &mut rest);
+            self.sample(ended.as_ref().or(before), &rest);
             self.end();
             self.begin(self.step + 1);
-            before = Some(rest);
+            ended = Some(rest);
         }
-        self.sample(before.as_ref(), sample);
+        self.sample(ended.as_ref().or(before), sample);
     }
 
     fn sample(&mut self, before: Option<&Sample>, sample: &Sample) {
@@ -219,19 +213,20 @@ impl<'a> Check<'a> {
             }
         };
         self.uses.platform(self.cell, &places.platform, when, row, &mut self.found);
-        self.slips(sample, when);
+        self.slips(&places, sample, when);
         self.zones(&places, when);
         let now = Now { motion, scene: &self.scene, when, places: &places, before };
         self.watch.look(&now, &mut self.found);
     }
 
-    fn slips(&mut self, sample: &Sample, when: When<'_>) {
+    fn slips(&mut self, places: &Places, sample: &Sample, when: When<'_>) {
         for (place, &id) in self.effectors.iter().enumerate() {
             if self.scene.carried_by(id).is_none() {
                 continue;
             }
+            let now = &places.wafers[id.arm][id.effector];
             // What the droop does not know was reported with the places.
-            let Ok(push) = slip::push(self.cell, sample, id) else { continue };
+            let Ok(push) = slip::push(self.cell, sample, id, now) else { continue };
             if push.needed > push.held {
                 let hit = Hit {
                     about: (Kind::Slip, place, 0),

@@ -67,13 +67,15 @@ impl Places {
 pub(super) struct Scene<'a> {
     pub(super) cell: &'a Cell,
     pub(super) items: Vec<Item>,
+    /// Effectors that carry a wafer, and which.
+    carried: Vec<(EffectorId, usize)>,
     /// Zones that wafers' centres have to stay in while the robot turns, by index in the cell.
     pub(super) safe: Vec<(usize, Solid)>,
 }
 
 impl<'a> Scene<'a> {
     pub(super) fn new(cell: &'a Cell) -> Self {
-        let mut items = Vec::new();
+        let (mut items, mut carried) = (Vec::new(), Vec::new());
         for (index, body) in cell.bodies.iter().enumerate() {
             let holder = match body.carrier {
                 Carrier::World => Holder::World,
@@ -110,10 +112,11 @@ impl<'a> Scene<'a> {
             }
             for &id in &cell.carried {
                 let name = format!("wafer from {}", effector_name(cell, id));
+                carried.push((id, items.len()));
                 items.push(Item::new(name, disc.clone(), Holder::Effector(id), Role::Wafer));
             }
         }
-        Self { cell, items, safe }
+        Self { cell, items, carried, safe }
     }
 
     /// Where all that moves is.
@@ -172,7 +175,7 @@ impl<'a> Scene<'a> {
 
     /// The wafer that an effector carries, by index among the items.
     pub(super) fn carried_by(&self, id: EffectorId) -> Option<usize> {
-        self.items.iter().position(|item| item.holder == Holder::Effector(id))
+        self.carried.iter().find(|(by, _)| *by == id).map(|(_, item)| *item)
     }
 
     /// Does what the end of a step does to wafers; the item that changed hands.
@@ -182,6 +185,10 @@ impl<'a> Scene<'a> {
             Handover::Left(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
         };
         let index = self.items.iter().position(|item| item.holder == from)?;
+        match handover {
+            Handover::Taken(id, _) => self.carried.push((id, index)),
+            Handover::Left(id, _) => self.carried.retain(|(by, _)| *by != id),
+        }
         let item = &mut self.items[index];
         item.holder = to;
         if let Holder::Slot(slot) = to {

@@ -1,10 +1,11 @@
 //! Whether friction holds a wafer.
 
+use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
 
 use crate::cell::Cell;
 use crate::motion::Sample;
-use crate::robot::EffectorId;
+use crate::robot::{EffectorId, Positions};
 use crate::wafer::Unreachable;
 
 /// What a wafer's effector has to push it sideways with, and what friction can, by mass.
@@ -30,7 +31,7 @@ const STEP: f64 = 1e-4;
 /// As [`Cell::wafer_pose`].
 ///
 /// # Numerics
-/// c̈ is the second difference of the centre over the parabola of velocities and accelerations through the sample: off by the square of the step.
+/// `now` is the pose of the wafer at the sample; c̈ is the second difference of the centre over the parabola of velocities and accelerations through the sample: off by the square of the step.
 ///
 /// # Assumptions
 /// Coulomb friction at the centre of mass: what the pads bear of the wafer's turning about its own centre is left out.
@@ -38,20 +39,22 @@ pub(super) fn push(
     cell: &Cell,
     sample: &Sample,
     effector: EffectorId,
+    now: &Pose,
 ) -> Result<Push, Unreachable> {
-    let on_parabola = |t: f64| -> Vec<f64> {
-        let axes = 0..sample.positions.len();
-        axes.map(|k| {
-            sample.positions[k] + t * (sample.velocities[k] + 0.5 * t * sample.accelerations[k])
-        })
-        .collect()
-    };
-    let now = cell.wafer_pose(effector, &sample.positions, true)?;
-    let before = cell.wafer_pose(effector, &on_parabola(-STEP), true)?;
-    let after = cell.wafer_pose(effector, &on_parabola(STEP), true)?;
     let center = now.translation.vector;
-    let acceleration = ((after.translation.vector - center) - (center - before.translation.vector))
-        / (STEP * STEP);
+    let still = |values: &[f64]| values.iter().all(|value| *value == 0.0);
+    let acceleration = if still(&sample.velocities) && still(&sample.accelerations) {
+        Vector3::zeros()
+    } else {
+        let on_parabola = |t: f64| {
+            let mut moved = Positions::new(&sample.positions);
+            for (k, position) in moved.iter_mut().enumerate() {
+                *position += t * (sample.velocities[k] + 0.5 * t * sample.accelerations[k]);
+            }
+            cell.wafer_pose(effector, &moved, true).map(|pose| pose.translation.vector)
+        };
+        ((on_parabola(STEP)? - center) - (center - on_parabola(-STEP)?)) / (STEP * STEP)
+    };
     let force = acceleration + Vector3::new(0.0, 0.0, cell.gravity);
     let normal: Vector3<f64> = now.rotation.matrix().column(2).into_owned();
     let pressed = force.dot(&normal);

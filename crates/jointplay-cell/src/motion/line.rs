@@ -4,6 +4,7 @@ use jointplay_core::spatial::{Pose, leaning};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::spline::Spline;
+use crate::robot::EffectorJacobian;
 
 /// Where the line leads, and which axes may follow it.
 pub(crate) struct Task<'a> {
@@ -17,6 +18,8 @@ pub(crate) struct Task<'a> {
     pub(crate) turn: Option<f64>,
     /// Pose of the wafer in the base frame for positions of all axes.
     pub(crate) pose: &'a dyn Fn(&[f64]) -> Result<Pose, String>,
+    /// How fast the wafer goes by each axis, about.
+    pub(crate) jacobian: &'a dyn Fn(&[f64]) -> Result<EffectorJacobian, String>,
     /// Largest distance of the wafer's centre from the straight line [m].
     pub(crate) deviation: f64,
 }
@@ -53,8 +56,6 @@ const MOST_HALVINGS: usize = 10;
 const FOUND: f64 = 1e-12;
 /// Steps of Newton's method before a point counts as out of reach.
 const MOST_ITERATIONS: usize = 30;
-/// Step of the differences that make the Jacobian [m and rad].
-const DIFFERENCE: f64 = 1e-6;
 /// Turns and lengths by which the ends of a line may miss what its axes come to, as round-off of a target that was reached.
 const SAME: f64 = 1e-9;
 
@@ -190,16 +191,17 @@ impl Task<'_> {
         let mut residual = target.residual(&(self.pose)(&q).map_err(stuck)?, s);
         let mut off = f64::INFINITY;
         for iteration in 0..MOST_ITERATIONS {
-            // Newton on the conditions of the constrained minimum, curvature of the constraints left out.
+            // Newton on the conditions of the constrained minimum; curvature of the constraints, change of the droop and the turning of the heading by the tilt are left out, so that it converges by about their size.
+            let jacobian = (self.jacobian)(&q).map_err(stuck)?;
+            let upright = target.normal(s);
             let mut system = DMatrix::zeros(n + m, n + m);
             for (column, &axis) in self.variables.iter().enumerate() {
-                let kept = q[axis];
-                q[axis] = kept + DIFFERENCE;
-                let moved = target.residual(&(self.pose)(&q).map_err(stuck)?, s);
-                q[axis] = kept;
+                let (linear, angular) = (jacobian.linear[axis], jacobian.angular[axis]);
+                let tilting = angular.cross(&upright);
+                let slopes =
+                    [linear.x, linear.y, linear.z, tilting.x, tilting.y, angular.dot(&upright)];
                 system[(column, column)] = 1.0;
-                for row in 0..m {
-                    let slope = (moved[row] - residual[row]) / DIFFERENCE;
+                for (row, &slope) in slopes[..m].iter().enumerate() {
                     system[(n + row, column)] = slope;
                     system[(column, n + row)] = slope;
                 }

@@ -6,6 +6,7 @@
 //! ```
 
 mod axes;
+mod blend;
 mod cubic;
 mod limits;
 mod line;
@@ -13,6 +14,7 @@ mod pace;
 mod plan;
 mod spline;
 
+pub use blend::Blend;
 pub use limits::{dynamics, limits_of, moves};
 pub use plan::{MotionError, MotionOptions, StepProblem, timed};
 
@@ -40,10 +42,12 @@ pub struct Sample {
 pub struct Motion {
     /// In order.
     pub steps: Vec<Step>,
-    /// Start of each step, and the end of the last [s].
+    /// Start of each step, and the end of the last; where a step runs into the next, the middle of their overlap [s].
     pub times: Vec<f64>,
     /// How the axes go in each step.
     ways: Vec<Way>,
+    /// How each step runs into the next.
+    blends: Vec<Option<Blend>>,
 }
 
 /// How far a straight line is from straight.
@@ -73,6 +77,68 @@ impl Way {
             Self::Line { pace, .. } => pace.duration(),
         }
     }
+
+    /// One axis, some time after its start [s].
+    fn state(&self, step: &Step, axis: usize, since: f64) -> cubic::State {
+        match self {
+            Self::Still { .. } => [step.to[axis], 0.0, 0.0, 0.0],
+            Self::Axes(together) => together.curves[axis].at(since),
+            Self::Line { line, pace } => {
+                let along = pace.at(since);
+                on_line(line, line.spline.interval(along[0]), axis, along)
+            }
+        }
+    }
+
+    /// All axes, some time after its start [s].
+    fn fill(&self, step: &Step, since: f64, sample: &mut Sample) {
+        if since >= self.duration() {
+            sample.positions.copy_from_slice(&step.to);
+            return;
+        }
+        match self {
+            Self::Still { .. } => sample.positions.copy_from_slice(&step.from),
+            Self::Axes(together) => {
+                for (axis, curve) in together.curves.iter().enumerate() {
+                    sample.set(axis, curve.at(since));
+                }
+            }
+            Self::Line { line, pace } => {
+                let along = pace.at(since);
+                let interval = line.spline.interval(along[0]);
+                for axis in 0..step.from.len() {
+                    sample.set(axis, on_line(line, interval, axis, along));
+                }
+            }
+        }
+    }
+
+    /// Adds what it does beyond a corner.
+    fn add(&self, step: &Step, since: f64, corner: &[f64], sample: &mut Sample) {
+        for (axis, corner) in corner.iter().enumerate() {
+            let [p, v, a, j] = self.state(step, axis, since);
+            sample.positions[axis] += p - corner;
+            sample.velocities[axis] += v;
+            sample.accelerations[axis] += a;
+            sample.jerks[axis] += j;
+        }
+    }
+}
+
+/// One axis where the share of a line's way is in a state.
+fn on_line(
+    line: &line::Line,
+    interval: usize,
+    axis: usize,
+    [s, rate, acceleration, jerk]: cubic::State,
+) -> cubic::State {
+    let [q, slope, curvature, third] = line.spline.jet(interval, axis, s);
+    [
+        q,
+        slope * rate,
+        curvature * rate * rate + slope * acceleration,
+        third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk,
+    ]
 }
 
 impl Motion {
@@ -117,9 +183,15 @@ impl Motion {
         }
     }
 
+    /// How a step runs into the next; `None` where both are at rest between them.
+    #[must_use]
+    pub fn blend(&self, step: usize) -> Option<Blend> {
+        self.blends.get(step).copied().flatten()
+    }
+
     /// All axes at a time [s]; before the start and after the end, as they stand there.
     ///
-    /// At the end of a step all axes are exactly where it leads.
+    /// At the end of a step all axes are exactly where it leads, unless it runs into the next.
     #[must_use]
     pub fn at(&self, time: f64) -> Sample {
         let mut sample = Sample::default();
@@ -129,9 +201,14 @@ impl Motion {
 
     /// As [`Self::at`], into a sample that is there.
     pub fn fill(&self, time: f64, sample: &mut Sample) {
+        self.fill_in(self.step_at(time), time, sample);
+    }
+
+    /// All axes at a time [s] of a step, both its ends included.
+    pub(crate) fn fill_in(&self, index: usize, time: f64, sample: &mut Sample) {
         sample.time = time;
-        sample.step = self.step_at(time);
-        let Some(step) = self.steps.get(sample.step) else { return };
+        sample.step = index;
+        let Some(step) = self.steps.get(index) else { return };
         let count = step.from.len();
         for values in [
             &mut sample.positions,
@@ -142,33 +219,21 @@ impl Motion {
             values.clear();
             values.resize(count, 0.0);
         }
-        let since = (time - self.times[sample.step]).max(0.0);
-        let way = &self.ways[sample.step];
-        if since >= way.duration() || time >= self.duration() {
-            sample.positions.copy_from_slice(&step.to);
-            return;
+        // Half of each overlap belongs to either step.
+        let half = |step: usize| self.blend(step).map_or(0.0, |blend| 0.5 * blend.overlap);
+        let lead = index.checked_sub(1).map_or(0.0, half);
+        let since = (time - self.times[index] + lead).max(0.0);
+        let last = index + 1 == self.steps.len() && time >= self.duration();
+        self.ways[index].fill(step, if last { f64::INFINITY } else { since }, sample);
+        if lead > 0.0 && time < self.times[index] + lead {
+            let before = &self.ways[index - 1];
+            let since = before.duration() + time - self.times[index] - lead;
+            before.add(&self.steps[index - 1], since, &step.from, sample);
         }
-        match way {
-            Way::Still { .. } => sample.positions.copy_from_slice(&step.from),
-            Way::Axes(together) => {
-                for (axis, curve) in together.curves.iter().enumerate() {
-                    sample.set(axis, curve.at(since));
-                }
-            }
-            Way::Line { line, pace } => {
-                let [s, rate, acceleration, jerk] = pace.at(since);
-                let interval = line.spline.interval(s);
-                for axis in 0..count {
-                    let [q, slope, curvature, third] = line.spline.jet(interval, axis, s);
-                    let state = [
-                        q,
-                        slope * rate,
-                        curvature * rate * rate + slope * acceleration,
-                        third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk,
-                    ];
-                    sample.set(axis, state);
-                }
-            }
+        let tail = half(index);
+        if tail > 0.0 && time > self.times[index + 1] - tail {
+            let since = time - self.times[index + 1] + tail;
+            self.ways[index + 1].add(&self.steps[index + 1], since, &step.to, sample);
         }
     }
 

@@ -1,6 +1,7 @@
 //! From steps to a motion.
 
 use super::axes::together;
+use super::blend::{Blend, blend};
 use super::limits::{dynamics, moves};
 use super::line::Task;
 use super::pace::Pace;
@@ -14,11 +15,13 @@ use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
 pub struct MotionOptions {
     /// Largest distance of a wafer's centre from a straight line that it is told to keep to [m].
     pub line_deviation: f64,
+    /// Successive moves of the axes run into each other as long as no wafer's centre strays farther than this from the way without; 0 brings them to rest between moves [m].
+    pub blend: f64,
 }
 
 impl Default for MotionOptions {
     fn default() -> Self {
-        Self { line_deviation: 1e-6 }
+        Self { line_deviation: 1e-6, blend: 0.0 }
     }
 }
 
@@ -44,7 +47,7 @@ pub struct StepProblem {
     pub message: String,
 }
 
-/// Steps in time: as fast as the limits of the axes allow, from rest to rest.
+/// Steps in time: as fast as the limits of the axes allow, from rest to rest or, where that is asked for, one into the next.
 ///
 /// # Errors
 /// Every step that cannot be timed, none hidden by the first: a share of speed out of range, a start that is not the end before, a line that cannot be followed.
@@ -55,7 +58,10 @@ pub fn timed(
 ) -> Result<Motion, MotionError> {
     let mut problems = Vec::new();
     let mut times = Vec::with_capacity(steps.len() + 1);
-    let mut ways = Vec::with_capacity(steps.len());
+    let mut ways: Vec<Way> = Vec::with_capacity(steps.len());
+    let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
+    // How much of a step has run by the end of the one before.
+    let mut early = 0.0;
     let mut now = 0.0;
     times.push(now);
     for (index, step) in steps.iter().enumerate() {
@@ -68,12 +74,20 @@ pub fn timed(
             problems.push(StepProblem { step: index, instruction, place, message });
             Way::Still { duration: 0.0 }
         });
-        now += way.duration();
+        if let Some(before) = index.checked_sub(1).filter(|_| problems.is_empty()) {
+            let (pair, two) = ([&steps[before], step], [&ways[before], &way]);
+            if let Some(found) = blend(cell, pair, two, options.blend) {
+                early = found.overlap;
+                times[index] = now - 0.5 * early;
+                blends[before] = Some(found);
+            }
+        }
+        now += way.duration() - std::mem::take(&mut early);
         times.push(now);
         ways.push(way);
     }
     if problems.is_empty() {
-        Ok(Motion { steps, times, ways })
+        Ok(Motion { steps, times, ways, blends })
     } else {
         Err(MotionError { problems })
     }
@@ -152,6 +166,9 @@ fn along(
     let pose = |positions: &[f64]| {
         cell.wafer_pose(effector, positions, loaded).map_err(|error| error.to_string())
     };
+    let jacobian = |positions: &[f64]| {
+        robot.effector_jacobian(positions, effector).map_err(|error| error.to_string())
+    };
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| moves(robot, axis, effector)).collect();
     // Two motors of an arm place the wafer's centre; from three on they also turn it.
@@ -169,6 +186,7 @@ fn along(
         variables,
         turn: free.then_some(turn),
         pose: &pose,
+        jacobian: &jacobian,
         deviation: options.line_deviation,
     };
     let line = task

@@ -105,9 +105,25 @@ impl HybridRobot {
     /// # Numerics
     /// Does not allocate.
     pub fn effector_pose(&self, positions: &[f64], id: EffectorId) -> Result<Pose, CellError> {
+        Ok(self.platform_and_effector(positions, id)?.1)
+    }
+
+    /// Where the platform is, and the wafer of one effector as by [`Self::effector_pose`].
+    ///
+    /// # Errors
+    /// As [`Self::effector_pose`].
+    ///
+    /// # Numerics
+    /// Does not allocate.
+    pub fn platform_and_effector(
+        &self,
+        positions: &[f64],
+        id: EffectorId,
+    ) -> Result<(Pose, Pose), CellError> {
         self.check_effector(id)?;
         self.check_positions(positions)?;
-        Ok(self.platform(positions)?.base_from_platform * self.wafer(id, positions))
+        let base_from_platform = self.platform(positions)?.base_from_platform;
+        Ok((base_from_platform, base_from_platform * self.wafer(id, positions)))
     }
 
     /// What going from one set of positions to another does to all effectors but one: they share the tilt, and may share motors.

@@ -157,11 +157,9 @@ impl Cell {
         positions: &[f64],
         loaded: bool,
     ) -> Result<(Pose, Vector3<f64>, Deflection), Unreachable> {
-        let rigid = self.robot.effector_pose(positions, effector)?;
+        let (base_from_platform, rigid) = self.robot.platform_and_effector(positions, effector)?;
         let arm = &self.robot.arms[effector.arm];
-        let rods = [positions[0], positions[1], positions[2]];
-        let platform = self.robot.model.forward(&self.robot.gpr, rods).map_err(CellError::from)?;
-        let joint = (platform.base_from_platform * Point3::from(arm.mount)).coords;
+        let joint = (base_from_platform * Point3::from(arm.mount)).coords;
         let out = rigid.translation.vector - joint;
         let normal = rigid.rotation * Vector3::z();
         let reach = (out - normal * out.dot(&normal)).norm();
