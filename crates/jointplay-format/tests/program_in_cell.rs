@@ -355,6 +355,10 @@ fn what_is_out_of_reach_says_why() {
     let text =
         "REPEAT 3 AS n\n  GET port-1 SLOT n WITH A\n  PUT port-2 SLOT n WITH A\nEND\nGET aligner";
     insta::assert_snapshot!(wrong(&far, text));
+    // Each way is told where they are stopped by different limits.
+    let mut stiff = cell();
+    (stiff.robot.axes[4].min, stiff.robot.axes[4].max) = (-0.5, 0.5);
+    insta::assert_snapshot!(wrong(&stiff, "GET port-1 SLOT 1 WITH A"));
 }
 
 #[test]

@@ -13,6 +13,7 @@ mod problem;
 mod resolve;
 mod sequence;
 mod step;
+mod stops;
 mod syntax;
 
 pub use expand::expand;

@@ -204,7 +204,7 @@ pub enum ProgramProblem {
         source: Box<SagError>,
     },
     /// A place that the wafer cannot be brought to.
-    #[error("{target} cannot be reached by effector {effector}, {}: {source}", if *.loaded { "loaded" } else { "empty" })]
+    #[error("{target} cannot be reached by effector {effector}, {}: {why}", if *.loaded { "loaded" } else { "empty" })]
     Unreachable {
         /// Which place, of which slot.
         target: String,
@@ -212,7 +212,9 @@ pub enum ProgramProblem {
         effector: String,
         /// Whether it carries a wafer.
         loaded: bool,
-        /// What stops it.
+        /// What stops it, as a message.
+        why: String,
+        /// The same as facts.
         source: Box<Unreachable>,
     },
 }

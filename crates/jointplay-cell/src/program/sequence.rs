@@ -7,9 +7,10 @@ use nalgebra::Vector3;
 
 use super::presence::slot_name;
 use super::resolve::effector_name;
+use super::stops::{limit_told, why};
 use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
 use crate::cell::Cell;
-use crate::robot::{BrokenLimit, EffectorId, MotionKind, RODS, WaferTarget};
+use crate::robot::{EffectorId, MotionKind, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
 
@@ -103,6 +104,7 @@ impl<'c> Robot<'c> {
             target: "the end of this line".to_owned(),
             effector: name.to_owned(),
             loaded,
+            why: why(&self.cell.robot, &source),
             source: Box::new(source),
         };
         let pose = self.cell.wafer_pose(effector, &self.positions, loaded).map_err(stopped)?;
@@ -229,6 +231,7 @@ impl<'c> Robot<'c> {
             target: format!("{what} {}", slot_name(self.cell, slot)),
             effector: effector_name(&self.cell.robot, effector).to_owned(),
             loaded,
+            why: why(&self.cell.robot, &source),
             source: Box::new(source),
         }
     }
@@ -369,33 +372,13 @@ impl<'c> Robot<'c> {
     }
 
     fn within_limits(&self, what: &'static str, to: &[f64]) -> Result<(), ProgramProblem> {
-        let axes = &self.cell.robot.axes;
-        let broken = self.cell.robot.broken_limits(to).unwrap_or_default();
-        let told = |limit: &BrokenLimit| match *limit {
-            BrokenLimit::Axis { axis, position, min, max } => {
-                let axis = &axes[axis];
-                let (unit, factor) = match axis.kind {
-                    MotionKind::Turn => ("deg", 1_f64.to_degrees()),
-                    MotionKind::Slide => ("mm", 1e3),
-                };
-                format!(
-                    "axis {} to {:.3} {unit}, but its limits are {:.3} to {:.3} {unit}",
-                    axis.name,
-                    position * factor,
-                    min * factor,
-                    max * factor
-                )
-            }
-            BrokenLimit::Tilt { pitch, max } => format!(
-                "the platform to a tilt of {:.4} deg, but it leans by at most {:.4} deg",
-                pitch.to_degrees(),
-                max.to_degrees()
-            ),
-        };
+        let robot = &self.cell.robot;
+        let broken = robot.broken_limits(to).unwrap_or_default();
         if broken.is_empty() {
             return Ok(());
         }
-        Err(ProgramProblem::Limits { what, limits: broken.iter().map(told).collect() })
+        let limits = broken.iter().map(|limit| limit_told(robot, limit)).collect();
+        Err(ProgramProblem::Limits { what, limits })
     }
 }
 

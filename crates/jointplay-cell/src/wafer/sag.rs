@@ -376,6 +376,43 @@ mod tests {
         }
     }
 
+    /// Value and first three derivatives on one side of a place, by eight values there.
+    fn one_sided(f: impl Fn(f64) -> f64, at: f64, step: f64) -> [f64; 4] {
+        let mut row: Vec<f64> = (0..8).map(|k| f(at + step * f64::from(k))).collect();
+        let mut differences = Vec::new();
+        while let Some(&first) = row.first() {
+            differences.push(first);
+            row = row.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        }
+        // Coefficients of the powers of ln(1 + Δ).
+        let series: [&[f64]; 3] = [
+            &[1.0, -1.0 / 2.0, 1.0 / 3.0, -1.0 / 4.0, 1.0 / 5.0, -1.0 / 6.0, 1.0 / 7.0],
+            &[1.0, -1.0, 11.0 / 12.0, -5.0 / 6.0, 137.0 / 180.0, -7.0 / 10.0],
+            &[1.0, -3.0 / 2.0, 7.0 / 4.0, -15.0 / 8.0, 29.0 / 15.0],
+        ];
+        let derivative = |order: usize| {
+            let terms = series[order - 1].iter().zip(&differences[order..]);
+            terms.map(|(a, b)| a * b).sum::<f64>() / step.powi(order as i32)
+        };
+        [differences[0], derivative(1), derivative(2), derivative(3)]
+    }
+
+    #[test]
+    fn only_the_shearing_force_jumps_where_points_push() {
+        let b = 0.6;
+        let orbit = Orbit { radius: b, angle: 0.0, symmetry: 3 };
+        for k in 0..4 {
+            let wave = |r: f64| orbit.waves(0.28, r)[k];
+            let (below, above) = (one_sided(wave, b, -0.01), one_sided(wave, b, 0.01));
+            // Of the force π spread over the circle: its mean, and twice that in each wave.
+            let push = if k == 0 { 0.5 / b } else { 1.0 / b };
+            let scale = above[3].abs() + below[3].abs();
+            for (order, jump) in [0.0, 0.0, 0.0, push].into_iter().enumerate() {
+                near(above[order] - below[order], jump, 1e-3 * scale.max(1.0));
+            }
+        }
+    }
+
     #[test]
     fn the_best_circle_of_three_points_hangs_least() {
         let depth = |radius| {
