@@ -66,6 +66,15 @@ fn every_slot_of_the_example_is_within_reach_of_both_arms() {
     }
 }
 
+#[test]
+fn the_file_of_the_documents_is_a_cell() {
+    let document = include_str!("../../../docs/cells.md");
+    let text =
+        document.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    let cell = read(text, &mut no_files).unwrap();
+    assert_eq!((cell.stations.len(), cell.occupied.len()), (1, 25));
+}
+
 const PROGRAM: &str = "HOME
 TRANSFER LP1 SLOT 1 TO PM1 WITH A
 TRANSFER PM1 TO LP2 SLOT 25 WITH B
