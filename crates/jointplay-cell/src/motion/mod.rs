@@ -161,6 +161,12 @@ impl Motion {
         begun.saturating_sub(1)
     }
 
+    /// Whether no axis moves in a step.
+    #[must_use]
+    pub fn stands(&self, step: usize) -> bool {
+        matches!(self.ways[step], Way::Still { .. })
+    }
+
     /// How straight a step is that runs along a line; `None` for any other.
     #[must_use]
     pub fn straightness(&self, step: usize) -> Option<Straightness> {

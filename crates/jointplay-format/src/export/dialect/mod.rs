@@ -192,7 +192,6 @@ fn unit<U: Copy>(
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 mod tests {
     use super::*;
 
