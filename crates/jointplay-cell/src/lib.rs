@@ -15,6 +15,7 @@
 //! | [`program`] | what the robot is told, and the steps that it comes to |
 //! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
+//! | [`surface`] | shapes as triangles, for whoever shows them |
 //!
 //! Pure mathematics in SI: no files, no clock, no threads.
 
@@ -25,6 +26,7 @@ pub mod motion;
 pub mod program;
 pub mod robot;
 pub mod station;
+pub mod surface;
 pub mod wafer;
 
 pub use error::CellError;

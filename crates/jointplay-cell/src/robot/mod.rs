@@ -6,6 +6,7 @@
 //! | `model` | where the platform sits over the rods, by a virtualization |
 //! | `planar` | an arm as arrows that turn in its plane |
 //! | `forward`, `jacobian` | from positions to poses, and how fast |
+//! | `reach` | how far an effector comes |
 //! | `inverse` | from a wafer's plane, centre and heading to all positions that reach it |
 
 mod checked;
@@ -15,6 +16,7 @@ mod jacobian;
 mod model;
 mod planar;
 mod positions;
+mod reach;
 
 pub use checked::Part;
 pub use forward::{ChainPose, Effect};

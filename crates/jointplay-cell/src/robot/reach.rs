@@ -1,0 +1,74 @@
+//! How far an effector comes.
+
+use super::{EffectorId, HybridRobot, RODS};
+use crate::CellError;
+
+/// Positions of each axis from which extremes are searched.
+const STARTS: usize = 7;
+/// A search ends where its steps are that share of an axis' range.
+const FINEST: f64 = 1e-9;
+
+impl HybridRobot {
+    /// Least and greatest distance of an effector's wafer centre from the base axis through O_b, the rods at home, over the ranges of all motors that move it [m].
+    ///
+    /// # Errors
+    /// As [`Self::effector_pose`].
+    ///
+    /// # Numerics
+    /// A search by steps of all motors from the best of a grid of starts, down to a billionth of their ranges; with a wrist behind two links the least distance may be found a centimetre too large.
+    pub fn reach(&self, id: EffectorId) -> Result<[f64; 2], CellError> {
+        let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
+        let motors: Vec<usize> =
+            self.axes_of(id)?.into_iter().filter(|&axis| axis >= RODS).collect();
+        // Squared, which is smooth at the axis too.
+        let distance = |positions: &[f64]| {
+            let center = self.effector_pose(positions, id)?.translation.vector;
+            Ok::<f64, CellError>(center.x * center.x + center.y * center.y)
+        };
+        let mut ends = [0.0; 2];
+        for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
+            let gain = |positions: &[f64]| Ok::<f64, CellError>(sign * distance(positions)?);
+            let (mut best, mut at) = (gain(&home)?, home.clone());
+            let count = STARTS.pow(u32::try_from(motors.len()).unwrap_or(0));
+            for start in 0..count {
+                let mut positions = home.clone();
+                let mut rest = start;
+                for &motor in &motors {
+                    let share = (rest % STARTS) as f64 / (STARTS - 1) as f64;
+                    rest /= STARTS;
+                    let axis = &self.axes[motor];
+                    positions[motor] = axis.min + share * (axis.max - axis.min);
+                }
+                let found = gain(&positions)?;
+                if found > best {
+                    (best, at) = (found, positions);
+                }
+            }
+            let mut share = 1.0 / (STARTS - 1) as f64;
+            while share > FINEST {
+                let mut better = false;
+                // Along every axis, and along all together: valleys do not run along axes.
+                for direction in 0..3_usize.pow(u32::try_from(motors.len()).unwrap_or(0)) {
+                    let mut positions = at.clone();
+                    let mut rest = direction;
+                    for &motor in &motors {
+                        let way = (rest % 3) as f64 - 1.0;
+                        rest /= 3;
+                        let axis = &self.axes[motor];
+                        let moved = positions[motor] + way * share * (axis.max - axis.min);
+                        positions[motor] = moved.clamp(axis.min, axis.max);
+                    }
+                    let found = gain(&positions)?;
+                    if found > best {
+                        (best, at, better) = (found, positions, true);
+                    }
+                }
+                if !better {
+                    share *= 0.5;
+                }
+            }
+            *end = (sign * best).max(0.0).sqrt();
+        }
+        Ok(ends)
+    }
+}

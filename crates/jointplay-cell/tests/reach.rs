@@ -1,0 +1,52 @@
+//! How far effectors come, against many positions of their motors.
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod common;
+
+use common::{KINDS, kind};
+use jointplay_cell::robot::{EffectorId, RODS};
+
+/// Evenly spread numbers from 0 to 1, the same every time.
+fn spread(index: usize, base: usize) -> f64 {
+    let (mut rest, mut share, mut value) = (index, 1.0, 0.0);
+    while rest > 0 {
+        share /= base as f64;
+        value += share * (rest % base) as f64;
+        rest /= base;
+    }
+    value
+}
+
+#[test]
+fn no_positions_are_beyond_the_reach_and_some_come_close_to_it() {
+    const BASES: [usize; 8] = [2, 3, 5, 7, 11, 13, 17, 19];
+    for number in 0..KINDS {
+        let robot = kind(number, [0.2, 0.22, 0.15]);
+        let id = EffectorId { arm: 0, effector: 0 };
+        let [least, most] = robot.reach(id).unwrap();
+        let (mut nearest, mut farthest) = (f64::MAX, 0.0_f64);
+        for index in 0..20_000 {
+            let positions: Vec<f64> = robot
+                .axes
+                .iter()
+                .enumerate()
+                .map(|(k, axis)| match k.checked_sub(RODS) {
+                    Some(motor) => axis.min + spread(index, BASES[motor]) * (axis.max - axis.min),
+                    None => axis.home,
+                })
+                .collect();
+            let center = robot.effector_pose(&positions, id).unwrap().translation.vector;
+            let distance = center.x.hypot(center.y);
+            nearest = nearest.min(distance);
+            farthest = farthest.max(distance);
+        }
+        assert!(
+            least <= nearest + 0.01 && farthest <= most + 1e-3,
+            "{number}: {least} {nearest} {farthest} {most}"
+        );
+        assert!(
+            nearest - least < 0.02 && most - farthest < 0.02,
+            "{number}: {least} {nearest} {farthest} {most}"
+        );
+    }
+}
