@@ -15,6 +15,7 @@
 //! | read, lay out or write a program of a cell | [`program::parse`], [`program::format`](fn@program::format), [`program::write`] |
 //! | say an error of the core in mm and degrees | [`explain::explain`] |
 //! | give results to a program | [`report`] |
+//! | give a cell's motion to other programs | [`export`] |
 //! | read a study file, and write its table of any length | [`study::parse`], [`study::Table`] |
 //! | give a study to a spreadsheet or a data frame | [`table`] |
 //!
@@ -27,6 +28,7 @@ pub mod catalogue;
 pub mod cell;
 pub mod coordinates;
 pub mod explain;
+pub mod export;
 pub mod import;
 pub mod mechanism;
 pub mod place;

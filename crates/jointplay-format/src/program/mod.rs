@@ -30,3 +30,6 @@ pub use layout::format;
 pub use parser::{MAX_BYTES, MAX_DEPTH, parse};
 pub use problem::{Error, Problem};
 pub use write::write;
+
+/// The program of the cell that comes along: a lot of 25 wafers, processed, and brought back.
+pub const EXAMPLE: &str = include_str!("../../../../cells/example.program");

@@ -1,5 +1,6 @@
 //! Results as a program reads them: one serialisable document for each command, in mm and degrees.
 
+mod cell;
 mod compare;
 mod forward;
 mod mechanism;
@@ -7,6 +8,7 @@ mod mobility;
 mod motion;
 mod relief;
 mod sensitivity;
+mod station;
 mod study;
 mod suggest;
 mod totals;
@@ -18,6 +20,10 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 use crate::explain::explain_limit;
 use crate::units::{deg, mm};
 
+pub use cell::{
+    AxisReport, CellReport, DistanceReport, InstructionReport, ShareReport, ViolationReport, cell,
+    excerpt, explain_violation, flaws,
+};
 pub use compare::{CompareReport, ModelReport, compare};
 pub use forward::{ForwardReport, PlatformReport, forward};
 pub use mechanism::{
@@ -29,6 +35,7 @@ pub use mobility::{FreedomsReport, MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};
 pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
+pub use station::{PlaneReport, StationReport, TeachReport, teach};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
 pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};

@@ -1,0 +1,352 @@
+//! What a program does in a cell, and what is wrong with it.
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::check::{Kind, PairDistance, Report, Share, Unit, Verdict, Violation};
+use jointplay_cell::motion::Motion;
+use jointplay_cell::program::Place;
+use jointplay_cell::robot::MotionKind;
+use serde::Serialize;
+
+use crate::export::Flaw;
+use crate::place;
+use crate::units::{deg, mm};
+
+/// What `cell check` and `cell run` answer.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CellReport {
+    /// What the cell is called.
+    pub cell: String,
+    /// What its robot is called.
+    pub robot: String,
+    /// What of cell and robot is assumed rather than known.
+    pub assumed: Vec<String>,
+    /// `sound` or `broken`.
+    pub verdict: &'static str,
+    /// How long the motion takes.
+    pub duration_s: f64,
+    /// Different wafers that are laid into a slot.
+    pub wafers: usize,
+    /// Wafers an hour where the program is repeated.
+    pub wafers_per_hour: Option<f64>,
+    /// How many motions the program comes to.
+    pub steps: usize,
+    /// Samples that were looked at.
+    pub samples: usize,
+    /// Axes, rods first.
+    pub axes: Vec<AxisReport>,
+    /// A row for each instruction, in the order of running.
+    pub instructions: Vec<InstructionReport>,
+    /// All that is broken, by time.
+    pub violations: Vec<ViolationReport>,
+    /// How near bodies come, nearest first.
+    pub distances: Vec<DistanceReport>,
+}
+
+/// An axis in a motion.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisReport {
+    /// What it is called.
+    pub name: String,
+    /// `mm` or `deg`.
+    pub unit: &'static str,
+    /// How long it moves.
+    pub moving_s: f64,
+}
+
+/// How near a limit something comes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ShareReport {
+    /// Which axis or effector.
+    pub name: String,
+    /// As a share of the limit: above 1 it is broken.
+    pub share: f64,
+    /// When.
+    pub time_s: f64,
+}
+
+/// An instruction as it runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct InstructionReport {
+    /// Counted from 1, in the order of running.
+    pub number: usize,
+    /// Where it is written.
+    pub line: usize,
+    /// As it is written.
+    pub text: String,
+    /// When it starts.
+    pub start_s: f64,
+    /// How long it takes.
+    pub duration_s: f64,
+    /// How many motions it comes to.
+    pub steps: usize,
+    /// How long each axis moves in it, in the order of `axes`.
+    pub moving_s: Vec<f64>,
+    /// Axis that comes nearest to its speed limit.
+    pub speed: Option<ShareReport>,
+    /// Axis that comes nearest to its acceleration limit.
+    pub acceleration: Option<ShareReport>,
+    /// Axis that comes nearest to its jerk limit.
+    pub jerk: Option<ShareReport>,
+    /// Share of the tilt limit.
+    pub tilt: f64,
+    /// Share of the play budget.
+    pub play: f64,
+    /// Effector whose wafer comes nearest to slipping.
+    pub slip: Option<ShareReport>,
+    /// The two bodies that come nearest.
+    pub nearest: Option<DistanceReport>,
+    /// How many violations begin in it.
+    pub violations: usize,
+}
+
+/// Something that is broken for a stretch of time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ViolationReport {
+    /// Such as `speed limit` or `collision`.
+    pub kind: String,
+    /// Axis, effector or bodies that it is about.
+    pub names: Vec<String>,
+    /// Number of the instruction, from 1.
+    pub instruction: usize,
+    /// Where that is written.
+    pub line: usize,
+    /// And in which column.
+    pub column: usize,
+    /// First time at which it is broken.
+    pub start_s: f64,
+    /// Last time at which it is broken.
+    pub end_s: f64,
+    /// When it is worst.
+    pub worst_s: f64,
+    /// The worst value, in `unit`.
+    pub worst: Option<f64>,
+    /// What is allowed, in `unit`.
+    pub limit: Option<f64>,
+    /// Unit of both; empty where there is nothing to count.
+    pub unit: &'static str,
+    /// The same in words.
+    pub message: String,
+}
+
+/// How near two bodies come.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct DistanceReport {
+    /// Names of both.
+    pub bodies: [String; 2],
+    /// Least distance; below zero a depth.
+    pub distance_mm: f64,
+    /// How much less it may be between samples.
+    pub within_mm: f64,
+    /// When.
+    pub time_s: f64,
+}
+
+/// Tells what a check finds.
+///
+/// # Arguments
+/// * `program` – its text, of which lines are quoted
+#[must_use]
+pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> CellReport {
+    let robot = &cell.robot;
+    let lines: Vec<&str> = program.lines().map(str::trim).collect();
+    let effectors: Vec<String> = robot
+        .effectors()
+        .map(|id| robot.arms[id.arm].effectors[id.effector].name.clone())
+        .collect();
+    let axes: Vec<String> = robot.axes.iter().map(|axis| axis.name.clone()).collect();
+    let share = |share: &Option<Share>, names: &[String]| {
+        share.map(|one| ShareReport {
+            name: names.get(one.of).cloned().unwrap_or_default(),
+            share: one.share,
+            time_s: one.time,
+        })
+    };
+    let instructions = report.by_instruction.iter().map(|row| InstructionReport {
+        number: row.instruction + 1,
+        line: row.place.line,
+        text: lines.get(row.place.line.wrapping_sub(1)).copied().unwrap_or_default().to_owned(),
+        start_s: row.start,
+        duration_s: row.duration,
+        steps: row.steps.len(),
+        moving_s: row.moving.clone(),
+        speed: share(&row.velocity, &axes),
+        acceleration: share(&row.acceleration, &axes),
+        jerk: share(&row.jerk, &axes),
+        tilt: row.tilt,
+        play: row.play,
+        slip: share(&row.slip, &effectors),
+        nearest: row.nearest.as_ref().map(distance),
+        violations: row.violations,
+    });
+    let moving = robot.axes.iter().zip(&report.moving).map(|(axis, &moving_s)| AxisReport {
+        name: axis.name.clone(),
+        unit: if axis.kind == MotionKind::Turn { "deg" } else { "mm" },
+        moving_s,
+    });
+    CellReport {
+        cell: cell.name.clone(),
+        robot: robot.name.clone(),
+        assumed: robot.assumed.iter().chain(&cell.assumed).cloned().collect(),
+        verdict: match report.verdict {
+            Verdict::Sound => "sound",
+            Verdict::Broken => "broken",
+        },
+        duration_s: report.duration,
+        wafers: report.wafers,
+        wafers_per_hour: report.wafers_per_hour,
+        steps: motion.steps.len(),
+        samples: report.samples,
+        axes: moving.collect(),
+        instructions: instructions.collect(),
+        violations: report.violations.iter().map(violation).collect(),
+        distances: report.distances.iter().map(distance).collect(),
+    }
+}
+
+/// What is wrong with a motion, as exported files say it.
+#[must_use]
+pub fn flaws(report: &Report) -> Vec<Flaw> {
+    let flaw = |one: &Violation| Flaw {
+        from: one.start,
+        to: one.end,
+        message: format!("line {}: {}: {}", one.place.line, one.kind, explain_violation(one)),
+    };
+    report.violations.iter().map(flaw).collect()
+}
+
+/// A message at a place of a program, with its line and carets under the command.
+///
+/// # Arguments
+/// * `file` – what the program is called
+#[must_use]
+pub fn excerpt(program: &str, at: Place, message: &str, file: &str) -> String {
+    let text = program.lines().nth(at.line.wrapping_sub(1)).unwrap_or_default();
+    let command = text.split('#').next().unwrap_or_default().trim_end();
+    let width = command.chars().count().saturating_sub(at.column.saturating_sub(1));
+    let (column, text) = (at.column.max(1), text.to_owned());
+    let place = place::Place { line: at.line, column, width, text };
+    place::Error { place, problem: Box::new(message) }.with_excerpt(file)
+}
+
+fn distance(pair: &PairDistance) -> DistanceReport {
+    DistanceReport {
+        bodies: pair.names.clone(),
+        distance_mm: mm(pair.distance),
+        within_mm: mm(pair.within),
+        time_s: pair.time,
+    }
+}
+
+fn violation(one: &Violation) -> ViolationReport {
+    let (unit, worst) = told(one, one.worst);
+    let counts = !unit.is_empty() && one.worst.is_finite();
+    ViolationReport {
+        kind: one.kind.to_string(),
+        names: one.names.clone(),
+        instruction: one.instruction + 1,
+        line: one.place.line,
+        column: one.place.column,
+        start_s: one.start,
+        end_s: one.end,
+        worst_s: one.worst_time,
+        worst: counts.then_some(worst),
+        limit: counts.then(|| told(one, one.limit).1),
+        unit,
+        message: explain_violation(one),
+    }
+}
+
+/// A value of a violation in the unit that people read, with that unit.
+fn told(one: &Violation, value: f64) -> (&'static str, f64) {
+    match (one.unit, one.kind) {
+        (Unit::None, _) => ("", value),
+        (Unit::Acceleration, _) => ("m/s²", value),
+        (Unit::Length, Kind::Velocity) => ("mm/s", mm(value)),
+        (Unit::Length, Kind::Acceleration) => ("mm/s²", mm(value)),
+        (Unit::Length, Kind::Jerk) => ("mm/s³", mm(value)),
+        (Unit::Length, _) => ("mm", mm(value)),
+        (Unit::Angle, Kind::Velocity) => ("°/s", deg(value)),
+        (Unit::Angle, Kind::Acceleration) => ("°/s²", deg(value)),
+        (Unit::Angle, Kind::Jerk) => ("°/s³", deg(value)),
+        (Unit::Angle, _) => ("°", deg(value)),
+    }
+}
+
+/// What is wrong, in mm and degrees, without its time and line.
+#[must_use]
+pub fn explain_violation(one: &Violation) -> String {
+    let name = |k: usize| one.names.get(k).map_or("", String::as_str);
+    let number = |value: f64| {
+        let (unit, value) = told(one, value);
+        let gap = if unit.starts_with('°') { "" } else { " " };
+        format!("{}{gap}{unit}", short(value))
+    };
+    let (worst, limit) = (number(one.worst), number(one.limit));
+    match one.kind {
+        Kind::Position => format!("axis {} comes to {worst}, its limit is {limit}", name(0)),
+        Kind::Velocity => format!("axis {} runs at {worst}, its limit is {limit}", name(0)),
+        Kind::Acceleration => {
+            format!("axis {} accelerates by {worst}, its limit is {limit}", name(0))
+        }
+        Kind::Jerk => format!("axis {} jerks by {worst}, its limit is {limit}", name(0)),
+        Kind::Tilt => format!("the platform leans by {worst}, its limit is {limit}"),
+        Kind::Play => {
+            format!("the virtual joints move by {worst}, the play budget is {limit}")
+        }
+        Kind::Slip => format!(
+            "the wafer on {} slips: {worst} push it sideways, friction holds {limit}",
+            name(0)
+        ),
+        Kind::Collision if one.worst < 0.0 => {
+            format!("{} and {} collide, {} deep", name(0), name(1), number(-one.worst))
+        }
+        Kind::Collision => format!("{} and {} touch", name(0), name(1)),
+        Kind::Clearance => {
+            format!("{} comes within {worst} of {}, asked for are {limit}", name(0), name(1))
+        }
+        Kind::SlotClearance => {
+            format!("{} comes within {worst} of {}, the slots ask for {limit}", name(0), name(1))
+        }
+        Kind::KeepOut => format!("{} is in keep-out zone {}", name(0), name(1)),
+        Kind::SafeZone => format!(
+            "the wafer centre of {} is {worst} outside safe zone {} while the robot turns",
+            name(0),
+            name(1)
+        ),
+        _ => one.detail.clone(),
+    }
+}
+
+/// Six significant digits at most, and no zeros behind them.
+fn short(value: f64) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "exponents of doubles are small")]
+    let digits = 5 - value.abs().log10().floor() as i32;
+    let decimals = usize::try_from(digits.clamp(0, 9)).unwrap_or(0);
+    let text = format!("{value:.decimals$}");
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (1.0, "1"),
+            (0.000_123_456_789, "0.000123457"),
+            (1234.5678, "1234.57"),
+            (0.0, "0"),
+            (-12.5, "-12.5"),
+        ] {
+            assert_eq!(short(value), text);
+        }
+    }
+}

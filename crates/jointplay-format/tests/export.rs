@@ -1,0 +1,332 @@
+//! Exported motions: as long as the motion, at its ends exactly, and with what is wrong with it.
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::motion::{Motion, MotionOptions, timed};
+use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
+use jointplay_cell::robot::{
+    Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
+};
+use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_core::gpr::Gpr;
+use jointplay_core::spatial::Pose;
+use jointplay_format::export::dialect::{DIALECTS, Dialect};
+use jointplay_format::export::{Flaw, MACRO, Recording, gltf, samples, solidworks};
+use jointplay_format::table::Values;
+use serde_json::Value;
+
+const PROGRAM: &str = "HOME\nGET port WITH A\nWAIT 0.25\n";
+const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
+const SLOT: SlotId = SlotId { station: 0, slot: 1 };
+
+fn axis(name: &str, kind: MotionKind, [min, max, home]: [f64; 3]) -> Axis {
+    let dynamics = Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
+    Axis { name: name.to_owned(), kind, min, max, home, empty: dynamics, loaded: dynamics }
+}
+
+/// A robot with one radial arm before one slot with a wafer.
+fn cell() -> Cell {
+    let gpr = Gpr::paper();
+    let limits = *gpr.limits();
+    let half = std::f64::consts::FRAC_PI_2;
+    let joint = |zero: f64, drives: &[(usize, f64)], length: f64| ArmJoint {
+        kind: MotionKind::Turn,
+        zero,
+        drives: drives.to_vec(),
+        length,
+        offset: 0.0,
+        rise: 0.01,
+    };
+    let arm = Arm {
+        name: "upper".to_owned(),
+        mount: [0.0, 0.0, 0.1],
+        joints: vec![
+            joint(-half, &[(3, 1.0), (4, 1.0)], 0.2),
+            joint(2.0 * half, &[(4, -2.0)], 0.2),
+            joint(-half, &[(4, 1.0)], 0.0),
+        ],
+        effectors: vec![Effector {
+            name: "A".to_owned(),
+            wafer_center: [0.2, 0.0, 0.004],
+            heading: 0.0,
+            support: Support::Edge,
+            friction: 0.4,
+        }],
+        droop: Droop::Rigid,
+    };
+    let rod = |name: &str| {
+        axis(name, MotionKind::Slide, [limits.rod_min, limits.rod_max, gpr.working_height()])
+    };
+    let axes = vec![
+        rod("q1"),
+        rod("q2"),
+        rod("q3"),
+        axis("T", MotionKind::Turn, [-3.0, 3.0, 0.0]),
+        axis("R", MotionKind::Turn, [-1.5, 1.5, 0.2]),
+    ];
+    let robot = HybridRobot {
+        name: "one arm".to_owned(),
+        gpr,
+        model: PlatformModel::default(),
+        axes,
+        arms: vec![arm],
+        assumed: vec![],
+    };
+    let silicon =
+        Material { name: "silicon".to_owned(), young: 147e9, poisson: 0.18, density: 2329.0 };
+    Cell {
+        name: "small".to_owned(),
+        assumed: vec![],
+        robot: robot.checked().unwrap(),
+        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material: silicon },
+        stations: vec![Station {
+            name: "port".to_owned(),
+            base_from_station: Pose::translation(0.5, 0.1, 0.62),
+            origin: Origin::Nominal,
+            slots: 1,
+            pitch: 0.01,
+            stroke: Stroke { below: 0.005, above: 0.005, speed: 0.05 },
+            offset: [0.0; 3],
+            retract_reach: 0.3,
+            via: vec![],
+            approach: Approach::Radial,
+            effectors: vec![ID],
+            process_time: 0.0,
+        }],
+        occupied: vec![SLOT],
+        carried: vec![],
+        bodies: vec![],
+        allowed_pairs: vec![],
+        zones: vec![],
+        play_budget: 1e-4,
+        clearance: 0.001,
+        slot_clearance: 0.001,
+        gravity: 9.81,
+        plane_threshold: 1e-3,
+    }
+}
+
+/// Out, the wafer taken, in with it, and a rest.
+fn motion(cell: &Cell) -> Motion {
+    let home: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
+    let mut out = home.clone();
+    (out[3], out[4]) = (0.7, 1.1);
+    let step = |instruction: usize, phase, from: &[f64], to: &[f64], path| Step {
+        instruction,
+        place: Place { line: instruction + 1, column: 1 },
+        phase,
+        from: from.to_vec(),
+        to: to.to_vec(),
+        path,
+        speed: 1.0,
+        line_speed: None,
+        loaded: vec![],
+        handover: None,
+        slot: None,
+    };
+    let mut extend = step(1, Phase::Extend, &home, &out, Path::Axes);
+    extend.handover = Some(Handover::Taken(ID, SLOT));
+    let mut retract = step(1, Phase::Retract, &out, &home, Path::Axes);
+    retract.loaded = vec![ID];
+    let mut wait = step(2, Phase::Wait, &home, &home, Path::Still(0.25));
+    wait.loaded = vec![ID];
+    timed(cell, vec![extend, retract, wait], &MotionOptions::default()).unwrap()
+}
+
+fn flaw() -> Vec<Flaw> {
+    vec![Flaw { from: 0.1, to: 0.2, message: "line 2: slip: the wafer \"slips\"".to_owned() }]
+}
+
+/// Runs a test with a sound recording and one with a flaw.
+fn with(test: impl Fn(&Recording<'_>)) {
+    let cell = cell();
+    let motion = motion(&cell);
+    for flaws in [vec![], flaw()] {
+        test(&Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &flaws });
+    }
+}
+
+#[test]
+fn a_table_ends_with_the_motion() {
+    with(|recording| {
+        let columns = samples(recording, 100.0).unwrap();
+        let real = |name: &str| match &columns.iter().find(|one| one.name == name).unwrap().values {
+            Values::Real(values) => values.clone(),
+            Values::Count(_) => panic!("{name} is counted"),
+        };
+        let duration = recording.motion.duration();
+        let time = real("time_s");
+        assert_eq!(time.last(), Some(&duration));
+        assert_eq!(time[7], 0.07);
+        assert_eq!(real("T_deg").last(), Some(&0.0));
+        let fastest = real("T_deg_per_s").into_iter().fold(0.0, f64::max);
+        assert!(fastest > 10.0 && fastest <= 2_f64.to_degrees() + 1e-9, "{fastest}");
+        let pose = recording.cell.robot.forward(&recording.motion.at(0.0).positions).unwrap();
+        let x = pose.base_from_wafer[0][0].translation.vector.x;
+        assert!((real("A_x_mm")[0] - 1e3 * x).abs() < 1e-9);
+        let violations = columns.iter().find(|one| one.name == "violations");
+        assert_eq!(violations.is_some(), !recording.flaws.is_empty());
+        if let Some(violations) = violations {
+            let Values::Count(counts) = &violations.values else { panic!("not counted") };
+            assert_eq!((counts[0], counts[15], counts[30]), (0, 1, 0));
+        }
+    });
+}
+
+/// The description and the numbers of a binary glTF file.
+fn parts(file: &[u8]) -> (Value, Vec<u8>) {
+    let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+    assert_eq!((&file[..4], word(4), word(8)), (&b"glTF"[..], 2, file.len()));
+    let json = word(12);
+    let numbers = 20 + json;
+    assert_eq!(numbers + 8 + word(numbers), file.len());
+    (serde_json::from_slice(&file[20..numbers]).unwrap(), file[numbers + 8..].to_vec())
+}
+
+/// The numbers of an accessor.
+fn numbers(root: &Value, bytes: &[u8], accessor: usize) -> Vec<f32> {
+    let accessor = &root["accessors"][accessor];
+    let view =
+        &root["bufferViews"][usize::try_from(accessor["bufferView"].as_u64().unwrap()).unwrap()];
+    let index = |value: &Value| usize::try_from(value.as_u64().unwrap()).unwrap();
+    let start = index(&view["byteOffset"]);
+    let bytes = &bytes[start..start + index(&view["byteLength"])];
+    bytes.chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
+}
+
+#[test]
+fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
+    with(|recording| {
+        let (root, bytes) = parts(&gltf(recording, 60.0).unwrap());
+        let index = |value: &Value| usize::try_from(value.as_u64().unwrap()).unwrap();
+        let animation = &root["animations"][0];
+        let mut moved = Vec::new();
+        for channel in animation["channels"].as_array().unwrap() {
+            let sampler = &animation["samplers"][index(&channel["sampler"])];
+            let times = numbers(&root, &bytes, index(&sampler["input"]));
+            assert_eq!(times[0], 0.0);
+            assert_eq!(*times.last().unwrap(), recording.motion.duration() as f32);
+            assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+            let node = &root["nodes"][index(&channel["target"]["node"])];
+            let values = numbers(&root, &bytes, index(&sampler["output"]));
+            moved.push((
+                node["name"].as_str().unwrap().to_owned(),
+                channel["target"]["path"].clone(),
+                values,
+            ));
+        }
+        // Nothing but the arm and the wafer moves.
+        let names: Vec<&str> = moved.iter().map(|(name, ..)| name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["upper link 1", "upper link 2", "upper link 3", "wafer of port 1", "wafer of port 1"]
+        );
+        let (_, _, places) = moved.iter().find(|(_, path, _)| path == "translation").unwrap();
+        let robot = &recording.cell.robot;
+        let at = |time: f64| {
+            robot.forward(&recording.motion.at(time).positions).unwrap().base_from_wafer[0][0]
+        };
+        let taken = at(recording.motion.times[1]);
+        let slot = recording.cell.stations[0].slot_frame(1);
+        let expected = at(recording.motion.duration()) * taken.inverse() * slot;
+        let last: Vec<f64> = places[places.len() - 3..].iter().map(|&one| f64::from(one)).collect();
+        let off = nalgebra::Vector3::from_row_slice(&last) - expected.translation.vector;
+        assert!(off.norm() < 1e-6, "{off}");
+        let warned = root["asset"]["extras"]["warning"].is_string();
+        assert_eq!(warned, !recording.flaws.is_empty());
+        assert_eq!(
+            root["asset"]["extras"]["duration_s"].as_f64().unwrap(),
+            recording.motion.duration()
+        );
+    });
+}
+
+#[test]
+fn durations_of_controller_text_add_up_to_the_motion() {
+    with(|recording| {
+        let text = Dialect::neutral().write(recording, 100.0).unwrap();
+        let mut total = 0_i64;
+        for line in text.lines() {
+            let words: Vec<&str> = line.split(' ').collect();
+            if matches!(words[0], "MOVE" | "LINE" | "WAIT") {
+                total += words[1].replace('.', "").parse::<i64>().unwrap();
+            }
+        }
+        let duration = recording.motion.duration();
+        assert_eq!(total, (duration * 1e6).round() as i64);
+        assert!(text.ends_with(&format!("END {duration:.6}\n")), "{text}");
+        assert!(text.contains("TAKE A port 1\nMOVE "), "{text}");
+        assert!(text.contains("# line 2: GET port WITH A\nMOVE "), "{text}");
+        assert_eq!(text.starts_with("# NOT SAFE TO RUN: 1 violation"), !recording.flaws.is_empty());
+    });
+}
+
+#[test]
+fn controller_text_reads_well() {
+    let cell = cell();
+    let motion = motion(&cell);
+    let flaws = flaw();
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &flaws };
+    for entry in DIALECTS {
+        let dialect = Dialect::parse(entry.text).unwrap();
+        insta::assert_snapshot!(entry.name, dialect.write(&recording, 5.0).unwrap());
+    }
+}
+
+#[test]
+fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
+    with(|recording| {
+        let files = solidworks(recording, 100.0).unwrap();
+        let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+        let (last, motors) = names.split_last().unwrap();
+        assert!(last.ends_with(MACRO), "{last}");
+        assert_eq!(motors.len(), recording.cell.robot.axes.len());
+        let (macro_text, motor_files) = files.split_last().unwrap();
+        for (name, text) in motor_files {
+            let (time, _) = text.lines().last().unwrap().split_once(',').unwrap();
+            assert_eq!(time.parse::<f64>().unwrap(), recording.motion.duration(), "{name}");
+            assert!(macro_text.1.contains(&format!("folder & \"{name}\"")), "{name}");
+            assert_eq!(name.starts_with("NOT-SAFE"), !recording.flaws.is_empty());
+        }
+        assert_eq!(macro_text.1.contains("MsgBox \"NOT SAFE"), !recording.flaws.is_empty());
+        // A quotation mark within a string of Visual Basic is written twice.
+        assert!(recording.flaws.is_empty() || macro_text.1.contains("\"\"slips\"\""));
+    });
+}
+
+#[test]
+fn rates_that_make_no_sense_are_refused() {
+    let cell = cell();
+    let motion = motion(&cell);
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e12] {
+        assert!(samples(&recording, rate).is_err(), "{rate}");
+        assert!(gltf(&recording, rate).is_err(), "{rate}");
+        assert!(solidworks(&recording, rate).is_err(), "{rate}");
+        assert!(Dialect::neutral().write(&recording, rate).is_err(), "{rate}");
+    }
+}
+
+#[cfg(feature = "mcap")]
+#[test]
+fn mcap_has_every_sample_and_the_steps() {
+    use std::collections::BTreeMap;
+
+    with(|recording| {
+        let file = jointplay_format::export::mcap::write(recording, 100.0).unwrap();
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        let mut last = 0;
+        for message in mcap::MessageStream::new(&file).unwrap() {
+            let message = message.unwrap();
+            *counts.entry(message.channel.topic.clone()).or_default() += 1;
+            last = last.max(message.log_time);
+            assert_eq!(message.channel.message_encoding, "cdr");
+        }
+        assert_eq!(last, (recording.motion.duration() * 1e9).round() as u64);
+        let rows = recording.motion.samples(100.0).count();
+        assert_eq!((counts["/joint_states"], counts["/tf"]), (rows, rows));
+        assert_eq!((counts["/joint_trajectory"], counts["/program"]), (3, 2));
+        assert_eq!(counts.get("/violations").copied().unwrap_or(0), recording.flaws.len());
+    });
+}
