@@ -95,6 +95,16 @@ pub enum Error {
         /// The joint.
         joint: String,
     },
+    /// A cell or a motion whose extent is nothing, or beyond the range of numbers.
+    #[error("{what} cannot be drawn: it spans {found:e} {unit}")]
+    Extent {
+        /// What should have been drawn.
+        what: String,
+        /// How far it extends, in `unit`.
+        found: f64,
+        /// `m` or `s`.
+        unit: &'static str,
+    },
     /// The figure could not be painted as PNG.
     #[error("the figure could not be painted as PNG: {reason}")]
     Paint {

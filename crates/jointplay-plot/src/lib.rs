@@ -25,10 +25,12 @@
 //! | [`Style`], [`Colour`], [`Dash`], [`Point`] | how a curve looks, in colour and in grey |
 //! | [`rod_style`], [`model_style`] | the fixed looks of rods and of models |
 //! | [`MechanismPicture`], [`View`] | a mechanism in space, and from where it is seen |
+//! | [`cell`] | a work cell from above, and the axes of its robot over time |
 //! | [`results`] | figures of this project's own studies and comparisons |
 //! | [`Error`] | why a figure could not be drawn |
 
 mod axis;
+pub mod cell;
 mod check;
 mod decimal;
 mod draw;

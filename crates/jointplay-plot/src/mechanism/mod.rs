@@ -12,6 +12,7 @@ use jointplay_core::mechanism::{Kinematics, Mechanism, exaggerated};
 use nalgebra::DVector;
 
 use crate::{Error, png};
+pub(crate) use page::bar;
 use scene::Scene;
 pub use view::View;
 

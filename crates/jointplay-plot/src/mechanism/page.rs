@@ -121,7 +121,7 @@ fn axes(svg: &mut Svg, view: View, (x, y): (f64, f64)) {
 ///
 /// # Arguments
 /// * `meters` – length of a px [m]
-fn bar(svg: &mut Svg, meters: f64, (right, y): (f64, f64), room: f64) {
+pub(crate) fn bar(svg: &mut Svg, meters: f64, (right, y): (f64, f64), room: f64) {
     let longest = meters * room;
     if !longest.is_normal() {
         return;

@@ -1,0 +1,284 @@
+//! A motion over time: which axis moves when, and for which instruction.
+
+use jointplay_cell::motion::Motion;
+
+use crate::linear_ticks::linear_ticks;
+use crate::svg::{Anchor, INK, Svg, px};
+use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
+use crate::{Colour, Error, png};
+
+/// Room at the right [px].
+const MARGIN: f64 = 16.0;
+/// Height of a row, and of the bar in it [px].
+const ROW: f64 = 16.0;
+const BAR: f64 = 10.0;
+/// Room for the ticks below the rows, with their labels, and between two bands [px].
+const TICKS: f64 = 36.0;
+/// A band is so long at least, and there are so many at most [s].
+const SHORTEST: f64 = 60.0;
+const MOST_BANDS: f64 = 12.0;
+
+/// A stretch of time of one kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Span {
+    /// Start [s].
+    pub from: f64,
+    /// End [s].
+    pub to: f64,
+    /// What it is.
+    pub kind: SpanKind,
+}
+
+/// What a stretch of time is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SpanKind {
+    /// An axis moves while no effector carries a wafer.
+    Empty(usize),
+    /// An axis moves while one does.
+    Loaded(usize),
+    /// An instruction runs.
+    Instruction(String),
+    /// Something is wrong.
+    Wrong,
+}
+
+/// Axes by instruction over time; long motions in several bands, one below the other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Gantt {
+    /// Names of the axes.
+    pub axes: Vec<String>,
+    /// What happens when.
+    pub spans: Vec<Span>,
+    /// How long it takes [s].
+    pub duration: f64,
+    /// Title above the picture; empty for none.
+    pub title: String,
+    /// Width [px].
+    pub width: f64,
+}
+
+impl Gantt {
+    /// The axes of a motion.
+    ///
+    /// # Arguments
+    /// * `axes` – names of the axes
+    /// * `lines` – text of the program, of which lines are quoted
+    /// * `wrong` – when something is wrong [s]
+    #[must_use]
+    pub fn new(
+        title: &str,
+        axes: Vec<String>,
+        motion: &Motion,
+        lines: &str,
+        wrong: &[[f64; 2]],
+    ) -> Self {
+        let quoted: Vec<&str> = lines.lines().map(str::trim).collect();
+        let mut spans: Vec<Span> = Vec::new();
+        let mut instruction = None;
+        for (k, step) in motion.steps.iter().enumerate() {
+            let (from, to) = (motion.times[k], motion.times[k + 1]);
+            if instruction == Some(step.instruction) {
+                if let Some(span) = spans
+                    .iter_mut()
+                    .rev()
+                    .find(|span| matches!(span.kind, SpanKind::Instruction(_)))
+                {
+                    span.to = to;
+                }
+            } else {
+                instruction = Some(step.instruction);
+                let text = quoted.get(step.place.line.wrapping_sub(1)).copied().unwrap_or_default();
+                spans.push(Span { from, to, kind: SpanKind::Instruction(text.to_owned()) });
+            }
+            // Within a line an axis may go and come back.
+            let middle: Vec<_> =
+                (1..8).map(|k| motion.at(from + f64::from(k) / 8.0 * (to - from))).collect();
+            for axis in 0..axes.len() {
+                let moves = step.from[axis] != step.to[axis]
+                    || middle.iter().any(|sample| sample.velocities[axis].abs() > 1e-9);
+                if moves && to > from {
+                    let kind = if step.loaded.is_empty() {
+                        SpanKind::Empty(axis)
+                    } else {
+                        SpanKind::Loaded(axis)
+                    };
+                    spans.push(Span { from, to, kind });
+                }
+            }
+        }
+        spans.extend(wrong.iter().map(|&[from, to]| Span { from, to, kind: SpanKind::Wrong }));
+        let duration = motion.duration();
+        Self { axes, spans, duration, title: title.to_owned(), width: 1080.0 }
+    }
+
+    /// The picture as SVG with real text, on white.
+    ///
+    /// # Errors
+    /// [`Error::Size`] if the width is out of bounds; [`Error::Extent`] if the motion takes no time, or not a finite one.
+    pub fn to_svg(&self) -> Result<String, Error> {
+        crate::check::width(self.width)?;
+        if !(self.duration.is_finite() && self.duration > 0.0) {
+            let what = "the motion".to_owned();
+            return Err(Error::Extent { what, found: self.duration, unit: "s" });
+        }
+        let wrong = self.spans.iter().any(|span| span.kind == SpanKind::Wrong);
+        let mut rows: Vec<&str> = vec![""];
+        rows.extend(self.axes.iter().map(String::as_str));
+        if wrong {
+            rows.push("violations");
+        }
+        let label =
+            rows.iter().map(|name| width(name, TICK)).fold(0.0, f64::max).min(0.3 * self.width);
+        let left = label + 18.0;
+        let room = self.width - left - MARGIN;
+        let bands = (self.duration / SHORTEST).ceil().clamp(1.0, MOST_BANDS);
+        let length = self.duration / bands;
+        let title = wrap(&self.title, TITLE, self.width - 2.0 * MARGIN);
+        #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
+        let (top, high) =
+            (18.0 + title.len() as f64 * TITLE * LEADING, rows.len() as f64 * ROW + TICKS);
+        let about = if self.title.is_empty() { "axes over time" } else { &self.title };
+        let mut svg = Svg::new(self.width, top + bands * high + 34.0, about);
+        for (line, text) in title.iter().enumerate() {
+            #[expect(clippy::cast_precision_loss, reason = "a count of lines")]
+            let at = (0.5 * self.width, 26.0 + line as f64 * TITLE * LEADING);
+            svg.text(at, TITLE, Anchor::Middle, text, "");
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 12")]
+        for band in 0..bands as u32 {
+            let from = f64::from(band) * length;
+            let place =
+                Band { left, room, top: top + f64::from(band) * high, from, to: from + length };
+            self.band(&mut svg, &place, &rows);
+        }
+        self.legend(&mut svg, top + bands * high + 12.0, wrong);
+        Ok(svg.finish())
+    }
+
+    /// The SVG painted as PNG, `width_px` pixels wide, with the embedded DejaVu Sans.
+    ///
+    /// # Errors
+    /// As [`Self::to_svg`]; [`Error::Size`] if `width_px` is 0 or over 20 000; [`Error::Paint`] if painting fails.
+    pub fn to_png(&self, width_px: u32) -> Result<Vec<u8>, Error> {
+        png::paint(&self.to_svg()?, width_px)
+    }
+
+    fn band(&self, svg: &mut Svg, band: &Band, rows: &[&str]) {
+        #[expect(clippy::cast_precision_loss, reason = "a count of rows")]
+        let row_top = |row: usize| band.top + row as f64 * ROW;
+        let bottom = row_top(rows.len());
+        let ticks = linear_ticks(band.from, band.to, 60.0 / band.room);
+        let mut grid = String::new();
+        for tick in &ticks.major {
+            grid += &format!("M{} {}V{}", px(band.across(tick.value)), px(row_top(1)), px(bottom));
+        }
+        svg.path(&grid, " stroke=\"#e2e2e2\" stroke-width=\"1\"");
+        let mut number = 0_usize;
+        for span in &self.spans {
+            let is_instruction = matches!(span.kind, SpanKind::Instruction(_));
+            if is_instruction {
+                number += 1;
+            }
+            if span.to < band.from || span.from > band.to {
+                continue;
+            }
+            let (x0, x1) =
+                (band.across(span.from.max(band.from)), band.across(span.to.min(band.to)));
+            let (row, fill) = match &span.kind {
+                SpanKind::Empty(axis) => (axis + 1, Colour::SKY_BLUE.hex()),
+                SpanKind::Loaded(axis) => (axis + 1, Colour::BLUE.hex()),
+                SpanKind::Instruction(_) if number.is_multiple_of(2) => (0, "#e4e4e0".to_owned()),
+                SpanKind::Instruction(_) => (0, "#cfcfca".to_owned()),
+                SpanKind::Wrong => (rows.len() - 1, Colour::VERMILLION.hex()),
+            };
+            // What is wrong for a moment only is seen all the same.
+            let wide = if span.kind == SpanKind::Wrong { (x1 - x0).max(2.0) } else { x1 - x0 };
+            if wide <= 0.0 {
+                continue;
+            }
+            let (y, high) = if is_instruction {
+                (row_top(row) + 1.0, ROW - 2.0)
+            } else {
+                (row_top(row) + 0.5 * (ROW - BAR), BAR)
+            };
+            svg.elements(&format!(
+                "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{fill}\"/>\n",
+                px(x0),
+                px(y),
+                px(wide),
+                px(high)
+            ));
+            if let SpanKind::Instruction(text) = &span.kind {
+                let shown = fitting(text, x1 - x0 - 4.0);
+                let at = (x0 + 2.0, row_top(0) + 0.5 * ROW + HALF_CAPITAL * (TICK - 2.0));
+                if !shown.is_empty() {
+                    svg.text(at, TICK - 2.0, Anchor::Start, &shown, "");
+                }
+            }
+        }
+        for (row, name) in rows.iter().enumerate().skip(1) {
+            let at = (band.left - 8.0, row_top(row) + 0.5 * ROW + HALF_CAPITAL * TICK);
+            svg.text(at, TICK, Anchor::End, name, "");
+        }
+        let frame = format!("M{} {}H{}", px(band.left), px(bottom), px(band.left + band.room));
+        svg.path(&frame, &format!(" stroke=\"{INK}\" stroke-width=\"1\""));
+        for tick in &ticks.major {
+            let x = band.across(tick.value);
+            svg.path(
+                &format!("M{} {}v4", px(x), px(bottom)),
+                &format!(" stroke=\"{INK}\" stroke-width=\"1\""),
+            );
+            let half = 0.5 * width(&tick.label, TICK);
+            let x = x.min(self.width - half - 2.0);
+            svg.text((x, bottom + 16.0), TICK, Anchor::Middle, &tick.label, "");
+        }
+        svg.text((band.left - 8.0, bottom + 16.0), TICK, Anchor::End, "s", "");
+    }
+
+    fn legend(&self, svg: &mut Svg, y: f64, wrong: bool) {
+        let mut entries = vec![
+            (Colour::SKY_BLUE.hex(), "moves empty"),
+            (Colour::BLUE.hex(), "moves with a wafer"),
+        ];
+        if wrong {
+            entries.push((Colour::VERMILLION.hex(), "violation"));
+        }
+        let wide = |text: &str| 24.0 + width(text, TICK) + 20.0;
+        let total = entries.iter().map(|(_, text)| wide(text)).sum::<f64>() - 20.0;
+        let mut x = 0.5 * (self.width - total);
+        for (fill, text) in entries {
+            svg.elements(&format!(
+                "<rect x=\"{}\" y=\"{}\" width=\"18\" height=\"{BAR}\" fill=\"{fill}\"/>\n",
+                px(x),
+                px(y - 0.5 * BAR)
+            ));
+            svg.text((x + 24.0, y + HALF_CAPITAL * TICK), TICK, Anchor::Start, text, "");
+            x += wide(text);
+        }
+    }
+}
+
+/// A stretch of time on the page.
+struct Band {
+    left: f64,
+    room: f64,
+    top: f64,
+    from: f64,
+    to: f64,
+}
+
+impl Band {
+    fn across(&self, time: f64) -> f64 {
+        self.left + (time - self.from) / (self.to - self.from) * self.room
+    }
+}
+
+/// As much of a text as fits: all of it, its first word, or nothing.
+fn fitting(text: &str, room: f64) -> String {
+    let size = TICK - 2.0;
+    if width(text, size) <= room {
+        return text.to_owned();
+    }
+    let word = text.split_whitespace().next().unwrap_or_default();
+    if width(word, size) <= room { word.to_owned() } else { String::new() }
+}

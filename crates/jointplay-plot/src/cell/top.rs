@@ -1,0 +1,365 @@
+//! A cell from above.
+
+use jointplay_cell::cell::{Carrier, Cell, ZoneRule};
+use jointplay_cell::robot::EffectorId;
+
+use super::effector_colour;
+use super::outline::outline;
+use crate::draw::RIM;
+use crate::mechanism::bar;
+use crate::svg::{Anchor, INK, Svg, element, path_data, px};
+use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
+use crate::{Colour, Error, png};
+
+/// Room about the cell, for names [px].
+const MARGIN: f64 = 40.0;
+/// Room for a line of the legend, and for axes and scale [px].
+const ROW: f64 = 20.0;
+const FOOT: f64 = 56.0;
+/// Greatest height of the cell, in widths of the page.
+const HIGH: f64 = 1.0;
+/// Length of the axes [px].
+const AXES: f64 = 26.0;
+
+const FORBIDDEN: &str = " fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
+const ALLOWED: &str = " fill=\"#009e73\" fill-opacity=\"0.05\" stroke=\"#009e73\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
+const BODY: &str = " fill=\"#d9d9d6\" stroke=\"#8c8c8c\" stroke-width=\"1\"";
+const STATION: &str =
+    " fill=\"#ffffff\" fill-opacity=\"0.8\" stroke=\"#222222\" stroke-width=\"1.4\"";
+const ROBOT: &str = " fill=\"#ececec\" stroke=\"#5c5c5c\" stroke-width=\"1.2\"";
+
+/// An effector with what it reaches and where it goes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Track {
+    /// Which effector.
+    pub effector: EffectorId,
+    /// Least and greatest distance of its wafer centre from the base axis [m].
+    pub reach: [f64; 2],
+    /// Way of its wafer centre in the base frame [m].
+    pub points: Vec<[f64; 2]>,
+}
+
+/// A cell from above: robot, reach, stations, bodies, zones, and ways of wafer centres.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TopView<'a> {
+    /// The cell.
+    pub cell: &'a Cell,
+    /// Its effectors.
+    pub tracks: Vec<Track>,
+    /// Places to be marked as wrong, in the base frame [m].
+    pub wrong: Vec<[f64; 2]>,
+    /// Title above the picture; empty for none.
+    pub title: String,
+    /// Width [px].
+    pub width: f64,
+}
+
+/// From metres to places on the page.
+struct Camera {
+    scale: f64,
+    middle: (f64, f64),
+}
+
+impl Camera {
+    fn at(&self, [x, y]: [f64; 2]) -> (f64, f64) {
+        (self.middle.0 + self.scale * x, self.middle.1 - self.scale * y)
+    }
+}
+
+impl<'a> TopView<'a> {
+    /// A picture titled by the cell's name, 720 px wide, of the cell alone.
+    #[must_use]
+    pub fn new(cell: &'a Cell) -> Self {
+        let title = cell.name.clone();
+        Self { cell, tracks: Vec::new(), wrong: Vec::new(), title, width: 720.0 }
+    }
+
+    /// The picture as SVG with real text, on white.
+    ///
+    /// # Errors
+    /// [`Error::Size`] if the width is out of bounds; [`Error::Extent`] if the cell is beyond the range of numbers.
+    pub fn to_svg(&self) -> Result<String, Error> {
+        crate::check::width(self.width)?;
+        let (low, high) = self.extent()?;
+        let title = wrap(&self.title, TITLE, self.width - 2.0 * MARGIN);
+        let legend = self.legend_rows();
+        #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
+        let (top, key) = (12.0 + title.len() as f64 * TITLE * LEADING, legend.len() as f64 * ROW);
+        let (across, up) = (high[0] - low[0], high[1] - low[1]);
+        let scale = ((self.width - 2.0 * MARGIN) / across).min(HIGH * self.width / up);
+        let bottom = top + 2.0 * MARGIN + scale * up;
+        let camera = Camera {
+            scale,
+            middle: (
+                0.5 * self.width - 0.5 * (low[0] + high[0]) * scale,
+                0.5 * (top + bottom) + 0.5 * (low[1] + high[1]) * scale,
+            ),
+        };
+        let about = if title.is_empty() { &self.cell.name } else { &self.title };
+        let mut svg = Svg::new(self.width, bottom + FOOT + key, about);
+        #[expect(clippy::cast_precision_loss, reason = "a count of lines")]
+        for (line, text) in title.iter().enumerate() {
+            let at = (0.5 * self.width, 26.0 + line as f64 * TITLE * LEADING);
+            svg.text(at, TITLE, Anchor::Middle, text, "");
+        }
+        self.bodies(&mut svg, &camera);
+        self.robot(&mut svg, &camera);
+        self.zones(&mut svg, &camera);
+        self.stations(&mut svg, &camera);
+        self.ways(&mut svg, &camera);
+        self.names(&mut svg, &camera, (top, bottom));
+        for &at in &self.wrong {
+            let (x, y) = camera.at(at);
+            let data = format!("M{} {}l9 9m0 -9l-9 9", px(x - 4.5), px(y - 4.5));
+            svg.path(
+                &data,
+                &format!(" stroke=\"{}\" stroke-width=\"2.4\"", Colour::VERMILLION.hex()),
+            );
+        }
+        axes(&mut svg, (MARGIN, bottom + 34.0));
+        bar(&mut svg, 1.0 / scale, (self.width - MARGIN, bottom + 34.0), 0.2 * self.width);
+        for (row, entries) in legend.iter().enumerate() {
+            #[expect(clippy::cast_precision_loss, reason = "a count of lines")]
+            let y = bottom + FOOT + (row as f64 + 0.3) * ROW;
+            self.draw_legend(&mut svg, entries, y);
+        }
+        Ok(svg.finish())
+    }
+
+    /// The SVG painted as PNG, `width_px` pixels wide, with the embedded DejaVu Sans.
+    ///
+    /// # Errors
+    /// As [`Self::to_svg`]; [`Error::Size`] if `width_px` is 0 or over 20 000; [`Error::Paint`] if painting fails.
+    pub fn to_png(&self, width_px: u32) -> Result<Vec<u8>, Error> {
+        png::paint(&self.to_svg()?, width_px)
+    }
+
+    /// Corners of what is shown [m].
+    fn extent(&self) -> Result<([f64; 2], [f64; 2]), Error> {
+        let reach = self.tracks.iter().map(|track| track.reach[1]).fold(self.platform(), f64::max);
+        let mut points = vec![[-reach, -reach], [reach, reach]];
+        let half = 0.5 * self.cell.wafer.diameter;
+        for station in &self.cell.stations {
+            let [x, y] = center(station.slot_frame(1).translation.vector);
+            points.extend([[x - half, y - half], [x + half, y + half]]);
+        }
+        for body in self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World) {
+            points.extend(outline(&body.shape, &body.carrier_from_shape));
+        }
+        for zone in &self.cell.zones {
+            points.extend(outline(&zone.shape, &zone.base_from_shape));
+        }
+        points.extend(self.tracks.iter().flat_map(|track| track.points.iter().copied()));
+        let (mut low, mut high) = ([f64::MAX; 2], [f64::MIN; 2]);
+        for point in points {
+            low = [low[0].min(point[0]), low[1].min(point[1])];
+            high = [high[0].max(point[0]), high[1].max(point[1])];
+        }
+        let size = (high[0] - low[0]).min(high[1] - low[1]);
+        if size.is_normal() && size < 1e6 {
+            Ok((low, high))
+        } else {
+            Err(Error::Extent {
+                what: format!("the cell {:?}", self.cell.name),
+                found: size,
+                unit: "m",
+            })
+        }
+    }
+
+    /// Radius of the platform [m].
+    fn platform(&self) -> f64 {
+        self.cell.robot.gpr.platform().mean_radius()
+    }
+
+    fn zones(&self, svg: &mut Svg, camera: &Camera) {
+        for zone in &self.cell.zones {
+            let look = match zone.rule {
+                ZoneRule::KeepOut => FORBIDDEN,
+                ZoneRule::Safe => ALLOWED,
+            };
+            svg.path(&polygon(camera, &outline(&zone.shape, &zone.base_from_shape)), look);
+        }
+    }
+
+    fn bodies(&self, svg: &mut Svg, camera: &Camera) {
+        for body in self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World) {
+            svg.path(&polygon(camera, &outline(&body.shape, &body.carrier_from_shape)), BODY);
+        }
+    }
+
+    fn robot(&self, svg: &mut Svg, camera: &Camera) {
+        svg.path(&circle(camera, [0.0; 2], self.platform()), ROBOT);
+        for base in self.cell.robot.gpr.base_points() {
+            let (x, y) = camera.at([base.x, base.y]);
+            svg.path(&dot((x, y), 3.0), &format!(" fill=\"{INK}\""));
+        }
+    }
+
+    fn ways(&self, svg: &mut Svg, camera: &Camera) {
+        for (k, track) in self.tracks.iter().enumerate() {
+            let colour = effector_colour(k).hex();
+            for reach in track.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
+                let dash = if k.is_multiple_of(2) { "2 4" } else { "4 3" };
+                let look =
+                    format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
+                svg.path(&circle(camera, [0.0; 2], reach), &look);
+            }
+            // Points that would fall on each other on the page are left out.
+            let mut way: Vec<(f64, f64)> = Vec::new();
+            for at in track.points.iter().map(|&point| camera.at(point)) {
+                if way.last().is_none_or(|last| (last.0 - at.0).hypot(last.1 - at.1) > 0.4) {
+                    way.push(at);
+                }
+            }
+            if way.len() > 1 {
+                // Ways of several effectors into one station lie on each other.
+                let dash = if k.is_multiple_of(2) { "" } else { " stroke-dasharray=\"8 6\"" };
+                let look = format!(
+                    " stroke=\"{colour}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{dash}"
+                );
+                svg.path(&path_data(&way), &look);
+            }
+        }
+    }
+
+    /// Stations as wafers.
+    fn stations(&self, svg: &mut Svg, camera: &Camera) {
+        for station in &self.cell.stations {
+            let place = center(station.slot_frame(1).translation.vector);
+            svg.path(&circle(camera, place, 0.5 * self.cell.wafer.diameter), STATION);
+        }
+    }
+
+    /// Names of stations beyond them, and where they are entered.
+    fn names(&self, svg: &mut Svg, camera: &Camera, (top, bottom): (f64, f64)) {
+        let radius = 0.5 * self.cell.wafer.diameter;
+        for station in &self.cell.stations {
+            let frame = station.slot_frame(1);
+            let place = center(frame.translation.vector);
+            let inward = frame.rotation * nalgebra::Vector3::y();
+            let (x, y) = camera.at(place);
+            let r = radius * camera.scale;
+            let arrow = [
+                (x - 0.75 * r * inward.x, y + 0.75 * r * inward.y),
+                (x - 0.25 * r * inward.x, y + 0.25 * r * inward.y),
+            ];
+            svg.path(&path_data(&arrow), &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));
+            svg.path(&dot(arrow[1], 2.6), &format!(" fill=\"{INK}\""));
+            let normal = frame.rotation * nalgebra::Vector3::z();
+            let lean = normal.x.hypot(normal.y).atan2(normal.z).to_degrees();
+            let slots = if station.slots > 1 {
+                format!(", {} slots", station.slots)
+            } else {
+                String::new()
+            };
+            let tilt = if lean > 5e-4 { format!(", {}°", short(lean)) } else { String::new() };
+            let text = format!("{}{slots}{tilt}", station.name);
+            let half = 0.5 * width(&text, TICK);
+            let x = x.clamp(half + 4.0, (self.width - half - 4.0).max(half + 4.0));
+            // Beyond the station, seen from the robot.
+            let beyond = if place[1] < 0.0 { y + r + 16.0 } else { y - r - 8.0 };
+            let y = beyond.clamp(top + TICK, bottom - 4.0);
+            svg.text((x, y), TICK, Anchor::Middle, &text, RIM);
+        }
+    }
+
+    /// What colours mean, in rows that fit the page: a drawn sign and a text each.
+    fn legend_rows(&self) -> Vec<Vec<(String, String)>> {
+        let mut entries: Vec<(String, String)> = Vec::new();
+        for (k, track) in self.tracks.iter().enumerate() {
+            let name =
+                &self.cell.robot.arms[track.effector.arm].effectors[track.effector.effector].name;
+            let colour = effector_colour(k).hex();
+            let gaps = if k.is_multiple_of(2) { "" } else { " stroke-dasharray=\"8 6\"" };
+            let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"{gaps}");
+            let dash = if k.is_multiple_of(2) { "2 4" } else { "4 3" };
+            let reach =
+                format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
+            entries.push((element("M0 0h20", &look), format!("wafer centre of {name}")));
+            entries.push((element("M0 0h20", &reach), format!("reach of {name}")));
+        }
+        let swatch = |look: &str| element("M0 -5h20v10h-20z", look);
+        if self.cell.zones.iter().any(|zone| zone.rule == ZoneRule::KeepOut) {
+            entries.push((swatch(FORBIDDEN), "keep out".to_owned()));
+        }
+        if self.cell.zones.iter().any(|zone| zone.rule == ZoneRule::Safe) {
+            entries.push((swatch(ALLOWED), "safe".to_owned()));
+        }
+        if self.cell.bodies.iter().any(|body| body.carrier == Carrier::World) {
+            entries.push((swatch(BODY), "body".to_owned()));
+        }
+        if !self.wrong.is_empty() {
+            let look = format!(" stroke=\"{}\" stroke-width=\"2.4\"", Colour::VERMILLION.hex());
+            entries.push((element("M5 -4.5l9 9m0 -9l-9 9", &look), "violation".to_owned()));
+        }
+        let mut rows: Vec<Vec<(String, String)>> = Vec::new();
+        let mut room = 0.0;
+        for entry in entries {
+            let wide = entry_width(&entry.1);
+            if rows.is_empty() || wide > room {
+                rows.push(Vec::new());
+                room = self.width - 2.0 * MARGIN + 16.0;
+            }
+            room -= wide;
+            if let Some(row) = rows.last_mut() {
+                row.push(entry);
+            }
+        }
+        rows
+    }
+
+    fn draw_legend(&self, svg: &mut Svg, entries: &[(String, String)], y: f64) {
+        let total: f64 = entries.iter().map(|(_, text)| entry_width(text)).sum::<f64>() - 16.0;
+        let mut x = 0.5 * (self.width - total);
+        for (drawn, text) in entries {
+            svg.elements(&format!(
+                "<g transform=\"translate({} {})\">\n{drawn}</g>\n",
+                px(x),
+                px(y)
+            ));
+            svg.text((x + 26.0, y + HALF_CAPITAL * TICK), TICK, Anchor::Start, text, "");
+            x += entry_width(text);
+        }
+    }
+}
+
+/// Width of a legend entry with the gap behind it [px].
+fn entry_width(text: &str) -> f64 {
+    26.0 + width(text, TICK) + 16.0
+}
+
+/// A number with at most three decimals.
+fn short(value: f64) -> String {
+    let text = format!("{value:.3}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn center(vector: nalgebra::Vector3<f64>) -> [f64; 2] {
+    [vector.x, vector.y]
+}
+
+fn polygon(camera: &Camera, corners: &[[f64; 2]]) -> String {
+    if corners.len() < 3 {
+        return String::new();
+    }
+    let spots: Vec<(f64, f64)> = corners.iter().map(|&corner| camera.at(corner)).collect();
+    path_data(&spots) + "z"
+}
+
+fn circle(camera: &Camera, middle: [f64; 2], radius: f64) -> String {
+    dot(camera.at(middle), radius * camera.scale)
+}
+
+fn dot((x, y): (f64, f64), radius: f64) -> String {
+    let (r, d) = (px(radius), px(2.0 * radius));
+    format!("M{} {}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0z", px(x - radius), px(y))
+}
+
+/// The directions of x and y.
+fn axes(svg: &mut Svg, (x, y): (f64, f64)) {
+    let data = format!("M{} {}V{}H{}", px(x), px(y - AXES), px(y), px(x + AXES));
+    svg.path(&data, &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));
+    svg.text((x + AXES + 9.0, y + HALF_CAPITAL * TICK), TICK, Anchor::Middle, "x", "");
+    svg.text((x, y - AXES - 6.0), TICK, Anchor::Middle, "y", "");
+}

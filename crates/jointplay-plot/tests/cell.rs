@@ -1,0 +1,223 @@
+//! Pictures of cells: what they hold, and that nothing is cut off.
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
+use jointplay_cell::robot::{
+    Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
+};
+use jointplay_cell::station::{Approach, Origin, Station, Stroke};
+use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_core::gpr::Gpr;
+use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_plot::Error;
+use jointplay_plot::cell::{Gantt, Span, SpanKind, TopView, Track};
+use resvg::usvg::{Group, Node, Options, Tree, roxmltree::Document};
+
+const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
+
+/// A robot with a slide before two stations, one of them leaning, a wall and a zone.
+fn cell() -> Cell {
+    let dynamics = Dynamics { velocity: 1.0, acceleration: 5.0, jerk: 50.0 };
+    let axis = |name: &str, kind, min, max| Axis {
+        name: name.to_owned(),
+        kind,
+        min,
+        max,
+        home: 0.5 * (min + max),
+        empty: dynamics,
+        loaded: dynamics,
+    };
+    let gpr = Gpr::paper();
+    let rod = |name| axis(name, MotionKind::Slide, gpr.limits().rod_min, gpr.limits().rod_max);
+    let joint = |kind, drives: usize| ArmJoint {
+        kind,
+        zero: 0.0,
+        drives: vec![(drives, 1.0)],
+        length: 0.1,
+        offset: 0.0,
+        rise: 0.01,
+    };
+    let arm = Arm {
+        name: "slide".to_owned(),
+        mount: [0.0, 0.0, 0.1],
+        joints: vec![joint(MotionKind::Turn, 3), joint(MotionKind::Slide, 4)],
+        effectors: vec![Effector {
+            name: "A".to_owned(),
+            wafer_center: [0.2, 0.0, 0.0],
+            heading: 0.0,
+            support: Support::Edge,
+            friction: 0.4,
+        }],
+        droop: Droop::Rigid,
+    };
+    let axes = vec![
+        rod("q1"),
+        rod("q2"),
+        rod("q3"),
+        axis("T", MotionKind::Turn, -3.0, 3.0),
+        axis("R", MotionKind::Slide, 0.0, 0.3),
+    ];
+    let (model, assumed) = (PlatformModel::default(), vec![]);
+    let robot =
+        HybridRobot { name: "one arm".to_owned(), gpr, model, axes, arms: vec![arm], assumed };
+    let station = |name: &str, x: f64, y: f64, slots: usize, pitch: f64| Station {
+        name: name.to_owned(),
+        base_from_station: Pose::from_parts(
+            nalgebra::Translation3::new(x, y, 0.62),
+            leaning(&Tilt { yaw: 0.4, pitch }.normal()),
+        ),
+        origin: Origin::Nominal,
+        slots,
+        pitch: 0.01,
+        stroke: Stroke { below: 0.005, above: 0.005, speed: 0.05 },
+        offset: [0.0; 3],
+        retract_reach: 0.3,
+        via: vec![],
+        approach: Approach::Radial,
+        effectors: vec![ID],
+        process_time: 0.0,
+    };
+    let wall = Body {
+        name: "wall".to_owned(),
+        carrier: Carrier::World,
+        carrier_from_shape: Pose::translation(0.0, -0.5, 0.5),
+        shape: Shape::Box { half: [0.3, 0.02, 0.5] },
+    };
+    let zone = Zone {
+        name: "door".to_owned(),
+        rule: ZoneRule::KeepOut,
+        base_from_shape: Pose::translation(-0.5, 0.3, 0.5),
+        shape: Shape::Cylinder { radius: 0.1, half_height: 0.5 },
+    };
+    let silicon =
+        Material { name: "silicon".to_owned(), young: 147e9, poisson: 0.18, density: 2329.0 };
+    Cell {
+        name: "a cell".to_owned(),
+        assumed: vec![],
+        robot: robot.checked().unwrap(),
+        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material: silicon },
+        stations: vec![station("port", 0.6, 0.2, 25, 0.0), station("aligner", 0.1, 0.6, 1, 0.014)],
+        occupied: vec![],
+        carried: vec![],
+        bodies: vec![wall],
+        allowed_pairs: vec![],
+        zones: vec![zone],
+        play_budget: 1e-4,
+        clearance: 0.001,
+        slot_clearance: 0.001,
+        gravity: 9.81,
+        plane_threshold: 1e-3,
+    }
+}
+
+fn texts(group: &Group, found: &mut Vec<(String, resvg::tiny_skia::Rect)>) {
+    for node in group.children() {
+        match node {
+            Node::Group(inner) => texts(inner, found),
+            Node::Text(text) => {
+                let content = text.chunks().iter().map(|chunk| chunk.text()).collect();
+                found.push((content, text.abs_bounding_box()));
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Checks that a picture is sound, that no text is cut off, and that these `expected` texts are in it.
+fn check(svg: &str, expected: &[&str]) {
+    assert!(!svg.contains("NaN") && !svg.contains("inf"));
+    Document::parse(svg).unwrap();
+    let mut options = Options::default();
+    options.fontdb_mut().load_font_data(include_bytes!("../fonts/DejaVuSans.ttf").to_vec());
+    let tree = Tree::from_str(svg, &options).unwrap();
+    let mut found = Vec::new();
+    texts(tree.root(), &mut found);
+    for text in expected {
+        assert!(found.iter().any(|(known, _)| known == text), "no {text:?} among {found:?}");
+    }
+    for (text, room) in &found {
+        let inside = room.left() >= 0.0
+            && room.top() >= 0.0
+            && room.right() <= tree.size().width()
+            && room.bottom() <= tree.size().height();
+        assert!(inside, "{text:?} is cut off at {room:?}");
+    }
+}
+
+#[test]
+fn a_cell_from_above() {
+    let cell = cell();
+    let mut view = TopView::new(&cell);
+    let points = (0..200).map(|k| {
+        let angle = 0.01 * f64::from(k);
+        [0.5 * angle.cos(), 0.5 * angle.sin()]
+    });
+    view.tracks.push(Track { effector: ID, reach: [0.3, 0.6], points: points.collect() });
+    view.wrong.push([0.3, 0.4]);
+    let svg = view.to_svg().unwrap();
+    let expected = [
+        "a cell",
+        "port, 25 slots",
+        "aligner, 0.802°",
+        "wafer centre of A",
+        "reach of A",
+        "keep out",
+        "body",
+        "violation",
+    ];
+    check(&svg, &expected);
+    assert_eq!(svg, view.to_svg().unwrap());
+    assert!(view.to_png(400).unwrap().starts_with(b"\x89PNG"));
+    view.width = 10.0;
+    assert!(matches!(view.to_svg(), Err(Error::Size { .. })));
+}
+
+#[test]
+fn a_cell_that_is_too_large_is_refused() {
+    let mut cell = cell();
+    cell.stations[0].base_from_station = Pose::translation(1e9, 0.0, 0.0);
+    cell.stations[1].base_from_station = Pose::translation(0.0, f64::NAN, 0.0);
+    let mut view = TopView::new(&cell);
+    view.tracks.push(Track { effector: ID, reach: [0.0, f64::INFINITY], points: vec![] });
+    assert!(matches!(view.to_svg(), Err(Error::Extent { .. })));
+}
+
+fn gantt(duration: f64) -> Gantt {
+    let span = |from: f64, to: f64, kind| Span { from, to, kind };
+    Gantt {
+        axes: vec!["q1".to_owned(), "T".to_owned()],
+        spans: vec![
+            span(0.0, 0.5 * duration, SpanKind::Instruction("GET port SLOT 1 WITH A".to_owned())),
+            span(0.5 * duration, duration, SpanKind::Instruction("PUT aligner".to_owned())),
+            span(0.0, 0.4 * duration, SpanKind::Empty(1)),
+            span(0.5 * duration, duration, SpanKind::Loaded(0)),
+            span(0.6 * duration, 0.6 * duration, SpanKind::Wrong),
+        ],
+        duration,
+        title: "axes".to_owned(),
+        width: 720.0,
+    }
+}
+
+#[test]
+fn axes_over_time() {
+    let expected =
+        ["axes", "q1", "T", "violations", "GET port SLOT 1 WITH A", "moves empty", "violation"];
+    check(&gantt(8.0).to_svg().unwrap(), &expected);
+}
+
+#[test]
+fn a_long_motion_takes_several_bands() {
+    let (short, long) = (gantt(50.0).to_svg().unwrap(), gantt(500.0).to_svg().unwrap());
+    let rows = |svg: &str| svg.matches(">q1</text>").count();
+    assert_eq!((rows(&short), rows(&long)), (1, 9));
+    check(&long, &["axes", "q1"]);
+    check(&gantt(1e5).to_svg().unwrap(), &["axes", "q1"]);
+}
+
+#[test]
+fn a_motion_that_takes_no_time_is_refused() {
+    for duration in [0.0, f64::NAN, f64::INFINITY] {
+        assert!(matches!(gantt(duration).to_svg(), Err(Error::Extent { .. })), "{duration}");
+    }
+}
