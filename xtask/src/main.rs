@@ -6,6 +6,7 @@
 //! | `tidy`   | Do the documents and sources keep the house rules?  |
 //! | `deps`   | Does each crate import only what its ring may?      |
 //! | `python` | Does the Python package work where it is installed? |
+//! | `cell`   | Do other programs read exported motions?             |
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
 
@@ -15,6 +16,7 @@
     reason = "a chore reports to the person who runs it"
 )]
 
+mod cell;
 mod deps;
 mod finding;
 mod markdown;
@@ -36,6 +38,7 @@ usage: cargo xtask CHORE
   tidy     paths, links, source keys, sizes and unfinished code
   deps     who may import whom
   python   the Python package: its wheel, tested in clean environments
+  cell     exported motions, read by other programs
   studio   the studio's server, held to its own description
   page     the studio's page: built, and tested in a browser";
 
@@ -47,6 +50,7 @@ fn main() -> ExitCode {
         ["tidy"] => tidy::run(&root),
         ["deps"] => deps::run(&root),
         ["python"] => python::run(&root),
+        ["cell"] => cell::run(&root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
         [] | ["help" | "-h" | "--help"] => {

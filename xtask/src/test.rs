@@ -4,7 +4,7 @@
 
 mod doc_links;
 
-use crate::{deps, page, python, studio, tidy};
+use crate::{cell, deps, page, python, studio, tidy};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -54,6 +54,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask tidy" => tidy::run(root),
         "xtask deps" => deps::run(root),
         "xtask python" => python::run(root),
+        "xtask cell" => cell::run(root),
         "xtask studio" => studio::run(root),
         "xtask page" => page::run(root),
         DOC => doc_links::run(cargo(step, root), root),
@@ -87,6 +88,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
     }
     let docs = Step::new(DOC, "mend the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", doc_links::FLAGS)), ..docs });
+    steps.push(Step::new(
+        "xtask cell",
+        "run `jointplay cell export --to …` with the kind that failed, and the reader named above",
+    ));
     steps.push(Step::new(
         "xtask studio",
         "send the request that failed by the `curl` line shown, to `jointplay studio`",
@@ -188,6 +193,7 @@ mod tests {
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
+            "cargo xtask cell",
             "cargo xtask studio",
             "cargo xtask page",
             "cargo xtask python",

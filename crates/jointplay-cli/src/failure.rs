@@ -64,6 +64,10 @@ pub(crate) enum Failure {
     #[cfg(feature = "parquet")]
     #[error("the Parquet writer says: {0}")]
     Parquet(String),
+    #[error(transparent)]
+    Export(#[from] jointplay::format::export::Error),
+    #[error(transparent)]
+    Cell(#[from] jointplay::cell::CellError),
     #[error("cannot draw {figure}: {source}")]
     Figure { figure: String, source: plot::Error },
     #[cfg(feature = "studio")]

@@ -41,6 +41,7 @@ Examples:
   jointplay catalogue                         mechanisms that come with the program
   jointplay mobility bennett                  what of a mechanism can move
   jointplay draw bennett                      what it looks like
+  jointplay cell check                        whether a program of a robot with arms may be run
 
 Exit codes: 0 done, 1 the answer is no (unreachable, over a limit), 2 bad input or usage.")]
 struct Cli {

@@ -2,6 +2,7 @@
 
 mod assemble;
 mod catalogue;
+mod cell;
 mod compare;
 mod completions;
 mod draw;
@@ -39,6 +40,7 @@ pub(crate) enum Command {
     Assemble(assemble::Assemble),
     Move(motion::Move),
     Draw(draw::Draw),
+    Cell(cell::CellCommand),
     Suggest(suggest::Suggest),
     #[cfg(feature = "studio")]
     Studio(studio::Studio),
@@ -61,6 +63,7 @@ impl Command {
             Self::Assemble(command) => command.run(),
             Self::Move(command) => command.run(),
             Self::Draw(command) => command.run(),
+            Self::Cell(command) => command.run(),
             Self::Suggest(command) => command.run(),
             #[cfg(feature = "studio")]
             Self::Studio(command) => command.run(),
@@ -82,6 +85,7 @@ impl Command {
             Self::Compare(command) => command.answer.json(),
             Self::Assemble(command) => command.mechanism.json(),
             Self::Move(command) => command.mechanism.json(),
+            Self::Cell(command) => command.json(),
             Self::Suggest(command) => command.mechanism.json(),
             Self::Simulate(_)
             | Self::Draw(_)

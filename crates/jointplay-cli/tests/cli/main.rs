@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 mod answers;
+mod cell;
 mod desk;
 mod documents;
 mod draw;

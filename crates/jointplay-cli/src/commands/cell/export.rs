@@ -1,0 +1,242 @@
+//! `jointplay cell export`: a program's motion for other programs.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use clap::{Args, ValueEnum};
+use jointplay::format::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
+use jointplay::format::export::{self, Recording};
+use jointplay::format::{place, table};
+use serde::Serialize;
+
+use super::input::{InputArgs, Planned};
+use crate::arguments::{finite, read_text};
+use crate::failure::Failure;
+use crate::progress::Progress;
+use crate::{folder, output};
+
+/// Samples a second [Hz].
+#[derive(Clone, Copy)]
+pub(super) struct Rate(pub(super) f64);
+
+pub(super) fn rate(text: &str) -> Result<Rate, String> {
+    let value = finite(text)?;
+    if (0.1..=100_000.0).contains(&value) {
+        Ok(Rate(value))
+    } else {
+        Err(format!("{value} samples a second are not within 0.1 to 100000"))
+    }
+}
+
+/// Export the motion of a program: tables, glTF, MCAP, SolidWorks, controller text
+///
+/// Every file lasts exactly as long as the motion.
+/// A program with violations exports nothing, unless --despite-errors asks for it; then names and contents of the files say so.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay cell export
+  jointplay cell export --to gltf --rate 60 --out scene
+  jointplay cell export --to text --dialect points --out controller
+
+Exit codes: 0 written, 1 not safe to run or not reachable, 2 bad input or usage.")]
+pub(super) struct Export {
+    #[command(flatten)]
+    pub(super) input: InputArgs,
+    /// What to write, with commas between
+    #[arg(long, value_enum, value_delimiter = ',', default_value = "csv,gltf,solidworks,text")]
+    to: Vec<Kind>,
+    /// How controller text is written: the name of a dialect that comes along (neutral, points), or a dialect file
+    #[arg(long, value_name = "DIALECT", default_value = "neutral")]
+    dialect: PathBuf,
+    /// Samples a second
+    #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
+    rate: Rate,
+    /// Folder for the files
+    #[arg(long, value_name = "FOLDER", default_value = "cell-export")]
+    out: PathBuf,
+    /// Write into a folder that holds other files
+    #[arg(long)]
+    force: bool,
+    /// Export a program with violations too
+    #[arg(long)]
+    despite_errors: bool,
+}
+
+/// In the names of files that should not be run.
+const MARK: &str = "-not-safe-to-run";
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Kind {
+    /// samples as comma-separated values
+    Csv,
+    /// samples as Parquet
+    Parquet,
+    /// the cell in 3D with its motion, one binary glTF file
+    Gltf,
+    /// joint states, trajectories and transforms, for Foxglove and ROS 2
+    Mcap,
+    /// time and value for each motor, and a macro that loads them
+    Solidworks,
+    /// lines for a controller, by --dialect
+    Text,
+}
+
+/// What was written.
+#[derive(Serialize)]
+struct Written {
+    verdict: &'static str,
+    violations: usize,
+    duration_s: f64,
+    rate_hz: f64,
+    files: Vec<PathBuf>,
+}
+
+impl Export {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        folder::probe(&self.out)?;
+        let dialect = dialect(&self.dialect)?;
+        let planned = self.input.plan()?;
+        if !planned.is_sound() && !self.despite_errors {
+            let violations = planned.report.violations.iter();
+            let told = violations
+                .map(|one| (one.place, jointplay::format::report::explain_violation(one)));
+            return Err(Failure::Unsolved(format!(
+                "{}\nnothing is exported, as this is not safe to run; --despite-errors exports it all the same",
+                planned.input.shown(told)
+            )));
+        }
+        let files = self.files(&planned, &dialect)?;
+        let foreign = folder::foreign(&self.out, &own(&planned, &dialect))?;
+        if !foreign.is_empty() && !self.force {
+            let folder = self.out.clone();
+            return Err(Failure::Foreign { folder, command: "cell export", names: foreign });
+        }
+        folder::write(&self.out, &files)?;
+        let written = Written {
+            verdict: planned.document().verdict,
+            violations: planned.report.violations.len(),
+            duration_s: planned.motion.duration(),
+            rate_hz: self.rate.0,
+            files: files.iter().map(|(name, _)| self.out.join(name)).collect(),
+        };
+        if self.input.json() {
+            output::json(&written)
+        } else {
+            output::text(&told(&written, &files))
+        }
+    }
+
+    /// Names and contents.
+    fn files(
+        &self,
+        planned: &Planned,
+        dialect: &Dialect,
+    ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+        let recording = planned.recording();
+        let mut kinds = self.to.clone();
+        kinds.dedup();
+        let mark = if recording.flaws.is_empty() { "" } else { MARK };
+        let stem = format!("{}{mark}", planned.input.named.stem);
+        let mut progress = Progress::new(kinds.len());
+        let mut files = Vec::new();
+        for kind in kinds {
+            progress.stage("writing");
+            files.extend(self.file(kind, &recording, &stem, dialect)?);
+            progress.part_done(1);
+        }
+        Ok(files)
+    }
+
+    fn file(
+        &self,
+        kind: Kind,
+        recording: &Recording<'_>,
+        stem: &str,
+        dialect: &Dialect,
+    ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+        let Rate(rate) = self.rate;
+        Ok(match kind {
+            Kind::Csv => {
+                let columns = export::samples(recording, rate)?;
+                vec![(format!("{stem}.csv"), table::csv(&columns).into_bytes())]
+            }
+            Kind::Parquet => vec![(format!("{stem}.parquet"), parquet(recording, rate)?)],
+            Kind::Gltf => vec![(format!("{stem}.glb"), export::gltf(recording, rate)?)],
+            Kind::Mcap => vec![(format!("{stem}.mcap"), mcap(recording, rate)?)],
+            Kind::Solidworks => {
+                let files = export::solidworks(recording, rate)?.into_iter();
+                files.map(|(name, text)| (name, text.into_bytes())).collect()
+            }
+            Kind::Text => {
+                let text = dialect.write(recording, rate)?.into_bytes();
+                vec![(format!("{stem}-{}.{}", dialect.name, dialect.extension), text)]
+            }
+        })
+    }
+}
+
+/// Names of all files that an export of this cell may write, sound or not.
+fn own(planned: &Planned, dialect: &Dialect) -> BTreeSet<String> {
+    let stem = &planned.input.named.stem;
+    let mut names = BTreeSet::new();
+    for stem in [stem.clone(), format!("{stem}{MARK}")] {
+        names.extend(["csv", "parquet", "glb", "mcap"].map(|end| format!("{stem}.{end}")));
+        names.insert(format!("{stem}-{}.{}", dialect.name, dialect.extension));
+        names.extend(DIALECTS.iter().filter_map(|entry| {
+            let known = Dialect::parse(entry.text).ok()?;
+            Some(format!("{stem}-{}.{}", known.name, known.extension))
+        }));
+    }
+    names.extend(export::solidworks_names(planned.cell()));
+    names
+}
+
+/// A dialect that comes along, or that of a file.
+fn dialect(path: &Path) -> Result<Dialect, Failure> {
+    let label = path.display().to_string();
+    let known = DIALECTS.iter().find(|entry| entry.name == label && !path.exists());
+    let text = match known {
+        Some(entry) => entry.text.to_owned(),
+        None if !path.exists() && path.extension().is_none() => {
+            let names = DIALECTS.map(|entry| entry.name.to_owned());
+            return Err(Failure::Misused(place::not_known("the dialect", &label, &names)));
+        }
+        None => read_text(path, MAX_BYTES as u64)?,
+    };
+    Dialect::parse(&text).map_err(|error| Failure::Robot(error.with_excerpt(&label)))
+}
+
+#[cfg(feature = "parquet")]
+fn parquet(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Failure> {
+    let columns = export::samples(recording, rate)?;
+    table::parquet(&columns).map_err(|error| Failure::Parquet(error.to_string()))
+}
+
+#[cfg(not(feature = "parquet"))]
+fn parquet(_: &Recording<'_>, _: f64) -> Result<Vec<u8>, Failure> {
+    Err(Failure::NoParquet)
+}
+
+#[cfg(feature = "mcap")]
+fn mcap(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Failure> {
+    Ok(export::mcap::write(recording, rate)?)
+}
+
+#[cfg(not(feature = "mcap"))]
+fn mcap(_: &Recording<'_>, _: f64) -> Result<Vec<u8>, Failure> {
+    let text = "this jointplay was built without MCAP: build with --features mcap";
+    Err(Failure::Misused(text.to_owned()))
+}
+
+fn told(written: &Written, files: &[(String, Vec<u8>)]) -> String {
+    let mut text =
+        format!("{:.3} s of motion at {} samples a second\n", written.duration_s, written.rate_hz);
+    if written.violations > 0 {
+        text.push_str("NOT SAFE TO RUN, as every file says\n");
+    }
+    for (path, (_, bytes)) in written.files.iter().zip(files) {
+        text.push_str(&format!("  {:<44} {:>12} bytes\n", path.display(), bytes.len()));
+    }
+    text
+}

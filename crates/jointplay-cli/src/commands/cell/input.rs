@@ -1,0 +1,267 @@
+//! Cells and programs, as given on the command line.
+
+use std::path::{Component, Path, PathBuf};
+
+use clap::Args;
+use jointplay::cell::cell::Cell;
+use jointplay::cell::check::{CheckOptions, Report, Verdict, check};
+use jointplay::cell::motion::{Motion, MotionOptions, timed};
+use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, expand};
+use jointplay::cell::robot::EffectorId;
+use jointplay::format::export::{Flaw, Recording};
+use jointplay::format::place::Error as Placed;
+use jointplay::format::{cell, program, report};
+
+use crate::arguments::{TextFormat, read_text};
+use crate::failure::Failure;
+use crate::progress::Progress;
+
+/// What the example is called, in place of a file.
+pub(super) const EXAMPLE: &str = "example";
+/// What names of programs end in.
+const PROGRAM: &str = "program";
+
+/// A cell file, and how the answer is told.
+#[derive(Args)]
+pub(super) struct CellArgs {
+    /// Cell file (TOML); without it, the example that comes along
+    #[arg(value_name = "CELL")]
+    file: Option<PathBuf>,
+    /// How the answer is printed
+    #[arg(long, value_enum, default_value = "text")]
+    format: TextFormat,
+}
+
+/// A cell and a program for it.
+#[derive(Args)]
+pub(super) struct InputArgs {
+    #[command(flatten)]
+    cell: CellArgs,
+    /// Program; without it, the file beside the cell with the same name that ends in .program
+    #[arg(value_name = "PROGRAM")]
+    program: Option<PathBuf>,
+}
+
+/// A cell, and what it is called in messages and names of files.
+pub(super) struct Named {
+    pub(super) cell: Cell,
+    pub(super) label: String,
+    pub(super) stem: String,
+    pub(super) text: String,
+    /// Where files that it names lie; `None` for the example.
+    pub(super) folder: Option<PathBuf>,
+}
+
+impl Named {
+    pub(super) fn read(
+        label: String,
+        stem: String,
+        text: String,
+        folder: Option<PathBuf>,
+    ) -> Result<Self, Failure> {
+        let read = cell::read(&text, &mut |name| beside(folder.as_deref(), name));
+        let cell = read.map_err(|problems| Failure::Robot(excerpts(&problems, &label)))?;
+        Ok(Self { cell, label, stem, text, folder })
+    }
+}
+
+/// A cell with a program that it can do something with.
+pub(super) struct Input {
+    pub(super) named: Named,
+    pub(super) program: Program,
+    /// Text of the program, and what messages call it.
+    pub(super) text: String,
+    pub(super) label: String,
+}
+
+/// A program as it runs, and what is wrong with it.
+pub(super) struct Planned {
+    pub(super) input: Input,
+    pub(super) motion: Motion,
+    pub(super) report: Report,
+    pub(super) flaws: Vec<Flaw>,
+}
+
+impl CellArgs {
+    pub(super) fn json(&self) -> bool {
+        self.format == TextFormat::Json
+    }
+
+    fn is_example(&self) -> bool {
+        self.file.as_ref().is_none_or(|path| path == Path::new(EXAMPLE) && !path.exists())
+    }
+
+    pub(super) fn load(&self) -> Result<Named, Failure> {
+        match &self.file {
+            Some(path) if !self.is_example() => {
+                let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                let folder = path.parent().map(Path::to_owned).unwrap_or_default();
+                let text = read_text(path, cell::MAX_BYTES as u64)?;
+                Named::read(path.display().to_string(), stem, text, Some(folder))
+            }
+            _ => {
+                let label = format!("{EXAMPLE}.toml");
+                Named::read(label, EXAMPLE.to_owned(), cell::EXAMPLE.to_owned(), None)
+            }
+        }
+    }
+}
+
+impl InputArgs {
+    pub(super) fn json(&self) -> bool {
+        self.cell.json()
+    }
+
+    pub(super) fn load(&self) -> Result<Input, Failure> {
+        let (text, label) = self.text()?;
+        let named = self.cell.load();
+        let parsed = program::parse(&text).map_err(|problems| excerpts(&problems, &label));
+        // What is wrong with either is told at once.
+        match (named, parsed) {
+            (Ok(named), Ok(program)) => Ok(Input { named, program, text, label }),
+            (Err(Failure::Robot(cell)), Err(program)) => {
+                Err(Failure::Robot(format!("{cell}\n{program}")))
+            }
+            (Err(failure), _) => Err(failure),
+            (_, Err(program)) => Err(Failure::Robot(program)),
+        }
+    }
+
+    /// The program, and what messages call it.
+    fn text(&self) -> Result<(String, String), Failure> {
+        let path = match (&self.program, &self.cell.file) {
+            (Some(path), _) => path.clone(),
+            (None, Some(cell)) if !self.cell.is_example() => {
+                let path = cell.with_extension(PROGRAM);
+                if !path.exists() {
+                    return Err(Failure::Misused(format!(
+                        "there is no {} beside the cell: name the program behind it",
+                        path.display()
+                    )));
+                }
+                path
+            }
+            _ => return Ok((program::EXAMPLE.to_owned(), format!("{EXAMPLE}.{PROGRAM}"))),
+        };
+        let text = read_text(&path, program::MAX_BYTES as u64)?;
+        Ok((text, path.display().to_string()))
+    }
+
+    /// Expands, times and checks the program.
+    pub(super) fn plan(&self) -> Result<Planned, Failure> {
+        let input = self.load()?;
+        let mut progress = Progress::new(3);
+        progress.stage("expanding");
+        let cell = &input.named.cell;
+        let steps = expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
+        progress.part_done(1);
+        progress.stage("timing");
+        let motion = timed(cell, steps, &MotionOptions::default()).map_err(|error| {
+            let problems = error.problems.iter();
+            Failure::Unsolved(input.shown(problems.map(|one| (one.place, one.message.clone()))))
+        })?;
+        progress.part_done(1);
+        progress.stage("checking");
+        let report = check(cell, &motion, &CheckOptions::default());
+        drop(progress);
+        let flaws = report::flaws(&report);
+        Ok(Planned { input, motion, report, flaws })
+    }
+}
+
+impl Input {
+    /// Messages at places of the program, each with its line; the same at one place once.
+    pub(super) fn shown(&self, messages: impl Iterator<Item = (Place, String)>) -> String {
+        let mut told: Vec<(Place, String)> = Vec::new();
+        for one in messages {
+            if !told.contains(&one) {
+                told.push(one);
+            }
+        }
+        let excerpt = |(at, message): &(Place, String)| {
+            report::excerpt(&self.text, *at, message, &self.label)
+        };
+        told.iter().map(excerpt).collect::<Vec<_>>().join("\n")
+    }
+
+    /// Why the program cannot run in this cell: bad input, or the answer is no where it is all about reach and limits.
+    fn refused(&self, errors: &[ProgramError]) -> Failure {
+        let explain = |one| program::explain(&self.text, one).with_excerpt(&self.label);
+        let text = errors.iter().map(explain).collect::<Vec<_>>().join("\n");
+        let out_of_reach = |one: &ProgramError| {
+            matches!(
+                one.problem,
+                ProgramProblem::Range { .. }
+                    | ProgramProblem::Limits { .. }
+                    | ProgramProblem::Unreachable { .. }
+            )
+        };
+        if errors.iter().all(out_of_reach) { Failure::Unsolved(text) } else { Failure::Robot(text) }
+    }
+}
+
+impl Planned {
+    pub(super) fn cell(&self) -> &Cell {
+        &self.input.named.cell
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        self.report.verdict == Verdict::Sound
+    }
+
+    pub(super) fn recording(&self) -> Recording<'_> {
+        Recording {
+            cell: self.cell(),
+            motion: &self.motion,
+            program: &self.input.text,
+            flaws: &self.flaws,
+        }
+    }
+
+    pub(super) fn document(&self) -> report::CellReport {
+        report::cell(self.cell(), &self.input.text, &self.motion, &self.report)
+    }
+
+    /// All effectors of the robot.
+    pub(super) fn effectors(&self) -> Vec<EffectorId> {
+        self.cell().robot.effectors().collect()
+    }
+
+    /// Ends the command as the verdict says.
+    pub(super) fn verdict(&self) -> Result<(), Failure> {
+        if self.is_sound() {
+            return Ok(());
+        }
+        let count = self.report.violations.len();
+        let what = if count == 1 { "violation" } else { "violations" };
+        Err(Failure::Unsolved(format!("{}: {count} {what}, not safe to run", self.input.label)))
+    }
+}
+
+/// What is wrong with a file, each with its line.
+fn excerpts<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> String {
+    problems.iter().map(|one| one.with_excerpt(label)).collect::<Vec<_>>().join("\n")
+}
+
+/// A file that a cell names: in its folder or below, and nowhere else.
+fn beside(folder: Option<&Path>, name: &str) -> Result<Vec<u8>, String> {
+    let Some(folder) = folder else {
+        return Err("the example has no files beside it".to_owned());
+    };
+    let within = |part| matches!(part, Component::Normal(_));
+    if !Path::new(name).components().all(within) {
+        return Err("it has to lie in the folder of the cell or below it".to_owned());
+    }
+    let path = folder.join(name);
+    let allowed = cell::MAX_MESH_BYTES as u64;
+    let told = |error: std::io::Error| error.to_string();
+    let mut bytes = Vec::new();
+    // Counted while reading: pipes and devices do not tell their length.
+    let file = std::fs::File::open(path).map_err(told)?;
+    std::io::Read::read_to_end(&mut std::io::Read::take(file, allowed + 1), &mut bytes)
+        .map_err(told)?;
+    if bytes.len() as u64 > allowed {
+        return Err(format!("it is longer than {allowed} bytes"));
+    }
+    Ok(bytes)
+}

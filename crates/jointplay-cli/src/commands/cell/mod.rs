@@ -1,0 +1,61 @@
+//! `jointplay cell`: a robot with arms among stations, and what a program makes it do.
+
+mod check;
+mod example;
+mod export;
+mod input;
+mod pictures;
+mod run;
+mod teach;
+mod text;
+
+use clap::{Args, Subcommand};
+
+use crate::failure::Failure;
+
+/// Work cells: check programs of robots with arms, run them, export their motion, teach stations
+///
+/// Without files, all of these take the example that comes along: a dual-arm robot between two load ports, an aligner and a process station.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay cell check
+  jointplay cell run --out example-run
+  jointplay cell export --to gltf,csv
+  jointplay cell teach
+  jointplay cell example --out my-cell")]
+pub(crate) struct CellCommand {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Subcommand)]
+enum Action {
+    Check(check::Check),
+    Run(run::Run),
+    Export(export::Export),
+    Teach(teach::Teach),
+    Example(example::ExampleCommand),
+}
+
+impl CellCommand {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        match &self.action {
+            Action::Check(command) => command.run(),
+            Action::Run(command) => command.run(),
+            Action::Export(command) => command.run(),
+            Action::Teach(command) => command.run(),
+            Action::Example(command) => command.run(),
+        }
+    }
+
+    pub(crate) fn json(&self) -> bool {
+        match &self.action {
+            Action::Check(command) => command.input.json(),
+            Action::Run(command) => command.input.json(),
+            Action::Export(command) => command.input.json(),
+            Action::Teach(command) => command.cell.json(),
+            Action::Example(_) => false,
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! `jointplay cell run`: a program as it runs, as data and pictures.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use clap::Args;
+use jointplay::format::{export, table};
+
+use super::export::{Rate, rate};
+use super::input::InputArgs;
+use super::pictures::{PICTURES, pictures};
+use super::text;
+use crate::failure::Failure;
+use crate::{folder, output};
+
+const REPORT: &str = "report.json";
+const SAMPLES: &str = "samples.csv";
+
+/// Run a program: its report, its samples, the cell from above and the axes over time
+///
+/// Samples of a program with violations are written only where --despite-errors asks for them; report and pictures always are, and show what is wrong.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay cell run
+  jointplay cell run --rate 1000 --out fine-run --format json
+
+Exit codes: 0 sound, 1 not safe to run or not reachable, 2 bad input or usage.")]
+pub(super) struct Run {
+    #[command(flatten)]
+    pub(super) input: InputArgs,
+    /// Samples a second
+    #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
+    rate: Rate,
+    /// Folder for the results
+    #[arg(long, value_name = "FOLDER", default_value = "cell-run")]
+    out: PathBuf,
+    /// Write into a folder that holds other files
+    #[arg(long)]
+    force: bool,
+    /// Write the samples of a program with violations too, which are counted in a column of their own
+    #[arg(long)]
+    despite_errors: bool,
+}
+
+impl Run {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        folder::probe(&self.out)?;
+        let own: BTreeSet<String> =
+            PICTURES.into_iter().chain([REPORT, SAMPLES]).map(str::to_owned).collect();
+        let foreign = folder::foreign(&self.out, &own)?;
+        if !foreign.is_empty() && !self.force {
+            let folder = self.out.clone();
+            return Err(Failure::Foreign { folder, command: "cell run", names: foreign });
+        }
+        let planned = self.input.plan()?;
+        let document = planned.document();
+        let mut files = vec![(REPORT.to_owned(), (output::to_json(&document) + "\n").into_bytes())];
+        if planned.is_sound() || self.despite_errors {
+            let columns = export::samples(&planned.recording(), self.rate.0)?;
+            files.push((SAMPLES.to_owned(), table::csv(&columns).into_bytes()));
+        }
+        files.extend(pictures(&planned)?);
+        folder::write(&self.out, &files)?;
+        folder::remove_stale(&self.out, &own, &files)?;
+        if self.input.json() {
+            output::json(&document)?;
+        } else {
+            let mut told = text::report(&document, &planned);
+            told.push_str(&format!("{} files written into {}\n", files.len(), self.out.display()));
+            output::text(&told)?;
+        }
+        planned.verdict()
+    }
+}

@@ -1,0 +1,185 @@
+//! `jointplay cell teach`: stations from taught points.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use clap::Args;
+use jointplay::format::cell::{self, Change};
+use jointplay::format::place::not_known;
+use jointplay::format::report::{self, StationReport, TeachReport};
+use jointplay::format::units::m_from_mm;
+use jointplay::nalgebra::Vector3;
+
+use super::input::{CellArgs, Named};
+use crate::arguments::{finite, length};
+use crate::failure::Failure;
+use crate::output::fixed;
+use crate::{folder, output};
+
+/// Place a station from taught points, or tell where stations are
+///
+/// Three points or more on the resting plane give its tilt, how far they are from one plane, and a verdict; the place of the first and the last wafer gives the tilt by drift.
+/// Without points it tells what the cell file says of its stations.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay cell teach
+  jointplay cell teach --station ALIGN --point-mm 400,600,600 --point-mm 300,600,599 --point-mm 350,700,599.5 --point-mm 350,500,599.5
+
+Exit codes: 0 done, 1 the robot cannot tilt so far or the points are scattered, 2 bad input or usage.")]
+pub(super) struct Teach {
+    #[command(flatten)]
+    pub(super) cell: CellArgs,
+    /// Which station
+    #[arg(long, value_name = "NAME")]
+    station: Option<String>,
+    /// A point of the resting plane in the base frame; three or more
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "station", conflicts_with_all = ["first_mm", "last_mm"])]
+    point_mm: Vec<Point>,
+    /// How far from the plane a point may be
+    #[arg(long, value_name = "UM", default_value = "100", value_parser = threshold)]
+    threshold_um: f64,
+    /// Where the wafer of the first slot rests, in the base frame
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires_all = ["station", "last_mm"])]
+    first_mm: Option<Point>,
+    /// Where the wafer of the last slot rests, in the base frame
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires_all = ["station", "first_mm"])]
+    last_mm: Option<Point>,
+    /// Write it into the cell file, whose comments stay
+    #[arg(long, requires = "station")]
+    write: bool,
+}
+
+/// A point [m].
+#[derive(Clone, Debug)]
+struct Point(Vector3<f64>);
+
+fn point(text: &str) -> Result<Point, String> {
+    let values = text.split(',').map(length).collect::<Result<Vec<f64>, String>>()?;
+    let values: [f64; 3] = values.try_into().map_err(|values: Vec<f64>| {
+        format!("a point has 3 coordinates, {} are given", values.len())
+    })?;
+    Ok(Point(Vector3::from(values.map(m_from_mm))))
+}
+
+fn threshold(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if value > 0.0 && value <= 1e5 {
+        Ok(value)
+    } else {
+        Err(format!("{value} µm is not within 0 to 100000 µm"))
+    }
+}
+
+impl Teach {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let mut named = self.cell.load()?;
+        if let Some(station) = &self.station {
+            let names: Vec<String> =
+                named.cell.stations.iter().map(|station| station.name.clone()).collect();
+            if !names.contains(station) {
+                return Err(Failure::Misused(not_known("the station", station, &names)));
+            }
+            if let Some(change) = self.change() {
+                named = changed(named, station, change)?;
+                if self.write {
+                    self.save(&named)?;
+                }
+            }
+        }
+        let document = report::teach(&named.cell, self.station.as_deref());
+        if self.cell.json() {
+            output::json(&document)?;
+        } else {
+            output::text(&text(&document))?;
+        }
+        let scattered = document.stations.iter().find(|station| {
+            station.plane.as_ref().is_some_and(|plane| plane.verdict == "scattered")
+        });
+        scattered.map_or(Ok(()), |station| {
+            Err(Failure::Unsolved(format!(
+                "the taught points of {} are scattered: teach them again, or allow more by --threshold-um",
+                station.name
+            )))
+        })
+    }
+
+    fn change(&self) -> Option<Change> {
+        match (&self.first_mm, &self.last_mm) {
+            (Some(first), Some(last)) => Some(Change::Drift { first: first.0, last: last.0 }),
+            _ if self.point_mm.is_empty() => None,
+            _ => Some(Change::Taught {
+                points: self.point_mm.iter().map(|point| point.0).collect(),
+                threshold: m_from_mm(self.threshold_um / 1e3),
+            }),
+        }
+    }
+
+    fn save(&self, named: &Named) -> Result<(), Failure> {
+        if named.folder.is_none() {
+            let text = "--write: the example is no file; `jointplay cell example` makes one of it";
+            return Err(Failure::Misused(text.to_owned()));
+        }
+        folder::write_file(Path::new(&named.label), named.text.as_bytes())
+    }
+}
+
+/// The cell with another place of one station.
+fn changed(named: Named, station: &str, change: Change) -> Result<Named, Failure> {
+    let text = cell::set_station(&named.text, station, &[change])
+        .map_err(|problem| Failure::Robot(problem.with_excerpt(&named.label)))?;
+    match Named::read(named.label, named.stem, text, named.folder) {
+        // The file was sound before: what is wrong now are the points.
+        Err(Failure::Robot(message)) => Err(Failure::Unsolved(message)),
+        other => other,
+    }
+}
+
+fn text(report: &TeachReport) -> String {
+    let mut text = format!("{}, stations\n", report.cell);
+    for station in &report.stations {
+        let _ = writeln!(text, "{}", station.name);
+        one(&mut text, station, report.tilt_limit_deg);
+    }
+    text
+}
+
+fn one(text: &mut String, station: &StationReport, limit: f64) {
+    let [x, y, z] = station.position_mm.map(|value| fixed(value, 3));
+    let how = match station.from {
+        "taught" => "in the plane of taught points",
+        "drift" => "from the places of first and last wafer",
+        _ => "nominal, not taught",
+    };
+    let _ = writeln!(text, "  place (mm)           {x}, {y}, {z}; {how}");
+    if let Some(pitch) = station.pitch_mm {
+        let _ = writeln!(text, "  pitch (mm)           {}", fixed(pitch, 3));
+    }
+    let _ = writeln!(
+        text,
+        "  tilt                 {}° toward yaw {}°, {} % of the robot's {}°",
+        fixed(station.tilt_pitch_deg, 4),
+        fixed(station.tilt_yaw_deg, 2),
+        fixed(100.0 * station.tilt_share, 0),
+        fixed(limit, 3)
+    );
+    if let Some(drift) = station.drift_mm {
+        let _ = writeln!(text, "  drift (mm)           {}", fixed(drift, 3));
+    }
+    if let Some(plane) = &station.plane {
+        let distances: Vec<String> = plane.distances_um.iter().map(|&one| fixed(one, 1)).collect();
+        let verdict = match plane.verdict {
+            "fits" => "fits",
+            "unproven" => "unproven: three points always lie in a plane, teach a fourth",
+            _ => "scattered: teach them again",
+        };
+        let _ = writeln!(
+            text,
+            "  points off it (µm)   {}; at most {}, allowed {}",
+            distances.join(", "),
+            fixed(plane.worst_um, 1),
+            fixed(plane.threshold_um, 1)
+        );
+        let _ = writeln!(text, "  verdict              {verdict}");
+    }
+}

@@ -1,0 +1,167 @@
+//! What a check finds, in words.
+
+use std::fmt::Write as _;
+
+use jointplay::cell::check::{Kind, Violation};
+use jointplay::cell::program::Place;
+use jointplay::format::report::{CellReport, InstructionReport, ShareReport, explain_violation};
+
+use super::input::Planned;
+use crate::output::fixed;
+
+/// Pairs of bodies that are listed.
+const PAIRS: usize = 6;
+/// Times that are listed of one violation that comes again and again.
+const TIMES: usize = 4;
+
+/// Verdict, what is wrong, and a table by line of the program.
+pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
+    let mut text = format!("{} with {}\n", report.cell, report.robot);
+    let count = report.violations.len();
+    let verdict = match count {
+        0 => "sound".to_owned(),
+        1 => "1 violation, not safe to run".to_owned(),
+        count => format!("{count} violations, not safe to run"),
+    };
+    let _ = writeln!(text, "  verdict              {verdict}");
+    let _ = writeln!(
+        text,
+        "  program              {}, {} instructions in {} motions",
+        planned.input.label,
+        report.instructions.len(),
+        report.steps
+    );
+    let _ = writeln!(text, "  time                 {} s", fixed(report.duration_s, 3));
+    if let Some(rate) = report.wafers_per_hour {
+        let _ = writeln!(
+            text,
+            "  throughput           {} wafers in it, {} an hour where it is repeated",
+            report.wafers,
+            fixed(rate, 1)
+        );
+    }
+    let _ = writeln!(text, "  looked at            {} samples", report.samples);
+    if !report.assumed.is_empty() {
+        let _ = writeln!(text, "  assumed, not known   {} parameters:", report.assumed.len());
+        for assumed in &report.assumed {
+            let _ = writeln!(text, "    {assumed}");
+        }
+    }
+    if count > 0 {
+        violations(&mut text, planned);
+    }
+    lines(&mut text, report);
+    axes(&mut text, report);
+    if !report.distances.is_empty() {
+        let _ = writeln!(text, "bodies that come nearest");
+        for pair in report.distances.iter().take(PAIRS) {
+            let [a, b] = &pair.bodies;
+            let _ = writeln!(
+                text,
+                "  {:>10} mm at {:>9} s   {a}, {b}",
+                fixed(pair.distance_mm, 3),
+                fixed(pair.time_s, 3)
+            );
+        }
+    }
+    text
+}
+
+/// Every violation with its moment; those of one line and kind under one excerpt.
+fn violations(text: &mut String, planned: &Planned) {
+    let _ = writeln!(text, "violations");
+    type About<'a> = (Place, Kind, &'a [String]);
+    let mut told: Vec<(About<'_>, Vec<&Violation>)> = Vec::new();
+    for one in &planned.report.violations {
+        let about = (one.place, one.kind, &one.names[..]);
+        match told.iter_mut().find(|(known, _)| *known == about) {
+            Some((_, all)) => all.push(one),
+            None => told.push((about, vec![one])),
+        }
+    }
+    for ((place, kind, _), all) in told {
+        // The worst of them stands for all, and each is told its time.
+        let excess = |one: &&&Violation| (one.worst - one.limit).abs();
+        let worst = all.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
+        let Some(worst) = worst else { continue };
+        let message = format!("{kind}: {}", explain_violation(worst));
+        for line in planned.input.shown(std::iter::once((place, message))).lines() {
+            let _ = writeln!(text, "  {line}");
+        }
+        let times: Vec<String> = all
+            .iter()
+            .take(TIMES)
+            .map(|one| match (fixed(one.start, 3), fixed(one.end, 3)) {
+                (start, end) if start == end => start,
+                (start, end) => format!("{start} to {end}"),
+            })
+            .collect();
+        let more = match all.len().saturating_sub(TIMES) {
+            0 => String::new(),
+            more => format!(", and {more} times more (--format json has them all)"),
+        };
+        let _ = writeln!(text, "    at {} s{more}", times.join(", "));
+    }
+}
+
+/// A row for each line of the program, over all its runs.
+fn lines(text: &mut String, report: &CellReport) {
+    let mut rows: Vec<(usize, Vec<&InstructionReport>)> = Vec::new();
+    for one in &report.instructions {
+        match rows.iter_mut().find(|(line, _)| *line == one.line) {
+            Some((_, runs)) => runs.push(one),
+            None => rows.push((one.line, vec![one])),
+        }
+    }
+    rows.sort_by_key(|&(line, _)| line);
+    let _ = writeln!(text, "by line, the most of all its runs; shares of limits in %");
+    let _ = writeln!(
+        text,
+        "  line  runs   s each  speed  accel.  jerk  tilt  play  slip  nearest mm  violations"
+    );
+    for (line, runs) in rows {
+        let most = |pick: &dyn Fn(&InstructionReport) -> f64| {
+            runs.iter().map(|one| pick(one)).fold(0.0, f64::max)
+        };
+        let share = |of: fn(&InstructionReport) -> &Option<ShareReport>| {
+            percent(most(&|one| of(one).as_ref().map_or(0.0, |share| share.share)))
+        };
+        #[expect(clippy::cast_precision_loss, reason = "a count of runs")]
+        let each = runs.iter().map(|one| one.duration_s).sum::<f64>() / runs.len() as f64;
+        let nearest =
+            runs.iter().filter_map(|one| one.nearest.as_ref().map(|pair| pair.distance_mm));
+        let nearest = nearest.reduce(f64::min).map_or("–".to_owned(), |mm| fixed(mm, 2));
+        let _ = writeln!(
+            text,
+            "  {line:>4} {:>5} {:>8} {:>6} {:>7} {:>5} {:>5} {:>5} {:>5} {nearest:>11} {:>11}  {}",
+            runs.len(),
+            fixed(each, 3),
+            share(|one| &one.speed),
+            share(|one| &one.acceleration),
+            share(|one| &one.jerk),
+            percent(most(&|one| one.tilt)),
+            percent(most(&|one| one.play)),
+            share(|one| &one.slip),
+            runs.iter().map(|one| one.violations).sum::<usize>(),
+            runs[0].text
+        );
+    }
+}
+
+fn axes(text: &mut String, report: &CellReport) {
+    let _ = writeln!(text, "axes");
+    for axis in &report.axes {
+        let share = if report.duration_s > 0.0 { axis.moving_s / report.duration_s } else { 0.0 };
+        let _ = writeln!(
+            text,
+            "  {:<20} moves {:>10} s, {:>3} % of the time",
+            axis.name,
+            fixed(axis.moving_s, 3),
+            percent(share)
+        );
+    }
+}
+
+fn percent(share: f64) -> String {
+    fixed(100.0 * share, 0)
+}

@@ -1,0 +1,301 @@
+//! Cells from outside: the example, what breaks it, and what is written.
+
+use crate::desk::{Desk, without_round_off};
+use serde_json::Value;
+
+/// One wafer to the aligner and to the misaligned port.
+pub(crate) const SMALL: &str = "HOME
+TRANSFER LP1 SLOT 1 TO ALIGN WITH A
+TRANSFER ALIGN TO LP2 SLOT 25 WITH A
+HOME
+";
+
+/// A desk with the example's cell, changed, and a small program beside it.
+fn desk(changes: &[(&str, &str)]) -> Desk {
+    let desk = Desk::new();
+    desk.done("cell example --out .");
+    let mut cell = desk.read("example.toml");
+    for (from, to) in changes {
+        assert!(cell.contains(from), "{from}");
+        cell = cell.replace(from, to);
+    }
+    desk.write("example.toml", &cell);
+    desk.write("example.program", SMALL);
+    desk
+}
+
+/// The example's wall, moved into the way of the turning arms.
+const WALL: (&str, &str) =
+    ("position_mm = [100.0, -600.0, 500.0]", "position_mm = [100.0, -350.0, 500.0]");
+
+#[test]
+fn the_first_try_needs_no_flag() {
+    let report = Desk::new().json("cell check");
+    assert_eq!(report["verdict"], "sound");
+    assert_eq!(report["violations"], Value::Array(vec![]));
+    assert!(report["wafers_per_hour"].as_f64().unwrap() > 10.0);
+    assert_eq!(report["wafers"], 25);
+    assert!(report["instructions"].as_array().unwrap().len() > 100);
+    assert!(!report["assumed"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn a_check_reads_well() {
+    let desk = desk(&[]);
+    without_round_off().bind(|| {
+        insta::assert_snapshot!("cell_check", desk.done("cell check example.toml"));
+        insta::assert_snapshot!("cell_teach", desk.done("cell teach example.toml"));
+    });
+}
+
+#[test]
+fn a_run_writes_report_samples_and_pictures() {
+    let desk = desk(&[]);
+    let text = desk.done("cell run example.toml --rate 50");
+    let names = desk.names("cell-run");
+    assert_eq!(
+        names,
+        ["gantt.png", "gantt.svg", "report.json", "samples.csv", "top.png", "top.svg"]
+    );
+    assert!(text.ends_with("6 files written into cell-run\n"), "{text}");
+    let report: Value = serde_json::from_str(&desk.read("cell-run/report.json")).unwrap();
+    let duration = report["duration_s"].as_f64().unwrap();
+    let csv = desk.read("cell-run/samples.csv");
+    let last = csv.lines().last().unwrap();
+    assert_eq!(last.split(',').next().unwrap().parse::<f64>().unwrap(), duration);
+    assert!(csv.starts_with("time_s,line,step,q1_mm,q1_mm_per_s,q1_mm_per_s2,"), "{csv:.100}");
+    for text in ["LP2, 25 slots, 0.8°", "wafer centre of A", "reach of B"] {
+        assert!(desk.read("cell-run/top.svg").contains(text), "{text}");
+    }
+    let gantt = desk.read("cell-run/gantt.svg");
+    assert!(gantt.contains(">RA</text>") && gantt.contains("TRANSFER"), "{gantt}");
+    // Once more over its own files, and not over others.
+    desk.done("cell run example.toml --rate 50");
+    desk.write("cell-run/notes.txt", "mine");
+    let refused = desk.run("cell run example.toml");
+    assert_eq!(refused.code, 2);
+    assert!(
+        refused.stderr.contains("notes.txt") && refused.stderr.contains("--force"),
+        "{}",
+        refused.stderr
+    );
+}
+
+#[test]
+fn a_wall_in_the_way_is_named_at_the_line_and_moment() {
+    let desk = desk(&[WALL]);
+    let run = desk.run("cell check example.toml");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("not safe to run"), "{}", run.stderr);
+    for part in ["not safe to run", "collision: ", "wall", "example.program:3:1: ", "^^^", " s\n"] {
+        assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
+    }
+    let refused = desk.run("cell export example.toml");
+    assert_eq!(refused.code, 1);
+    assert!(refused.stderr.contains("--despite-errors"), "{}", refused.stderr);
+    assert!(!desk.file("cell-export").exists());
+
+    desk.done("cell export example.toml --despite-errors --rate 50");
+    let names = desk.names("cell-export");
+    assert!(names.iter().all(|name| name.to_lowercase().contains("not-safe")), "{names:?}");
+    let text = desk.read("cell-export/example-not-safe-to-run-neutral.txt");
+    assert!(text.starts_with("# NOT SAFE TO RUN: "), "{text:.200}");
+    let csv = desk.read("cell-export/example-not-safe-to-run.csv");
+    assert!(csv.lines().next().unwrap().ends_with(",violations"));
+
+    // What is simulated is shown all the same, but without samples.
+    assert_eq!(desk.run("cell run example.toml").code, 1);
+    assert!(!desk.names("cell-run").contains(&"samples.csv".to_owned()));
+    assert!(desk.read("cell-run/top.svg").contains(">violation</text>"));
+}
+
+#[test]
+fn a_station_that_leans_too_far_is_refused_with_the_numbers() {
+    let desk = desk(&[("pitch_deg = 0.8", "pitch_deg = 2.0")]);
+    let run = desk.run("cell check example.toml");
+    assert_eq!(run.code, 2, "{}", run.stdout);
+    assert!(run.stderr.contains("example.toml:"), "{}", run.stderr);
+    assert!(run.stderr.contains('2') && run.stderr.contains("1.5"), "{}", run.stderr);
+}
+
+#[test]
+fn a_loaded_move_that_is_too_fast_lets_the_wafer_slip() {
+    let desk = desk(&[("robot = \"dual-arm\"", "robot = \"fast.toml\"")]);
+    let fast = include_str!("../../../../robots/dual-arm.toml").replace(
+        "loaded = { velocity_deg_s = 150.0, acceleration_deg_s2 = 400.0, jerk_deg_s3 = 4000.0 }",
+        "loaded = { velocity_deg_s = 300.0, acceleration_deg_s2 = 1200.0, jerk_deg_s3 = 12000.0 }",
+    );
+    desk.write("fast.toml", &fast);
+    let run = desk.run("cell check example.toml --format json");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    let report: Value = serde_json::from_str(&run.stdout).unwrap();
+    let slips: Vec<&Value> = report["violations"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|one| one["kind"] == "slip")
+        .collect();
+    assert!(!slips.is_empty(), "{}", run.stdout);
+    for one in slips {
+        assert!(one["worst"].as_f64().unwrap() > one["limit"].as_f64().unwrap(), "{one}");
+        assert!([2, 3].contains(&one["line"].as_u64().unwrap()), "{one}");
+    }
+    // The robot is looked for beside the cell, and nowhere else.
+    let outside = "robot = \"../fast.toml\"";
+    desk.write(
+        "example.toml",
+        &desk.read("example.toml").replace("robot = \"fast.toml\"", outside),
+    );
+    let refused = desk.run("cell check example.toml");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("folder"), "{}", refused.stderr);
+}
+
+#[test]
+fn all_that_is_wrong_with_a_program_is_told_at_once() {
+    let desk = desk(&[]);
+    desk.write("wrong.program", "HOME\nGTE LP1 SLOT 1\nWAIT 3\n");
+    let run = desk.run("cell check example.toml wrong.program");
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    for part in ["wrong.program:2:1: ", "did you mean `GET`", "wrong.program:3:", "^^^"] {
+        assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
+    }
+    desk.write("wrong.program", "GET LP2 SLOT 1 WITH A\n");
+    let run = desk.run("cell check example wrong.program");
+    assert_eq!(run.code, 2);
+    assert!(
+        run.stderr.contains("wrong.program:1:") && run.stderr.contains("is empty"),
+        "{}",
+        run.stderr
+    );
+    desk.write("wrong.program", "GET LP3 SLOT 1 WITH A\nPUT LP4 WITH A\n");
+    let run = desk.run("cell check example wrong.program");
+    assert_eq!(run.code, 2);
+    for part in ["wrong.program:1:5: ", "LP3", "wrong.program:2:5: ", "LP4"] {
+        assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
+    }
+    let json = desk.run("cell check example wrong.program --format json");
+    let error: Value = serde_json::from_str(&json.stderr).unwrap();
+    assert!(error["error"]["message"].as_str().unwrap().contains("LP3"));
+}
+
+#[test]
+fn a_place_out_of_reach_is_a_no() {
+    let desk = desk(&[]);
+    desk.write("far.program", "GET LP1 SLOT 1 WITH A\nMOVE LINE WITH A BY Y 3000 mm\n");
+    let run = desk.run("cell check example.toml far.program");
+    assert_eq!(run.code, 1, "{}", run.stderr);
+    assert!(run.stderr.contains("far.program:2:"), "{}", run.stderr);
+}
+
+#[test]
+fn files_that_are_not_there_are_named() {
+    let desk = Desk::new();
+    for (line, message) in [
+        ("cell check nowhere.toml", "nowhere.program"),
+        ("cell check nowhere.toml also.program", "cannot read also.program"),
+        ("cell export --dialect rapid", "known: neutral, points"),
+        ("cell export --dialect rapid.toml", "cannot read rapid.toml"),
+        ("cell export --rate 0", "not within 0.1 to 100000"),
+        ("cell export --to step", "possible values: csv"),
+        ("cell teach --station LP9", "known: LP1, LP2, ALIGN, PM1"),
+        ("cell teach --point-mm 1,2,3", "--station"),
+        ("cell teach --station LP1 --point-mm 1,2", "3 coordinates, 2 are given"),
+        ("cell teach --station LP1 --first-mm 1,2,3", "--last-mm"),
+    ] {
+        let run = desk.run(line);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{line}: {}", run.stderr);
+        assert!(run.stderr.contains(message), "{line}: {}", run.stderr);
+        assert_eq!(desk.names(""), [""; 0], "{line} left files behind");
+    }
+}
+
+#[test]
+fn every_file_lasts_as_long_as_the_motion() {
+    let desk = desk(&[]);
+    let written = desk.json("cell export example.toml --rate 50");
+    let duration = written["duration_s"].as_f64().unwrap();
+    let names = desk.names("cell-export");
+    assert_eq!(written["files"].as_array().unwrap().len(), names.len());
+    for name in
+        ["example.csv", "example.glb", "example-neutral.txt", "load-motors.bas", "motor-RB.csv"]
+    {
+        assert!(names.contains(&name.to_owned()), "{names:?}");
+    }
+    let text = desk.read("cell-export/example-neutral.txt");
+    assert!(text.ends_with(&format!("END {duration:.6}\n")));
+    for line in ["TAKE A LP1 1", "LEAVE A ALIGN 1", "LEAVE A LP2 25", "WAIT "] {
+        assert!(text.contains(line), "{line}");
+    }
+    let motor = desk.read("cell-export/motor-T.csv");
+    let last = motor.lines().last().unwrap();
+    assert_eq!(last.split(',').next().unwrap().parse::<f64>().unwrap(), duration);
+
+    desk.write("own.toml", "name = \"own\"\nabout = \"mine\"\nextension = \"x\"\nlength = \"m\"\nangle = \"rad\"\ndecimals = 3\ntime_decimals = 3\naxis = \"{valeu}\"\nbetween = \",\"\ncomment = \"{text}\"\npoint = []\n");
+    let refused = desk.run("cell export example.toml --to text --dialect own.toml --out own");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("own.toml:8:8: "), "{}", refused.stderr);
+    assert!(refused.stderr.contains("did you mean `value`"), "{}", refused.stderr);
+}
+
+#[test]
+fn stations_are_taught_and_written_back() {
+    let desk = desk(&[]);
+    // A plane that leans by 10 mm over 1 m toward -x, and a fifth of a millimetre of scatter.
+    let points = "--point-mm 400,600,600 --point-mm 300,600,599 --point-mm 350,700,599.5 --point-mm 350,500,599.5";
+    let taught = desk.json(&format!("cell teach example.toml --station ALIGN {points}"));
+    let station = &taught["stations"][0];
+    let tilt = station["tilt_pitch_deg"].as_f64().unwrap();
+    assert!((tilt - 0.01_f64.atan().to_degrees()).abs() < 1e-9, "{tilt}");
+    assert_eq!(station["plane"]["verdict"], "fits");
+    assert!(desk.read("example.toml").contains("# A work cell to try things on"));
+
+    let before = desk.read("example.toml");
+    desk.done(&format!("cell teach example.toml --station ALIGN {points} --write"));
+    let after = desk.read("example.toml");
+    assert_ne!(before, after);
+    assert!(after.contains("# A work cell to try things on"), "comments stay");
+    let again = desk.json("cell teach example.toml --station ALIGN");
+    assert_eq!(again["stations"][0], *station);
+
+    let steep = points.replace("599.5", "609.5");
+    let no = desk.run(&format!("cell teach example.toml --station ALIGN {steep}"));
+    assert_eq!(no.code, 1, "{}", no.stderr);
+    assert_eq!(desk.read("example.toml"), after);
+
+    let drift = desk.json(
+        "cell teach example.toml --station LP2 --first-mm -495,-495,500 --last-mm -494,-495,740",
+    );
+    assert!((drift["stations"][0]["drift_mm"].as_f64().unwrap() - 1.0).abs() < 1e-9);
+    let refused = desk.run(&format!("cell teach --station ALIGN {points} --write"));
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("cell example"), "{}", refused.stderr);
+}
+
+#[test]
+fn the_examples_files_replace_nothing() {
+    let desk = Desk::new();
+    desk.done("cell example");
+    assert_eq!(desk.names("example-cell"), ["example.program", "example.toml"]);
+    desk.write("example-cell/example.toml", "mine");
+    let refused = desk.run("cell example");
+    assert_eq!(refused.code, 2);
+    assert_eq!(desk.read("example-cell/example.toml"), "mine");
+}
+
+#[cfg(feature = "mcap")]
+#[test]
+fn mcap_is_written() {
+    let desk = desk(&[]);
+    desk.done("cell export example.toml --to mcap --rate 20");
+    let bytes = std::fs::read(desk.file("cell-export/example.mcap")).unwrap();
+    assert!(bytes.starts_with(b"\x89MCAP0\r\n") && bytes.ends_with(b"\x89MCAP0\r\n"));
+}
+
+#[cfg(not(feature = "mcap"))]
+#[test]
+fn a_build_without_mcap_says_so() {
+    let run = Desk::new().run("cell export --to mcap");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.contains("--features mcap"), "{}", run.stderr);
+}
