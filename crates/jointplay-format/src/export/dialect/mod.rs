@@ -25,7 +25,7 @@ use template::Template;
 use crate::mechanism::{AngleUnit, LengthUnit};
 use crate::place::{Error, read};
 
-/// Longer dialect files are refused [bytes].
+/// Longer dialect files are refused, in bytes.
 pub const MAX_BYTES: usize = 100_000;
 
 /// Most digits behind the point.
