@@ -112,37 +112,131 @@ test('jogging moves the robot, each change is one step of undo', async () => {
   await drawn(page, 'Math.abs(pose.axis_height_m - 0.4) < 1e-9');
 });
 
-test('limits hold the robot where it was, and say why', async () => {
+test('limits stop the robot on its way, and say why', async () => {
   await open();
   await type('pitch', '3');
   expect(await page.getByText('Pitch α reaches from -1.5 to 1.5 °').isVisible()).toBe(true);
-  await page.getByRole('tab', { name: 'Rods' }).click();
+  // One rod alone tilts the platform: it goes as far as the tilt may.
+  await open('#pose=rods,500,500,500');
   await type('rod-1', '520');
-  await page.getByRole('alert').filter({ hasText: 'tilt' }).waitFor();
-  await drawn(page, 'pose.rods_m[0] < 0.51');
-  expect(await value('rod-1')).toBeLessThan(510);
+  await page.getByRole('alert').filter({ hasText: 'Stopped on the way: the tilt is' }).waitFor();
+  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-9 && pose.rods_m[1] === 0.5 && pose.rods_m[2] === 0.5');
+  const stopped = await value('rod-1');
+  expect(stopped).toBeGreaterThan(503);
+  expect(stopped).toBeLessThan(510);
+  // There it can go on: back, and undone.
+  await type('rod-1', '502');
+  await drawn(page, 'Math.abs(pose.rods_m[0] - 0.502) < 1e-9');
+  expect(await page.getByRole('alert').count()).toBe(0);
+  await page.keyboard.press('Control+z');
+  await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-9');
+  // Two limits together: high up there is no room to tilt.
+  await open('#pose=tilt,90,-0.5,740,axis');
+  await type('height', '754');
+  await page.getByRole('alert').filter({ hasText: 'Stopped on the way: rod' }).waitFor();
+  await drawn(page, 'pose.axis_height_m > 0.745 && Math.max(...pose.rods_m) < 0.754 + 1e-9');
+  expect(await value('yaw')).toBeCloseTo(90, 3);
+  expect(await value('pitch')).toBeCloseTo(-0.5, 3);
 });
 
 test('the platform is dragged by its three handles', async () => {
   await open('#pose=xy,0,0,500,axis');
-  const box = (await page.locator('.scene canvas').first().boundingBox())!;
-  // The handles are found as a person finds them: by the pointer's shape.
-  const grab = async (want: (x: number, y: number) => boolean) => {
-    for (let y = box.y + 10; y < box.y + box.height * 0.5; y += 7)
-      for (let x = box.x + 330; x < box.x + box.width - 100; x += 7) {
-        if (!want(x - box.x, y - box.y)) continue;
-        await page.mouse.move(x, y);
-        if ((await page.locator('.scene canvas').first().evaluate((canvas) => (canvas as HTMLElement).style.cursor)) === 'grab') return { x, y };
-      }
-    throw new Error('no handle found');
+  await drawn(page, 'pose.tilt.pitch_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.5) < 1e-9');
+  const canvas = page.locator('.scene canvas').first();
+  // The handles are found as a person finds them: by what the pointer says over them.
+  const found = new Map(
+    await canvas.evaluate((canvas) => {
+      const seen = new Map<string, { x: number; y: number }>();
+      const box = canvas.getBoundingClientRect();
+      for (let y = box.top + 10; y < box.top + box.height * 0.6; y += 6)
+        for (let x = box.left + 330; x < box.right - 100; x += 6) {
+          canvas.dispatchEvent(new PointerEvent('pointermove', { clientX: x, clientY: y }));
+          const says = (canvas as HTMLElement).title;
+          if (says && !seen.has(says)) seen.set(says, { x, y });
+        }
+      return [...seen];
+    }),
+  );
+  expect([...found.keys()].sort()).toEqual(['Drag: tilt about x', 'Drag: tilt about y', 'Drag: up and down']);
+  const drag = async (handle: string) => {
+    const at = found.get(handle)!;
+    await page.mouse.move(at.x, at.y);
+    await page.mouse.down();
+    await page.mouse.move(at.x, at.y - 20, { steps: 4 });
+    await page.mouse.up();
   };
-  const at = await grab(() => true);
+  const still = { x: 'Math.abs(pose.tilt.about_x_rad) < 1e-12', y: 'Math.abs(pose.tilt.about_y_rad) < 1e-12', z: 'Math.abs(pose.axis_height_m - 0.5) < 1e-12' };
+  const moved: [string, string][] = [
+    ['Drag: up and down', `pose.axis_height_m > 0.502 && ${still.x} && ${still.y}`],
+    ['Drag: tilt about x', `Math.abs(pose.tilt.about_x_rad) > 1e-3 && ${still.y} && ${still.z}`],
+    ['Drag: tilt about y', `Math.abs(pose.tilt.about_y_rad) > 1e-3 && ${still.x} && ${still.z}`],
+  ];
+  for (const [handle, holds] of moved) {
+    await drag(handle);
+    await drawn(page, holds);
+    await page.keyboard.press('Control+z');
+    await drawn(page, `${still.x} && ${still.y} && ${still.z}`);
+  }
+});
+
+test('number fields speak inches where lengths do', async () => {
+  await open('#pose=tilt,0,1,500,axis');
+  await page.getByLabel('Unit of length').selectOption('inch');
+  expect(await value('height')).toBeCloseTo(500 / 25.4, 5);
+  await type('height', '20');
+  await drawn(page, 'Math.abs(pose.axis_height_m - 0.508) < 1e-12');
+  await page.getByRole('button', { name: 'Height more by 0.05 in' }).click();
+  await drawn(page, 'Math.abs(pose.axis_height_m - 0.50927) < 1e-9');
+  await page.getByRole('tab', { name: 'Rods' }).click();
+  await type('rod-1', '20.05');
+  await drawn(page, 'Math.abs(pose.rods_m[0] - 0.50927) < 1e-9');
+  await page.getByLabel('Unit of length').selectOption('mm');
+  expect(await value('rod-1')).toBeCloseTo(509.27, 3);
+  await page.getByRole('tab', { name: 'Yaw and pitch' }).click();
+});
+
+test('panels are folded, resized and moved, and stay so', async () => {
+  await open();
+  const panels = async (side: string) => (await page.locator(`aside.${side} section h2 .fold`).allTextContents()).map((text) => text.trim());
+  const usual = ['Move', 'Where is the play?', 'Play in the platform plane', 'What can move', 'How much play a tilt takes'];
+  expect(await panels('right')).toEqual(usual);
+  expect(await page.locator('aside.left').count()).toBe(0);
+  // By the keyboard: one place down, and to the other side.
+  await page.getByTestId('grip-move').focus();
+  await page.keyboard.press('ArrowDown');
+  expect((await panels('right')).slice(0, 2)).toEqual(['Where is the play?', 'Move']);
+  await page.keyboard.press('ArrowUp');
+  expect(await panels('right')).toEqual(usual);
+  await page.getByTestId('grip-mobility').focus();
+  await page.keyboard.press('ArrowLeft');
+  expect(await panels('left')).toEqual(['What can move']);
+  // By the pointer: dragged over the panel at the left.
+  await page.getByTestId('grip-models').scrollIntoViewIfNeeded();
+  const grip = (await page.getByTestId('grip-models').boundingBox())!;
+  const over = (await page.getByTestId('grip-mobility').boundingBox())!;
+  await page.mouse.move(grip.x + 5, grip.y + 5);
   await page.mouse.down();
-  await page.mouse.move(at.x, at.y - 15, { steps: 3 });
+  await page.mouse.move(over.x - 40, over.y + 2, { steps: 5 });
   await page.mouse.up();
-  await drawn(page, 'pose.axis_height_m > 0.502');
-  await page.keyboard.press('Control+z');
-  await drawn(page, 'Math.abs(pose.axis_height_m - 0.5) < 1e-9');
+  expect(await panels('left')).toEqual(['Where is the play?', 'What can move']);
+  await page.getByRole('separator', { name: 'Width of the panels, left' }).focus();
+  await page.keyboard.press('ArrowRight');
+  expect((await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
+  await page.getByRole('button', { name: 'What can move', exact: true }).click();
+  expect(await page.getByTestId('counted').count()).toBe(0);
+  await page.reload();
+  await drawn(page);
+  expect(await panels('left')).toEqual(['Where is the play?', 'What can move']);
+  expect((await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
+  expect(await page.getByTestId('counted').count()).toBe(0);
+  await page.locator('body').press('b');
+  expect(await page.locator('aside').count()).toBe(0);
+  await page.locator('body').press('b');
+  await page.keyboard.press('?');
+  await page.getByRole('button', { name: 'Panels as at first' }).click();
+  await page.keyboard.press('Escape');
+  expect(await panels('right')).toEqual(usual);
+  expect(await page.getByTestId('counted').count()).toBe(1);
 });
 
 test('models, solver, metric and what is shown', async () => {
@@ -156,6 +250,9 @@ test('models, solver, metric and what is shown', async () => {
   await page.getByTestId('solver').selectOption('least-norm');
   await drawn(page, "pose.models[0].answer.solver === 'least-norm'");
   await page.getByTestId('show-ghost').check();
+  const gaps = await page.getByTestId('gaps').locator('[data-value]').all();
+  expect(gaps).toHaveLength(3);
+  for (const gap of gaps) expect(Number(await gap.getAttribute('data-value'))).toBeGreaterThan(1e-6);
   await page.getByRole('button', { name: 'Why do they differ?' }).click();
   expect(await page.getByRole('heading', { name: 'Why the models put the centre in different places' }).isVisible()).toBe(true);
   await page.keyboard.press('Escape');
@@ -177,7 +274,8 @@ test('a link holds pose, model, play and view', async () => {
   await open('#pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
   await page.getByRole('button', { name: 'Link' }).click();
   const link = await page.evaluate(() => navigator.clipboard.readText());
-  expect(link).toContain('#pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
+  expect(link).toMatch(/#robot=GPR%20of%20the%20paper,[0-9a-f]{8}&pose=/);
+  expect(link).toContain('&pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
   const other = await visit();
   await other.goto(link);
   await drawn(other, "Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9 && pose.models[0].model.virtualization === 'radial'");

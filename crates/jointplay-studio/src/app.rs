@@ -14,12 +14,15 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::body::LARGEST_BODY;
+use crate::cell::Desk;
 use crate::guard::{self, Guard};
 use crate::meshes::Folder;
 use crate::page;
 use crate::problem::Problem;
-use crate::routes::{compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study};
-use crate::work::Work;
+use crate::routes::{
+    cell, compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study,
+};
+use crate::work::{Patience, Work};
 
 /// What all requests share.
 #[derive(Clone)]
@@ -27,11 +30,13 @@ pub(crate) struct App {
     pub(crate) robot: Arc<Robot>,
     pub(crate) work: Work,
     pub(crate) folder: Folder,
+    /// The cell that is shown beside the robot.
+    pub(crate) desk: Option<Desk>,
 }
 
 impl App {
-    pub(crate) fn new(robot: Robot, folder: Folder) -> Self {
-        Self { robot: Arc::new(robot), work: Work::new(), folder }
+    pub(crate) fn new(robot: Robot, folder: Folder, patience: Patience) -> Self {
+        Self { robot: Arc::new(robot), work: Work::new(patience), folder, desk: None }
     }
 }
 
@@ -60,6 +65,11 @@ fn api() -> OpenApiRouter<App> {
         .routes(routes!(study::study))
         .routes(routes!(study::study_csv))
         .routes(routes!(study::study_parquet))
+        .routes(routes!(cell::cell_files, cell::save_cell))
+        .routes(routes!(cell::plan))
+        .routes(routes!(cell::motion))
+        .routes(routes!(cell::samples))
+        .routes(routes!(cell::station))
 }
 
 /// The OpenAPI description of the server, as JSON text.
@@ -81,7 +91,10 @@ pub(crate) fn router(app: App, port: u16) -> Router {
         .fallback(fallback)
         .method_not_allowed_fallback(wrong_method)
         .layer(DefaultBodyLimit::max(LARGEST_BODY))
-        .layer(middleware::from_fn_with_state(Guard::new(port), guard::check))
+        .layer(middleware::from_fn_with_state(
+            Guard::new(port, app.work.patience.request),
+            guard::check,
+        ))
         .with_state(app)
 }
 

@@ -9,9 +9,6 @@ use axum::response::{IntoResponse, Response};
 
 use crate::problem::Problem;
 
-/// How long a request may take until its answer begins.
-const LONGEST: Duration = Duration::from_secs(60);
-
 /// Scripts and data come from this server alone; styles may also stand in the page, as three-dimensional views set them.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; \
     img-src 'self' data: blob:; font-src 'self'; connect-src 'self' blob: data:; media-src 'self' blob:; \
@@ -26,15 +23,17 @@ const HEADERS: [(HeaderName, &str); 6] = [
     (HeaderName::from_static("cross-origin-resource-policy"), "same-origin"),
 ];
 
-/// The names under which this server may be asked.
+/// The names under which this server may be asked, and how long a request may take until its answer begins.
 #[derive(Clone)]
 pub(crate) struct Guard {
     hosts: [String; 3],
+    longest: Duration,
 }
 
 impl Guard {
-    pub(crate) fn new(port: u16) -> Self {
-        Self { hosts: ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}")) }
+    pub(crate) fn new(port: u16, longest: Duration) -> Self {
+        let hosts = ["127.0.0.1", "localhost", "[::1]"].map(|name| format!("{name}:{port}"));
+        Self { hosts, longest }
     }
 
     /// Why a request is refused, if it is.
@@ -71,10 +70,11 @@ pub(crate) async fn check(State(guard): State<Guard>, request: Request, next: Ne
     let api = request.uri().path().starts_with("/api/");
     let mut response = match guard.refusal(request.method(), request.headers()) {
         Some(why) => Problem::refused(why).into_response(),
-        None => match tokio::time::timeout(LONGEST, next.run(request)).await {
+        None => match tokio::time::timeout(guard.longest, next.run(request)).await {
             Ok(response) => response,
             Err(_) => {
-                let detail = format!("the request took longer than {} s", LONGEST.as_secs());
+                let detail =
+                    format!("the request took longer than {} s", guard.longest.as_secs_f64());
                 Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail).into_response()
             }
         },

@@ -12,6 +12,7 @@
 //! | `problem.rs` | what went wrong, as RFC 9457 says it |
 //! | `study.rs` | studies, computed and sent batch by batch |
 //! | `work.rs` | computations kept off the thread that serves |
+//! | `cell.rs` | the cell's files, and what a program comes to in it |
 //! | `meshes.rs` | shapes from the robot file's folder |
 //! | `page.rs` | the built page, embedded |
 //! | `wire/` | what requests and answers look like |
@@ -19,6 +20,7 @@
 
 mod app;
 mod body;
+mod cell;
 mod guard;
 mod meshes;
 mod page;
@@ -33,4 +35,5 @@ mod wire;
 mod work;
 
 pub use app::description;
+pub use cell::{CellFiles, EXAMPLE};
 pub use server::{DEFAULT_PORT, Error, Server};

@@ -21,29 +21,36 @@ impl Folder {
         Ok(folder)
     }
 
-    /// Where a shape really is; looked up anew each time, since links may be changed.
+    /// Where a shape really is.
     fn find(&self, mesh: &Mesh) -> Result<PathBuf, robot::Error> {
-        let no = |why: &dyn ToString| mesh.unreadable(why.to_string());
-        let folder = self.0.as_ref().ok_or_else(|| no(&"the robot is not from a file"))?;
-        let folder = folder.canonicalize().map_err(|error| no(&error))?;
-        let file = folder.join(&mesh.path).canonicalize().map_err(|error| no(&error))?;
-        if !file.starts_with(&folder) {
-            return Err(no(&"it leads out of the robot file's folder"));
-        }
-        let found = file.metadata().map_err(|error| no(&error))?;
-        if !found.is_file() {
-            return Err(no(&"it is no file"));
-        }
-        if found.len() > LARGEST {
-            return Err(no(&format!("it is longer than {LARGEST} bytes, the most that is served")));
-        }
-        Ok(file)
+        let folder = self.0.as_deref();
+        let folder =
+            folder.ok_or_else(|| mesh.unreadable("the robot is not from a file".to_owned()))?;
+        within(folder, &mesh.path, LARGEST).map_err(|why| mesh.unreadable(why))
     }
 
     /// The bytes of a shape.
     pub(crate) fn read(&self, mesh: &Mesh) -> Result<Vec<u8>, robot::Error> {
         std::fs::read(self.find(mesh)?).map_err(|error| mesh.unreadable(error.to_string()))
     }
+}
+
+/// Where a file of a folder really is; looked up anew each time, since links may be changed.
+pub(crate) fn within(folder: &Path, name: &str, largest: u64) -> Result<PathBuf, String> {
+    let told = |error: std::io::Error| error.to_string();
+    let folder = folder.canonicalize().map_err(told)?;
+    let file = folder.join(name).canonicalize().map_err(told)?;
+    if !file.starts_with(&folder) {
+        return Err("it leads out of the folder of the file that names it".to_owned());
+    }
+    let found = file.metadata().map_err(told)?;
+    if !found.is_file() {
+        return Err("it is no file".to_owned());
+    }
+    if found.len() > largest {
+        return Err(format!("it is longer than {largest} bytes, the most that is served"));
+    }
+    Ok(file)
 }
 
 /// The media type of a shape.

@@ -6,7 +6,6 @@ use rust_embed::RustEmbed;
 
 use crate::problem::Problem;
 
-// `npm run build` touches this file: cargo watches embedded files, but not for the first of them to appear.
 /// Files of the built page; none where it was not built before this program.
 #[derive(RustEmbed)]
 #[folder = "../../studio/dist"]

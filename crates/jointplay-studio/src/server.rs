@@ -9,7 +9,9 @@ use jointplay::format::robot::{self, Robot};
 use tokio::runtime::{Builder, Runtime};
 
 use crate::app::{self, App};
+use crate::cell::{CellFiles, Desk};
 use crate::meshes::Folder;
+use crate::work::Patience;
 
 /// The port that is taken where none is asked for, if it is free.
 pub const DEFAULT_PORT: u16 = 4816;
@@ -66,8 +68,15 @@ impl Server {
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let runtime = Builder::new_current_thread().enable_all().build()?;
-        let app = App::new(robot, folder);
+        let app = App::new(robot, folder, Patience::default());
         Ok(Self { listener, address, runtime, app })
+    }
+
+    /// Shows a cell beside the robot.
+    #[must_use]
+    pub fn with_cell(mut self, files: CellFiles) -> Self {
+        self.app.desk = Some(Desk::new(files));
+        self
     }
 
     /// Where a browser finds the page.

@@ -21,8 +21,6 @@ use crate::wire::study::{ColumnName, Commanded, Samples, Source, StudyRequest, c
 
 /// Samples in a batch: enough to hide the cost of a message, few enough to show progress.
 pub(crate) const BATCH: usize = 4096;
-/// How long a study may take, whoever reads it included.
-const LONGEST: Duration = Duration::from_secs(600);
 /// How long whoever reads may leave a batch unread.
 const LONGEST_PAUSE: Duration = Duration::from_secs(60);
 /// The most samples of a file that is made whole before it is sent, as `jointplay simulate` has it.
@@ -138,8 +136,8 @@ enum Stopped {
     Unread,
     /// The server ends.
     Ended,
-    /// It took too long.
-    TooLong,
+    /// It took longer than it may.
+    TooLong(Duration),
     /// A problem of all samples alike.
     Core(jointplay::Error),
     /// The writer failed.
@@ -152,7 +150,9 @@ impl Stopped {
         std::io::Error::other(match self {
             Self::Unread => "the study was not read".to_owned(),
             Self::Ended => "the server ends".to_owned(),
-            Self::TooLong => format!("the study took longer than {} s", LONGEST.as_secs()),
+            Self::TooLong(longest) => {
+                format!("the study took longer than {} s", longest.as_secs_f64())
+            }
             Self::Core(error) => error.to_string(),
             Self::Arrow(error) => error.to_string(),
         })
@@ -308,8 +308,9 @@ fn stream(app: &App, study: Study, mut format: impl Format) -> Result<Body, Prob
             if work.stopping() {
                 return Err(Stopped::Ended);
             }
-            if begun.elapsed() > LONGEST {
-                return Err(Stopped::TooLong);
+            let longest = work.patience.study;
+            if begun.elapsed() > longest {
+                return Err(Stopped::TooLong(longest));
             }
             if bytes.is_empty() { Ok(()) } else { patiently(&sender, Ok(bytes.into())) }
         };

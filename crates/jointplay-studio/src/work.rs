@@ -9,27 +9,44 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::problem::Problem;
 
+/// How long requests may take.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Patience {
+    /// A request until its answer begins.
+    pub(crate) request: Duration,
+    /// A study, whoever reads it included.
+    pub(crate) study: Duration,
+}
+
+impl Default for Patience {
+    fn default() -> Self {
+        Self { request: Duration::from_secs(60), study: Duration::from_secs(600) }
+    }
+}
+
 /// How long a request waits for its turn before it is turned away.
 const LONGEST_WAIT: Duration = Duration::from_secs(10);
 
 /// The most studies that run at a time; apart from other questions, which need not wait for them.
 const STUDIES: usize = 4;
 
-/// As many threads for questions as the machine has cores, some for studies, and whether they are to stop.
+/// As many threads for questions as the machine has cores, some for studies, how long they may take, and whether they are to stop.
 #[derive(Clone)]
 pub(crate) struct Work {
     turns: Arc<Semaphore>,
     studies: Arc<Semaphore>,
     stopping: Arc<AtomicBool>,
+    pub(crate) patience: Patience,
 }
 
 impl Work {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(patience: Patience) -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
             turns: Arc::new(Semaphore::new(cores)),
             studies: Arc::new(Semaphore::new(STUDIES)),
             stopping: Arc::new(AtomicBool::new(false)),
+            patience,
         }
     }
 

@@ -10,6 +10,11 @@ export type PoseDocument = Schemas['PoseDocument'];
 export type ModelDocument = Schemas['ModelDocument'];
 export type AnswerDocument = Schemas['AnswerDocument'];
 export type MobilityDocument = Schemas['MobilityDocument'];
+export type CellDocument = Schemas['CellDocument'];
+export type PlanDocument = Schemas['PlanDocument'];
+export type StationDocument = Schemas['StationReport'];
+export type ViolationDocument = Schemas['ViolationReport'];
+export type StationChange = Omit<Schemas['StationRequest'], 'cell' | 'station'>;
 export type ModelChoice = Schemas['ModelChoice'];
 /** A command as the API takes it, in m and rad. */
 export type Timed = Schemas['Command'];
@@ -31,13 +36,13 @@ export class Away extends Error {}
 
 const ROOT = './api/v1';
 
-async function ask(path: string, body?: unknown, signal?: AbortSignal): Promise<Response> {
+async function ask(path: string, body?: unknown, signal?: AbortSignal, method = 'POST'): Promise<Response> {
   let response: Response;
   try {
     response = await fetch(`${ROOT}/${path}`, {
       ...(body === undefined
         ? {}
-        : { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) }),
+        : { method, headers: { 'content-type': 'application/json' }, body: JSON.stringify(body) }),
       ...(signal ? { signal } : {}),
     });
   } catch (error) {
@@ -51,6 +56,11 @@ async function ask(path: string, body?: unknown, signal?: AbortSignal): Promise<
 
 export async function robot(): Promise<RobotDocument> {
   return (await ask('robot')).json() as Promise<RobotDocument>;
+}
+
+/** A shape that the robot file names. */
+export async function mesh(part: 'base' | 'platform'): Promise<ArrayBuffer> {
+  return (await ask(`meshes/${part}`)).arrayBuffer();
 }
 
 export function modelChoice(virtualization: string, solver: string, metric: Metric): ModelChoice {
@@ -68,9 +78,13 @@ export function apiCommand(command: Command): Timed {
     : { kind: 'tilt_xy', about_x_rad: radians(command.about_x_deg), about_y_rad: radians(command.about_y_deg), height };
 }
 
-/** One pose under several models; a height of the platform's centre is that of the first. */
-export async function pose(command: Timed, models: ModelChoice[], bounds: boolean): Promise<PoseDocument> {
-  return (await ask('pose', { command, models, mobility: true, bounds })).json() as Promise<PoseDocument>;
+/**
+ * One pose under several models; a height of the platform's centre is that of the first.
+ * With the rods from which it comes, the robot stops where its way meets a limit.
+ */
+export async function pose(command: Timed, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
+  const from = from_rods_m ? { from_rods_m } : {};
+  return (await ask('pose', { command, models, ...from })).json() as Promise<PoseDocument>;
 }
 
 /** What is plotted of a motion, or moves the robot. */
@@ -114,4 +128,45 @@ function apiMotion(motion: Motion): Schemas['StudyRequest']['motion'] {
     pitch_deg: { from: motion.pitch_from_deg, to: motion.pitch_to_deg, step: motion.pitch_step_deg },
     axis_height_m: metres(motion.height_mm),
   };
+}
+
+// The cell
+
+export interface CellTexts {
+  cell: string;
+  program: string;
+}
+
+export async function cell(): Promise<CellDocument> {
+  return (await ask('cell')).json() as Promise<CellDocument>;
+}
+
+/** Keeps both texts in their files. */
+export async function saveCell(texts: CellTexts): Promise<CellDocument> {
+  return (await ask('cell', texts, undefined, 'PUT')).json() as Promise<CellDocument>;
+}
+
+/** What a program comes to in a cell. */
+export async function plan(texts: CellTexts, signal: AbortSignal): Promise<PlanDocument> {
+  return (await ask('cell/plan', texts, signal)).json() as Promise<PlanDocument>;
+}
+
+/** Keys of the motion, between which the page interpolates [Hz]. */
+const CELL_RATE_HZ = 25;
+
+/** The cell in motion, as binary glTF. */
+export async function cellMotion(texts: CellTexts, signal: AbortSignal): Promise<ArrayBuffer> {
+  return (await ask('cell/motion.glb', { ...texts, rate_hz: CELL_RATE_HZ }, signal)).arrayBuffer();
+}
+
+/** The motion sample by sample, as a stream in Arrow's format. */
+export async function cellSamples(texts: CellTexts, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
+  const response = await ask('cell/samples', { ...texts, rate_hz: CELL_RATE_HZ }, signal);
+  if (!response.body) throw new Away('the server sent no samples');
+  return response.body;
+}
+
+/** The text of the cell with new values of one station; its comments stay. */
+export async function setStation(text: string, station: string, change: StationChange): Promise<CellTexts> {
+  return (await ask('cell/station', { cell: text, station, ...change })).json() as Promise<CellTexts>;
 }

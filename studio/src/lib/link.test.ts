@@ -1,6 +1,6 @@
 import { describe, expect, test } from 'vitest';
 import { firstDocument, paperStudy, type Command, type Document } from './document';
-import { fromHash, toHash, type Linked } from './link';
+import { fingerprint, fromHash, toHash, type Linked } from './link';
 
 const usual = firstDocument(500);
 
@@ -28,6 +28,7 @@ describe('a link says again what it was made of', () => {
     for (const motion of motions)
       test(`${command.kind}, ${motion?.kind ?? 'no motion'}`, () => {
         const linked: Linked = {
+          robot: { name: 'Gerät, #1 & “2”', print: '0badcafe' },
           document: {
             ...usual,
             command,
@@ -53,10 +54,11 @@ describe('what a link garbles is as usual', () => {
     '#pose=rods,1,2,&model=,,-3&motion=raster,1&sample=-1',
     '#pose=%E0%A4%A&motion=key-poses;1,2',
     '#pose=spin,1,2,3,axis',
+    '#robot=somebody',
   ];
   for (const hash of cases)
     test(hash, () => {
-      expect(fromHash(hash, usual)).toEqual({ document: usual, view: null, sample: null });
+      expect(fromHash(hash, usual)).toEqual({ robot: null, document: usual, view: null, sample: null });
     });
 
   test('an exaggeration out of range is the nearest allowed', () => {
@@ -67,4 +69,10 @@ describe('what a link garbles is as usual', () => {
   test('a link without a motion has none, even where one was kept', () => {
     expect(fromHash('#play=1', { ...usual, motion: paperStudy(500) }).document.motion).toBeNull();
   });
+});
+
+test('a fingerprint is the same for the same, and told in eight digits', () => {
+  expect(fingerprint('')).toBe(fingerprint(''));
+  expect(fingerprint({ rod: 0.5 })).toMatch(/^[0-9a-f]{8}$/);
+  expect(fingerprint({ rod: 0.5 })).not.toBe(fingerprint({ rod: 0.51 }));
 });

@@ -13,6 +13,13 @@ import {
   type Shown,
 } from './document';
 
+/** Which robot a link speaks of. */
+export interface RobotMark {
+  name: string;
+  /** Of its geometry and limits: two robots may have one name. */
+  print: string;
+}
+
 export interface View {
   /** Where the eye is, and what it looks at [mm]. */
   eye_mm: [number, number, number];
@@ -23,6 +30,8 @@ export interface View {
 }
 
 export interface Linked {
+  /** The robot that it was made with, by name and fingerprint; old links name none. */
+  robot: RobotMark | null;
   document: Document;
   view: View | null;
   sample: number | null;
@@ -30,8 +39,9 @@ export interface Linked {
 
 const SHOWN: (keyof Shown)[] = ['joints', 'ghost', 'arrows', 'frames', 'labels'];
 
-export function toHash({ document: chosen, view, sample }: Linked): string {
+export function toHash({ robot, document: chosen, view, sample }: Linked): string {
   const parts: [string, string][] = [
+    ...(robot ? [['robot', `${encodeURIComponent(robot.name)},${robot.print}`] as [string, string]] : []),
     ['pose', poseText(chosen.command)],
     ['model', [chosen.model, chosen.solver, chosen.metric].join(',')],
     ['play', String(chosen.exaggeration)],
@@ -57,6 +67,7 @@ export function fromHash(hash: string, otherwise: Document): Linked {
   const motion = parseMotion(parts.get('motion')) ?? (parts.size > 0 ? null : otherwise.motion);
   const sample = number(parts.get('sample'));
   return {
+    robot: parseRobot(parts.get('robot')),
     document: {
       command: parsePose(words('pose')) ?? otherwise.command,
       model: VIRTUALIZATIONS.find((name) => name === model) ?? otherwise.model,
@@ -72,6 +83,18 @@ export function fromHash(hash: string, otherwise: Document): Linked {
     view: parseView(words('view')),
     sample: motion && sample !== null && Number.isInteger(sample) && sample >= 0 ? sample : null,
   };
+}
+
+function parseRobot(text: string | undefined): RobotMark | null {
+  const found = /^(.*),([0-9a-f]{8})$/s.exec(text ?? '');
+  return found && { name: found[1] as string, print: found[2] as string };
+}
+
+/** Eight digits that differ where two things do (FNV-1a over their JSON). */
+export function fingerprint(thing: unknown): string {
+  let hash = 0x811c9dc5;
+  for (const byte of new TextEncoder().encode(JSON.stringify(thing))) hash = Math.imul(hash ^ byte, 0x01000193);
+  return (hash >>> 0).toString(16).padStart(8, '0');
 }
 
 function decode(text: string): string {

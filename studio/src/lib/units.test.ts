@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { angle, clock, fixed, length, metres, millimetres, power, radians, signed, small, smallAngle } from './units';
+import { angle, clock, fixed, fromUnit, inUnit, length, metres, millimetres, power, radians, signed, small, smallAngle } from './units';
 
 test('numbers are written for people', () => {
   const cases: [string, string][] = [
@@ -31,4 +31,14 @@ test('millimetres keep their bits on the way to metres', () => {
     expect(millimetres(m)).toBe(mm);
   }
   expect(radians(180)).toBe(Math.PI);
+});
+
+test('number fields speak the unit chosen', () => {
+  expect(fromUnit(1, 'inch')).toBe(25.4);
+  expect(fromUnit(19.685, 'inch')).toBe(499.999);
+  expect(inUnit(25.4, 'inch')).toBe(1);
+  for (const mm of [500, 93.218, 1e-3]) {
+    expect(fromUnit(inUnit(mm, 'inch'), 'inch')).toBe(mm);
+    expect(fromUnit(inUnit(mm, 'mm'), 'mm')).toBe(mm);
+  }
 });

@@ -33,6 +33,15 @@ export function length(m: number, unit: LengthUnit, decimals = 3): string {
   return unit === 'mm' ? `${fixed(m * 1000, decimals)} mm` : `${fixed((m * 1000) / INCH_MM, decimals + 2)} in`;
 }
 
+/** What stands in a number field for a length in mm. */
+export const inUnit = (mm: number, unit: LengthUnit): number => (unit === 'mm' ? mm : mm / INCH_MM);
+
+/** The length in mm that a number field means, to the picometre: 1 in is 25.4 mm. */
+export const fromUnit = (value: number, unit: LengthUnit): number => (unit === 'mm' ? value : Number((value * INCH_MM).toFixed(9)));
+
+/** How the unit is called in a number field. */
+export const unitName = (unit: LengthUnit): string => (unit === 'mm' ? 'mm' : 'in');
+
 /** A small length in m: µm, or thousandths of an inch. */
 export function small(m: number, unit: LengthUnit, decimals = 1, plus = false): string {
   const write = plus ? signed : fixed;

@@ -16,6 +16,9 @@ import {
 
 export type Freedom = 'height' | 'about_x' | 'about_y';
 
+/** What a handle does, for people. */
+export const SAYS: Record<Freedom, string> = { height: 'up and down', about_x: 'tilt about x', about_y: 'tilt about y' };
+
 /** How far the pointer goes for one degree [px]: tilts are small, so the drag is geared down. */
 const PIXELS_PER_DEGREE = 90;
 

@@ -88,8 +88,7 @@ export function draw(picture: Picture, body: RobotBody, strokes: Strokes): Label
     sockets.forEach((_, k) => {
       const ball = balls[k] as Vector3;
       const to = ghost.seats[k] as Vector3;
-      strokes.line(ball, to, 1, grey, 9);
-      strokes.dot(to, 2.2, grey, 9);
+      strokes.arrow(ball, to, 1, grey, 9);
       const gap = new Vector3(...(pose.approximate.gaps_m[k] as Triple)).length();
       if (shown.labels) labels.push({ at: rim(k, SIZES.rim), text: `gap ${small(gap, unit)}`, awayFrom: shape.center, colour: legible(grey, theme) });
     });
@@ -103,6 +102,7 @@ export function draw(picture: Picture, body: RobotBody, strokes: Strokes): Label
       const own = models[model.virtualization] as string;
       const strong = model.virtualization === picture.model;
       strokes.arrow(axis, tip, strong ? 1.7 : 1.2, own, strong ? 14 : 12);
+      if (shown.labels) labels.push({ at: tip, text: small(Math.hypot(x, y), unit), awayFrom: axis, colour: legible(own, theme), strong });
     }
     strokes.dot(axis, 1.8, colours.ink, 15);
   }

@@ -46,11 +46,12 @@ export interface Shape3 {
 }
 
 export class Materials {
-  readonly base = new MeshStandardMaterial({ metalness: 0.35, roughness: 0.55 });
-  readonly guide = new MeshStandardMaterial({ metalness: 0.55, roughness: 0.4 });
-  readonly rod = new MeshStandardMaterial({ metalness: 0.85, roughness: 0.25 });
-  readonly ball = new MeshStandardMaterial({ metalness: 0.9, roughness: 0.15 });
-  readonly platform = new MeshStandardMaterial({ metalness: 0.15, roughness: 0.45 });
+  // Little of metal: it shows what surrounds it, and nothing does.
+  readonly base = new MeshStandardMaterial({ metalness: 0.1, roughness: 0.6 });
+  readonly guide = new MeshStandardMaterial({ metalness: 0.15, roughness: 0.5 });
+  readonly rod = new MeshStandardMaterial({ metalness: 0.2, roughness: 0.35 });
+  readonly ball = new MeshStandardMaterial({ metalness: 0.2, roughness: 0.22 });
+  readonly platform = new MeshStandardMaterial({ metalness: 0.05, roughness: 0.5 });
   readonly ghost = new MeshStandardMaterial({
     transparent: true,
     opacity: 0.28,
@@ -103,7 +104,7 @@ export function platePlan(sockets: Point[]): { line: Point[]; holes: [Point, num
 export class RobotBody {
   readonly group = new Group();
   readonly base = new Group();
-  readonly platform: Mesh;
+  readonly platform = new Group();
   readonly ghost = new Group();
   /** Outlines of the platform as built, in its plane. */
   readonly lines: Point[][];
@@ -153,8 +154,9 @@ export class RobotBody {
       curveSegments: 40,
     });
     plate.translate(0, 0, bevel - SIZES.plate / 2);
-    this.platform = mesh(plate, materials.platform, this.group);
+    mesh(plate, materials.platform, this.platform);
     this.platform.matrixAutoUpdate = false;
+    this.group.add(this.platform);
 
     const pale = new ExtrudeGeometry(plateShape(plan.line, plan.holes), { depth: 1, bevelEnabled: false, curveSegments: 40 });
     pale.translate(0, 0, -0.5);
@@ -165,6 +167,13 @@ export class RobotBody {
     this.ghost.matrixAutoUpdate = false;
     this.ghost.visible = false;
     this.group.add(this.ghost);
+  }
+
+  /** Shows a shape from the robot file in place of the one made here. */
+  wear(part: 'base' | 'platform', shape: Object3D): void {
+    drop(this[part]);
+    this[part].clear();
+    this[part].add(shape);
   }
 
   /** Puts rods and balls where the ball centres are [mm]. */
@@ -183,10 +192,14 @@ export class RobotBody {
   }
 
   dispose(): void {
-    this.group.traverse((part) => {
-      if (part instanceof Mesh) part.geometry.dispose();
-    });
+    drop(this.group);
   }
+}
+
+function drop(whole: Object3D): void {
+  whole.traverse((part) => {
+    if (part instanceof Mesh) part.geometry.dispose();
+  });
 }
 
 function circle([x, y]: Point, radius: number): Point[] {

@@ -13,7 +13,6 @@ import {
   PCFShadowMap,
   PerspectiveCamera,
   PlaneGeometry,
-  PMREMGenerator,
   Raycaster,
   Scene,
   ShadowMaterial,
@@ -21,12 +20,12 @@ import {
   Vector3,
   WebGLRenderer,
   type LineBasicMaterial,
+  type Material,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { RoomEnvironment } from 'three/examples/jsm/environments/RoomEnvironment.js';
 import type { Point } from '../lib/geometry';
 import type { View } from '../lib/link';
-import { Handles, type Freedom } from './handles';
+import { Handles, SAYS, type Freedom } from './handles';
 import { paintLabels, type Label } from './labels';
 import { SCENE, type Theme } from './palette';
 import { draw, type Picture } from './picture';
@@ -71,7 +70,9 @@ export class Viewer {
   readonly #materials = new Materials();
   readonly #strokes = new Strokes();
   readonly #sun = new DirectionalLight(0xffffff, 2.1);
-  readonly #sky = new HemisphereLight(0xffffff, 0x8899aa, 0.55);
+  readonly #fill = new DirectionalLight(0xdce8ff, 0.8);
+  readonly #rim = new DirectionalLight(0xffffff, 0.9);
+  readonly #sky = new HemisphereLight(0xffffff, 0x94a0ac, 1.5);
   readonly #ground = new Mesh(new PlaneGeometry(4000, 4000), new ShadowMaterial({ opacity: 0.2 }));
   readonly #grid = new GridHelper(1600, 32);
   readonly #observer: ResizeObserver;
@@ -97,6 +98,10 @@ export class Viewer {
     this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = PCFShadowMap;
+    // Shadows change with the robot, not with the eye.
+    this.#renderer.shadowMap.autoUpdate = false;
+    // Asking each shader for its faults waits until it is built.
+    this.#renderer.debug.checkShaderErrors = import.meta.env.DEV;
     this.#renderer.toneMapping = ACESFilmicToneMapping;
     this.#renderer.toneMappingExposure = 1.05;
     const canvas = this.#renderer.domElement;
@@ -114,12 +119,12 @@ export class Viewer {
       this.invalidate();
       this.#events.viewChanged();
     });
-    const environment = new PMREMGenerator(this.#renderer);
-    this.#scene.environment = environment.fromScene(new RoomEnvironment(), 0.04).texture;
-    environment.dispose();
+    // Lamps rather than a picture of a room: without a graphics card, making that one alone takes seconds.
+    this.#fill.position.set(-620, -260, 420);
+    this.#rim.position.set(120, 760, 520);
     this.#sun.position.set(380, -520, 1100);
     this.#sun.castShadow = true;
-    this.#sun.shadow.mapSize.set(2048, 2048);
+    this.#sun.shadow.mapSize.set(1024, 1024);
     this.#sun.shadow.bias = -0.0006;
     this.#sun.shadow.normalBias = 0.6;
     this.#ground.receiveShadow = true;
@@ -127,7 +132,7 @@ export class Viewer {
     this.#ground.position.z = floor;
     this.#grid.rotation.x = Math.PI / 2;
     this.#grid.position.z = floor + 0.2;
-    this.#scene.add(this.#sun, this.#sun.target, this.#sky, this.#ground, this.#grid, this.#strokes.group);
+    this.#scene.add(this.#sun, this.#sun.target, this.#fill, this.#rim, this.#sky, this.#ground, this.#grid, this.#strokes.group);
 
     canvas.addEventListener('pointerdown', (event) => this.#pointerDown(event), { capture: true });
     canvas.addEventListener('pointermove', (event) => this.#pointerMove(event));
@@ -167,6 +172,25 @@ export class Viewer {
     this.#sun.shadow.camera.updateProjectionMatrix();
   }
 
+  /** Shows a shape from the robot file in place of the one made here. */
+  wear(part: 'base' | 'platform', shape: Object3D): void {
+    this.#body?.wear(part, shape);
+    this.#renderer.shadowMap.needsUpdate = true;
+    this.invalidate();
+    if (this.#untouched && this.#picture) this.begin();
+  }
+
+  /** What a part with its own material is painted with. */
+  material(part: 'base' | 'platform'): Material {
+    return this.#materials[part];
+  }
+
+  /** How large a part is as it is drawn, along x, y and z of the base frame [mm]. */
+  extent(part: 'base' | 'platform'): number[] {
+    const box = this.#body ? new Box3().setFromObject(this.#body[part]) : new Box3();
+    return box.getSize(new Vector3()).toArray();
+  }
+
   set covered(width: number) {
     if (width === this.#covered) return;
     this.#covered = width;
@@ -184,7 +208,9 @@ export class Viewer {
     this.#materials.paint(colours);
     this.#handles?.paint(colours.handle, colours.handleActive);
     this.#sun.intensity = 2.1 * colours.light;
-    this.#scene.environmentIntensity = 0.62 * colours.light;
+    this.#fill.intensity = 0.8 * colours.light;
+    this.#rim.intensity = 0.9 * colours.light;
+    this.#sky.intensity = 1.5 * colours.light;
     (this.#ground.material as ShadowMaterial).opacity = colours.shadow;
     const grid = this.#grid.material as LineBasicMaterial;
     grid.vertexColors = false;
@@ -194,6 +220,8 @@ export class Viewer {
   }
 
   show(picture: Picture): void {
+    if (picture.pose !== this.#picture?.pose || picture.exaggeration !== this.#picture.exaggeration || picture.model !== this.#picture.model)
+      this.#renderer.shadowMap.needsUpdate = true;
     this.#picture = picture;
     if (this.#handles) this.#handles.group.position.z = picture.pose.axis_height_m * 1000;
     this.invalidate();
@@ -452,6 +480,7 @@ export class Viewer {
     if (event.buttons !== 0) return;
     const hot = this.#handles.hit(this.#ray(event));
     this.canvas.style.cursor = hot ? 'grab' : '';
+    this.canvas.title = hot ? `Drag: ${SAYS[hot]}` : '';
     if (this.#handles.heat(hot)) this.invalidate();
   }
 

@@ -60,6 +60,7 @@ export const SHORTCUTS: Shortcut[] = [
   { group: 'View', keys: ['p'], says: 'platform from near', does: () => scene.viewer?.lookAtPlatform() },
   { group: 'View', keys: ['o'], says: 'orthographic or perspective', does: () => scene.viewer?.toggleProjection() },
   { group: 'Page', keys: ['?'], says: 'this sheet', does: () => (layout.helpOpen = !layout.helpOpen) },
+  { group: 'Page', keys: ['b'], says: 'panels shown or hidden', does: () => layout.toggleDocks() },
   { group: 'Page', keys: ['w'], says: 'why the models differ', does: () => (layout.explainOpen = !layout.explainOpen) },
   { group: 'Page', keys: ['t'], says: 'light or dark', does: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];

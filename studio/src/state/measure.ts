@@ -14,6 +14,18 @@ class Measure {
   /** Whether nothing is asked that is not answered. */
   settled = true;
 
+  /** How large the robot file's own shapes are drawn, along x, y and z [mm]. */
+  shapes: Record<string, number[]> = {};
+
+  /** The cell's picture: how often it was drawn, and the names of its parts. */
+  cellPictures = 0;
+  cell: { parts: () => string[] } | null = null;
+
+  cellDrawn(took_ms: number): void {
+    this.took_ms = took_ms;
+    this.cellPictures += 1;
+  }
+
   drawn(pose: PoseDocument | null, took_ms: number): void {
     this.took_ms = took_ms;
     this.pictures += 1;

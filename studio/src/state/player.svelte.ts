@@ -16,6 +16,8 @@ export class Player {
   #position = 0;
   #last = 0;
   #frame = 0;
+  /** Called at the end of a motion that is played once. */
+  #ended: (() => void) | null = null;
 
   constructor(studio: Studio) {
     this.#studio = studio;
@@ -51,9 +53,17 @@ export class Player {
     this.#frame = requestAnimationFrame((now) => this.#tick(now));
   }
 
+  /** Plays from where it is to the end, whatever is said about loops. */
+  playOnce(ended: () => void): void {
+    this.pause();
+    this.play();
+    this.#ended = ended;
+  }
+
   pause(): void {
     if (!this.playing) return;
     this.playing = false;
+    this.#ended = null;
     cancelAnimationFrame(this.#frame);
     this.#studio.rememberLink();
   }
@@ -71,10 +81,12 @@ export class Player {
     this.#position += passed * this.speed * rate;
     const end = this.#count - 1;
     if (this.#position > end) {
-      if (this.loop) this.#position %= end + 1;
+      if (this.loop && !this.#ended) this.#position %= end + 1;
       else {
+        const ended = this.#ended;
         this.#show(end);
         this.pause();
+        ended?.();
         return;
       }
     }

@@ -7,6 +7,7 @@ import {
   VIRTUALIZATIONS,
   type Command,
   type Document,
+  type HeightKind,
   type Metric,
   type Motion,
   type Shown,
@@ -14,7 +15,7 @@ import {
   type Virtualization,
 } from '../lib/document';
 import { History } from '../lib/history';
-import { fromHash, toHash, type View } from '../lib/link';
+import { fingerprint, fromHash, toHash, type RobotMark, type View } from '../lib/link';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
@@ -28,6 +29,33 @@ export type ThemeChoice = 'system' | Theme;
 const RETRY_MS = 1000;
 const LINK = 'link';
 
+/** Decimals of mm and degrees: as people read them, and so that a pose on a limit stays on it. */
+const TIDY = 6;
+const EXACT = 12;
+
+/** A pose as a command. */
+function asCommand(kind: Command['kind'], height_kind: HeightKind, pose: PoseDocument, decimals: number): Command {
+  const round = (value: number) => Number(value.toFixed(decimals));
+  if (kind === 'rods') return { kind, rods_mm: pose.rods_m.map((q) => round(millimetres(q))) as [number, number, number] };
+  const center = pose.models[0]?.answer?.pose.origin_m[2];
+  const height_m = height_kind === 'center' && center !== undefined ? center : pose.axis_height_m;
+  const height_mm = round(millimetres(height_m));
+  const { yaw_rad, pitch_rad, about_x_rad, about_y_rad } = pose.tilt;
+  return kind === 'tilt'
+    ? { kind, yaw_deg: round(degrees(yaw_rad)), pitch_deg: round(degrees(pitch_rad)), height_mm, height_kind }
+    : { kind, about_x_deg: round(degrees(about_x_rad)), about_y_deg: round(degrees(about_y_rad)), height_mm, height_kind };
+}
+
+/** A pose as a command of the kind that was told. */
+function inTermsOf(told: Command, pose: PoseDocument, decimals: number): Command {
+  const command = asCommand(told.kind, told.kind === 'rods' ? 'axis' : told.height_kind, pose, decimals);
+  if (told.kind !== 'tilt' || command.kind !== 'tilt') return command;
+  // Level leans nowhere; and a lean toward one side is a negative one toward the other.
+  if (command.pitch_deg === 0) return { ...command, yaw_deg: told.yaw_deg };
+  if (told.pitch_deg >= 0) return command;
+  return { ...command, pitch_deg: -command.pitch_deg, yaw_deg: command.yaw_deg + (command.yaw_deg > 0 ? -180 : 180) };
+}
+
 export class Studio {
   robot = $state.raw<RobotDocument | null>(null);
   pose = $state.raw<PoseDocument | null>(null);
@@ -35,6 +63,8 @@ export class Studio {
   connection = $state<Connection>('starting');
   /** Why the robot stays where it is, or another thing to tell. */
   notice = $state<string | null>(null);
+  /** The robot that the link was made with, where it is not this one. */
+  stranger = $state<string | null>(null);
   canUndo = $state(false);
   canRedo = $state(false);
   unit = $state<LengthUnit>('mm');
@@ -73,7 +103,7 @@ export class Studio {
       const first = this.robot === null;
       this.robot = robot;
       this.connection = 'here';
-      if (first) this.#follow(window.location.hash || load(LINK, '', (value) => typeof value === 'string'));
+      if (first) this.#follow(window.location.hash || load(this.#linkKey, '', (value) => typeof value === 'string'));
       else {
         this.#ask(this.document.command, true);
         if (this.document.motion && this.study.state !== 'ready') this.loadStudy();
@@ -94,17 +124,31 @@ export class Studio {
     else throw error;
   }
 
+  /** How links name this robot: by all that the server tells of it, but for its own version and shapes. */
+  get #mark(): RobotMark | null {
+    if (!this.robot) return null;
+    const { name, limbs, limits, working_height_m } = this.robot;
+    return { name, print: fingerprint([limbs, limits, working_height_m]) };
+  }
+
+  /** What is kept of one robot means nothing to another. */
+  get #linkKey(): string {
+    return `${LINK}.${this.#mark?.print}`;
+  }
+
   // The document
 
   /** Takes over what a link says. */
   #follow(hash: string): void {
     clearTimeout(this.#linkTimer);
     const usual = firstDocument(millimetres(this.robot?.working_height_m ?? 0.5));
-    const { document, view, sample } = fromHash(hash, usual);
+    const { robot, document, view, sample } = fromHash(hash, usual);
+    const own = this.#mark;
+    this.stranger = robot && own && robot.print !== own.print ? robot.name : null;
     this.document = document;
     this.#good = document.command;
     this.#history = new History(document);
-    this.#mark();
+    this.#tellSteps();
     this.linkedView = view;
     this.#ask(document.command, true);
     this.player.sample = null;
@@ -112,7 +156,7 @@ export class Studio {
     else this.study.clear();
   }
 
-  #mark(): void {
+  #tellSteps(): void {
     this.canUndo = this.#history.canUndo;
     this.canRedo = this.#history.canRedo;
   }
@@ -120,7 +164,7 @@ export class Studio {
   /** Ends a change: all since the last is one step of undo. */
   commit(): Promise<void> {
     return this.#then(() => {
-      if (this.#history.commit(this.document)) this.#mark();
+      if (this.#history.commit(this.document)) this.#tellSteps();
       this.rememberLink();
     });
   }
@@ -145,7 +189,7 @@ export class Studio {
     this.document = document;
     this.notice = null;
     this.player.leave();
-    this.#mark();
+    this.#tellSteps();
     this.#ask(document.command, true);
     this.#renewStudy(before);
     this.rememberLink();
@@ -246,17 +290,22 @@ export class Studio {
         const order = [model, ...VIRTUALIZATIONS.filter((name) => name !== model)];
         const models = order.map((name) => api.modelChoice(name, solver, metric));
         try {
-          const answer = await api.pose(command, models, true);
-          const broken = answer.limits_broken;
-          if (jog && broken.length > 0) {
-            this.#stay(told, broken.map(({ message }) => message).join('; '));
+          const answer = await api.pose(command, models, jog ? this.#from : null);
+          const says = (limits: typeof answer.stopped_by) => limits.map(({ message }) => message).join('; ');
+          if (jog && answer.limits_broken.length > 0) {
+            this.#stay(told, says(answer.limits_broken));
             // At the very first there is no good pose to stay at: better one beyond the limits than none.
             if (!this.pose) this.pose = answer;
             continue;
           }
-          if (jog) this.#good = told;
-          if (jog && !this.#wanted) this.notice = null;
           this.pose = answer;
+          if (!jog) continue;
+          this.#good = told;
+          if (answer.stopped_by.length > 0) {
+            this.#good = inTermsOf(told, answer, EXACT);
+            if (this.document.command === told) this.document = { ...this.document, command: this.#good };
+            this.notice = `Stopped on the way: ${says(answer.stopped_by)}.`;
+          } else if (!this.#wanted) this.notice = null;
         } catch (error) {
           if (error instanceof Refused && jog) this.#stay(told, error.message);
           else this.#failed(error);
@@ -266,6 +315,11 @@ export class Studio {
       this.#asking = null;
       measure.settled = true;
     }
+  }
+
+  /** The rods from which a jog starts, where they are within the limits. */
+  get #from(): number[] | null {
+    return this.pose && this.pose.limits_broken.length === 0 ? this.pose.rods_m : null;
   }
 
   #stay(told: Command, why: string): void {
@@ -278,22 +332,14 @@ export class Studio {
   }
 
   /** Where the robot is, as a command of the kind wanted: what a panel starts from. */
-  commandAs(kind: Command['kind'], height_kind: 'axis' | 'center' = 'axis'): Command | null {
+  commandAs(kind: Command['kind'], height_kind: HeightKind = 'axis'): Command | null {
     const { pose } = this;
     if (!pose) return null;
     if (kind === this.document.command.kind && this.player.sample === null) {
       const { command } = this.document;
       if (command.kind === 'rods' || command.height_kind === height_kind) return command;
     }
-    const round = (value: number) => Math.round(value * 1e6) / 1e6;
-    if (kind === 'rods') return { kind, rods_mm: pose.rods_m.map((q) => round(millimetres(q))) as [number, number, number] };
-    const center = pose.models[0]?.answer?.pose.origin_m[2];
-    const height_m = height_kind === 'center' && center !== undefined ? center : pose.axis_height_m;
-    const height_mm = round(millimetres(height_m));
-    const { yaw_rad, pitch_rad, about_x_rad, about_y_rad } = pose.tilt;
-    return kind === 'tilt'
-      ? { kind, yaw_deg: round(degrees(yaw_rad)), pitch_deg: round(degrees(pitch_rad)), height_mm, height_kind }
-      : { kind, about_x_deg: round(degrees(about_x_rad)), about_y_deg: round(degrees(about_y_rad)), height_mm, height_kind };
+    return asCommand(kind, height_kind, pose, TIDY);
   }
 
   // Motion
@@ -312,7 +358,7 @@ export class Studio {
 
   get link(): string {
     const { document } = this;
-    return toHash({ document, view: this.readView?.() ?? null, sample: this.player.sample });
+    return toHash({ robot: this.#mark, document, view: this.readView?.() ?? null, sample: this.player.sample });
   }
 
   rememberLink(): void {
@@ -320,7 +366,7 @@ export class Studio {
     this.#linkTimer = setTimeout(() => {
       const { link } = this;
       window.history.replaceState(null, '', link);
-      save(LINK, link);
+      save(this.#linkKey, link);
     }, 250);
   }
 

@@ -1,10 +1,10 @@
 //! `jointplay studio`: the robot in a browser.
 
 use std::io::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay_studio::{Error, Server};
+use jointplay_studio::{CellFiles, EXAMPLE, Error, Server};
 
 use crate::arguments::RobotArgs;
 use crate::failure::Failure;
@@ -18,6 +18,7 @@ use crate::output;
 #[command(after_help = "\
 Examples:
   jointplay studio
+  jointplay studio --cell
   jointplay studio --robot my-robot.toml --port 8080 --no-open")]
 pub(crate) struct Studio {
     #[command(flatten)]
@@ -25,6 +26,9 @@ pub(crate) struct Studio {
     /// Port of 127.0.0.1 to serve on; without it, 4816, or a free one where that is taken
     #[arg(long, value_name = "N")]
     port: Option<u16>,
+    /// Work cell (TOML) to show as well, with the program beside it that ends in .program; without a file, the example that comes along
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = EXAMPLE)]
+    cell: Option<PathBuf>,
     /// Do not open the page in the browser
     #[arg(long)]
     no_open: bool,
@@ -44,6 +48,13 @@ impl Studio {
             }
             (error, _) => error.into(),
         })?;
+        let server = match &self.cell {
+            None => server,
+            Some(path) if path == Path::new(EXAMPLE) && !path.exists() => {
+                server.with_cell(CellFiles::example())
+            }
+            Some(path) => server.with_cell(CellFiles::open(path).map_err(Failure::Robot)?),
+        };
         let url = server.url();
         output::text(&format!("the studio is at {url}\n  Ctrl-C ends it\n"))?;
         if !self.no_open

@@ -15,6 +15,7 @@ mod inverse;
 mod limits;
 mod system;
 mod tilt_play;
+mod way;
 
 pub use approximate::Approximate;
 pub use forward::Forward;

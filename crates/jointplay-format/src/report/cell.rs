@@ -13,6 +13,7 @@ use crate::units::{deg, mm};
 
 /// What `cell check` and `cell run` answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct CellReport {
     /// What the cell is called.
     pub cell: String,
@@ -44,6 +45,7 @@ pub struct CellReport {
 
 /// An axis in a motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct AxisReport {
     /// What it is called.
     pub name: String,
@@ -55,6 +57,7 @@ pub struct AxisReport {
 
 /// How near a limit something comes.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ShareReport {
     /// Which axis or effector.
     pub name: String,
@@ -66,6 +69,7 @@ pub struct ShareReport {
 
 /// An instruction as it runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct InstructionReport {
     /// Counted from 1, in the order of running.
     pub number: usize,
@@ -101,6 +105,7 @@ pub struct InstructionReport {
 
 /// Something that is broken for a stretch of time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct ViolationReport {
     /// Such as `speed limit` or `collision`.
     pub kind: String,
@@ -130,6 +135,7 @@ pub struct ViolationReport {
 
 /// How near two bodies come.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct DistanceReport {
     /// Names of both.
     pub bodies: [String; 2],

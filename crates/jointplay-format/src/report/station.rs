@@ -10,6 +10,7 @@ use crate::units::{deg, mm, um};
 
 /// What `cell teach` answers.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct TeachReport {
     /// What the cell is called.
     pub cell: String,
@@ -21,6 +22,7 @@ pub struct TeachReport {
 
 /// A station's frame, and what it comes from.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct StationReport {
     /// What it is called.
     pub name: String,
@@ -46,6 +48,7 @@ pub struct StationReport {
 
 /// How well taught points lie in a plane.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct PlaneReport {
     /// Distance of each point from it, above positive.
     pub distances_um: Vec<f64>,

@@ -1,5 +1,6 @@
 //! One file an endpoint, and what several of them do.
 
+pub(crate) mod cell;
 pub(crate) mod compare;
 pub(crate) mod forward;
 pub(crate) mod inverse;

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::explain::explain;
+use jointplay::format::explain::{explain, explain_limit};
 use jointplay::gpr::Gpr;
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::spatial::Tilt;
@@ -12,14 +12,14 @@ use super::reached;
 use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
-use crate::wire::ModelChoice;
 use crate::wire::pose::{
     AnswerDocument, MOST_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
 };
+use crate::wire::{ModelChoice, Rods, rods};
 
 /// One pose, with all that one picture of it needs
 ///
-/// A pose beyond the robot's limits is computed all the same, and the limits that it breaks are listed.
+/// A pose beyond the robot's limits is computed all the same, and the limits that it breaks are listed; with `from_rods_m` the robot stops where its way meets one.
 /// A model without an answer says why; the others answer.
 #[utoipa::path(
     post,
@@ -42,7 +42,13 @@ pub(crate) async fn pose(
 }
 
 fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
-    let PoseRequest { command, models: choices, mobility: with_mobility, bounds } = request;
+    let PoseRequest {
+        command,
+        from_rods_m: from,
+        models: choices,
+        mobility: with_mobility,
+        bounds,
+    } = request;
     let asked = choices.len();
     if !(1..=MOST_MODELS).contains(&asked) {
         let detail = format!("{asked} models are asked, from 1 to {MOST_MODELS} may be");
@@ -57,8 +63,12 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
     let target = command.read(gpr, "command")?;
     let (rods, tilt) = reached(gpr, target, first.model(), options)?;
     let broken = gpr.limits().broken(&rods, tilt);
+    let (rods, broken, stopped_by) = match from.map(|from| within_limits(gpr, from)).transpose()? {
+        Some(from) => (gpr.last_within_limits(&from, &rods), Vec::new(), broken),
+        None => (rods, broken, Vec::new()),
+    };
     let approximate = gpr.approximate(gpr.plane_tilt(&rods), gpr.plane_height(&rods))?;
-    let mut document = PoseDocument::new(gpr, rods, &broken, &approximate);
+    let mut document = PoseDocument::new(gpr, rods, &broken, &stopped_by, &approximate);
     for (choice, options) in models {
         let found = answer(gpr, rods, choice.model(), &options, bounds, with_mobility);
         let (answer, problem) = match found {
@@ -71,6 +81,18 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
         document.mobility = Some(mobility(gpr, rods)?);
     }
     Ok(document)
+}
+
+/// Rods from which a way may start.
+fn within_limits(gpr: &Gpr, Rods(from): Rods) -> Result<[f64; 3], Problem> {
+    let from = rods(from, "from_rods_m")?;
+    let broken = gpr.limits().broken(&from, gpr.plane_tilt(&from));
+    if broken.is_empty() {
+        return Ok(from);
+    }
+    let why: Vec<String> = broken.iter().map(explain_limit).collect();
+    let detail = format!("a way starts within the limits: {}", why.join("; "));
+    Err(Problem::field("from_rods_m", detail))
 }
 
 fn answer(

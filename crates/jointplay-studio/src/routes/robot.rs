@@ -14,5 +14,5 @@ use crate::wire::robot::RobotDocument;
     responses((status = 200, description = "The robot, and what may be asked of it", body = RobotDocument))
 )]
 pub(crate) async fn robot(State(app): State<App>) -> Json<RobotDocument> {
-    Json(RobotDocument::new(&app.robot))
+    Json(RobotDocument::new(&app.robot, app.desk.is_some()))
 }

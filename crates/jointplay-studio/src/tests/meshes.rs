@@ -68,9 +68,9 @@ fn links_do_not_lead_out() {
     std::fs::write(&secret, "secret").unwrap();
     let link = folder.path().join("base.stl");
     std::os::unix::fs::symlink(&secret, &link).unwrap();
-    refused("base.stl", Some(folder.path()), "leads out of the robot file's folder");
+    refused("base.stl", Some(folder.path()), "leads out of the folder");
     std::os::unix::fs::symlink(elsewhere.path(), folder.path().join("shapes")).unwrap();
-    refused("shapes/secret.stl", Some(folder.path()), "leads out of the robot file's folder");
+    refused("shapes/secret.stl", Some(folder.path()), "leads out of the folder");
     // Nor where the file is replaced by a link while the server runs.
     std::fs::remove_file(&link).unwrap();
     std::fs::write(&link, "own").unwrap();

@@ -1,5 +1,6 @@
 //! The server from outside: what it answers, what it refuses.
 
+mod cell;
 mod meshes;
 mod pose;
 mod questions;
@@ -18,6 +19,7 @@ use tower::ServiceExt as _;
 
 use crate::app::{self, App};
 use crate::meshes::Folder;
+use crate::work::Patience;
 
 const PORT: u16 = 4816;
 const HOST: &str = "127.0.0.1:4816";
@@ -43,7 +45,7 @@ impl Answer {
 
 fn app(robot: Robot, folder: Option<&Path>) -> Result<App, robot::Error> {
     let folder = Folder::of(folder, &robot)?;
-    Ok(App::new(robot, folder))
+    Ok(App::new(robot, folder, Patience::default()))
 }
 
 fn server() -> Router {

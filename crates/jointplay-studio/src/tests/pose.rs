@@ -114,6 +114,33 @@ fn beyond_the_limits_is_computed_and_said() {
 }
 
 #[test]
+fn a_way_beyond_the_limits_ends_at_the_last_pose_within() {
+    let document = answered(
+        POSE,
+        r#"{"command": {"kind": "rods", "rods_m": [0.52, 0.5, 0.5]}, "from_rods_m": [0.5, 0.5, 0.5]}"#,
+    );
+    assert_eq!(document["limits_broken"], Value::Array(vec![]));
+    let pitch = document["tilt"]["pitch_rad"].as_f64().unwrap();
+    assert!((pitch - 1.5_f64.to_radians()).abs() < 1e-12, "{pitch}");
+    let rods: Vec<f64> = serde_json::from_value(document["rods_m"].clone()).unwrap();
+    assert!(rods[0] > 0.503 && rods[0] < 0.51 && rods[1..] == [0.5, 0.5], "{rods:?}");
+    let why = document["stopped_by"][0]["message"].as_str().unwrap();
+    assert!(why.starts_with("the tilt is"), "{why}");
+    let body = |from: &str| {
+        format!(
+            r#"{{"command": {{"kind": "rods", "rods_m": [0.501, 0.5, 0.5]}}, "from_rods_m": {from}}}"#
+        )
+    };
+    let reached = answered(POSE, &body("[0.5, 0.5, 0.5]"));
+    assert_eq!(
+        (&reached["rods_m"][0], &reached["stopped_by"]),
+        (&0.501.into(), &Value::Array(vec![]))
+    );
+    refused(POSE, &body("[0.9, 0.5, 0.5]"), 422, Some("from_rods_m"), "a way starts within");
+    refused(POSE, &body("[1e9, 0.5, 0.5]"), 422, Some("from_rods_m[0]"), "too long");
+}
+
+#[test]
 fn a_model_without_an_answer_says_why() {
     let document = answered(
         POSE,

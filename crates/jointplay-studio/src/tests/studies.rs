@@ -1,5 +1,7 @@
 //! Studies: sent whole, cut off cleanly, and refused where they are too much.
 
+use std::time::Duration;
+
 use arrow_array::RecordBatch;
 use arrow_array::cast::AsArray as _;
 use arrow_array::types::{Float64Type, UInt8Type};
@@ -13,7 +15,9 @@ use jointplay::virtualization::{Polar, SolveOptions, Solver};
 use tower::ServiceExt as _;
 
 use super::{HOST, PORT, post, refused};
-use crate::app;
+use crate::app::{self, App};
+use crate::meshes::Folder;
+use crate::work::Patience;
 
 const STUDY: &str = "/api/v1/study";
 const PAPER: &str =
@@ -204,5 +208,47 @@ fn whoever_goes_away_ends_the_study() {
         app.work.stop();
         let cut = again.into_body().collect().await;
         assert!(cut.is_err());
+    });
+}
+
+/// The paper's robot, served with little patience.
+fn impatient(patience: Patience) -> App {
+    let robot = robot::paper();
+    let folder = Folder::of(None, &robot).unwrap();
+    App::new(robot, folder, patience)
+}
+
+#[test]
+fn what_takes_too_long_is_ended() {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let short = Duration::from_millis(20);
+        let hurried = impatient(Patience { request: short, ..Patience::default() });
+        // All turns are taken: the request waits for one, and longer than it may.
+        for _ in 0..std::thread::available_parallelism().unwrap().get() {
+            let work = hurried.work.clone();
+            let busy = || {
+                std::thread::sleep(Duration::from_millis(400));
+                Ok(())
+            };
+            tokio::spawn(async move { work.run(busy).await.is_ok() });
+        }
+        tokio::task::yield_now().await;
+        let pose = r#"{"command": {"kind": "rods", "rods_m": [0.5, 0.5, 0.5]}}"#;
+        let ask = Request::post("/api/v1/pose")
+            .header(header::HOST, HOST)
+            .header(header::CONTENT_TYPE, "application/json")
+            .body(Body::from(pose));
+        let answer = app::router(hurried, PORT).oneshot(ask.unwrap()).await.unwrap();
+        assert_eq!(answer.status(), StatusCode::SERVICE_UNAVAILABLE);
+        let problem = answer.into_body().collect().await.unwrap().to_bytes();
+        assert!(String::from_utf8_lossy(&problem).contains("longer than 0.02 s"), "{problem:?}");
+
+        // A study has begun to answer: it can only be cut off, and must not look whole.
+        let hurried = impatient(Patience { study: Duration::ZERO, ..Patience::default() });
+        let answer = app::router(hurried, PORT).oneshot(long_study()).await.unwrap();
+        assert_eq!(answer.status(), StatusCode::OK);
+        let cut = answer.into_body().collect().await.unwrap_err();
+        assert!(cut.to_string().contains("longer than 0 s"), "{cut}");
     });
 }

@@ -2,6 +2,7 @@
 
 #![expect(clippy::approx_constant, reason = "attributes take literals only")]
 
+pub(crate) mod cell;
 mod command;
 mod model;
 pub(crate) mod pose;

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::model::SolverName;
-use super::{CommandFields, ModelChoice, Pair, Triple};
+use super::{CommandFields, ModelChoice, Pair, Rods, Triple};
 use crate::strict;
 
 /// The most models that one request may ask.
@@ -21,6 +21,10 @@ pub(crate) const MOST_MODELS: usize = 16;
 pub(crate) struct PoseRequest {
     /// What the robot is told to do.
     pub(crate) command: CommandFields,
+    /// Rods within the limits from which the robot comes: where the command is beyond the limits, it stops at the last of them on the straight way.
+    /// Without them, the command is computed past the limits.
+    #[serde(default)]
+    pub(crate) from_rods_m: Option<Rods>,
     /// Which models are to answer; a height of the platform's centre is that of the first of them.
     #[serde(default = "one_model", deserialize_with = "strict::objects")]
     #[schema(required = false, min_items = 1, max_items = 16)]
@@ -59,6 +63,8 @@ pub(crate) struct PoseDocument {
     pub(crate) sides_m: Triple,
     /// The limits that the pose breaks; it is computed all the same.
     pub(crate) limits_broken: Vec<BrokenLimitDocument>,
+    /// The limits that the command breaks, and that stopped the robot on its way from `from_rods_m`; empty where the command was reached.
+    pub(crate) stopped_by: Vec<BrokenLimitDocument>,
     /// The approximate model of the paper's Fig. 2.
     pub(crate) approximate: ApproximateDocument,
     /// What each model says, in the order asked.
@@ -286,6 +292,7 @@ impl PoseDocument {
         gpr: &Gpr,
         rods: [f64; 3],
         broken: &[BrokenLimit],
+        stopped_by: &[BrokenLimit],
         approximate: &Approximate,
     ) -> Self {
         let balls = gpr.ball_centers(&rods);
@@ -296,6 +303,7 @@ impl PoseDocument {
             balls_m: balls.map(|ball| Triple(ball.into())),
             sides_m: Triple(ball_sides(&balls)),
             limits_broken: broken.iter().map(Into::into).collect(),
+            stopped_by: stopped_by.iter().map(Into::into).collect(),
             approximate: approximate.into(),
             models: Vec::new(),
             mobility: None,

@@ -36,6 +36,8 @@ pub(crate) struct RobotDocument {
     pub(crate) platform_mesh: Option<MeshDocument>,
     /// The model where a request names none.
     pub(crate) default_model: ModelChoice,
+    /// Whether this server shows a cell as well.
+    pub(crate) cell: bool,
 }
 
 /// A shape.
@@ -130,7 +132,7 @@ pub(crate) enum MotionName {
 }
 
 impl RobotDocument {
-    pub(crate) fn new(robot: &Robot) -> Self {
+    pub(crate) fn new(robot: &Robot, cell: bool) -> Self {
         let gpr = &robot.gpr;
         let limbs = gpr.limbs().into_iter().zip(gpr.platform().sockets());
         let limits = gpr.limits();
@@ -166,6 +168,7 @@ impl RobotDocument {
                 "/api/v1/meshes/platform",
             ),
             default_model: ModelChoice::default(),
+            cell,
         }
     }
 }

@@ -1,0 +1,256 @@
+//! The cell that this server was started with: its two files, and what a program comes to in it.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use jointplay::cell::cell::Cell;
+use jointplay::cell::check::{CheckOptions, Report, check};
+use jointplay::cell::motion::{Motion, MotionError, MotionOptions, timed};
+use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, expand};
+use jointplay::format::export::{Flaw, Recording};
+use jointplay::format::{cell, program, report};
+
+use crate::meshes::within;
+use crate::wire::cell::{Of, ProblemAt};
+
+/// What the example is called, in place of a file.
+pub const EXAMPLE: &str = "example";
+
+/// Where a cell and its program come from.
+#[derive(Debug, Clone)]
+pub struct CellFiles {
+    /// Where the cell is kept; none for the example.
+    path: Option<PathBuf>,
+    cell: String,
+    program: String,
+}
+
+impl CellFiles {
+    /// The example that comes along.
+    #[must_use]
+    pub fn example() -> Self {
+        Self { path: None, cell: cell::EXAMPLE.to_owned(), program: program::EXAMPLE.to_owned() }
+    }
+
+    /// A cell file, with the program beside it that has its name and ends in `.program`; without one, an empty program.
+    ///
+    /// # Errors
+    /// What the system says, or what is wrong with the cell, each with its line.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let label = path.display();
+        let read = |path: &Path| std::fs::read_to_string(path);
+        let cell = read(path).map_err(|error| format!("cannot read {label}: {error}"))?;
+        let beside = path.with_extension("program");
+        let program = match read(&beside) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(format!("cannot read {}: {error}", beside.display())),
+        };
+        let files = Self { path: Some(path.to_owned()), cell, program };
+        match files.read(&files.cell) {
+            Ok(_) => Ok(files),
+            Err(problems) => {
+                let label = label.to_string();
+                let told: Vec<String> =
+                    problems.iter().map(|problem| problem.with_excerpt(&label)).collect();
+                Err(told.join("\n"))
+            }
+        }
+    }
+
+    /// The texts of cell and program.
+    pub(crate) fn into_texts(self) -> (String, String) {
+        (self.cell, self.program)
+    }
+
+    /// What the cell's file is called.
+    pub(crate) fn name(&self) -> Option<String> {
+        let name = self.path.as_ref()?.file_name()?;
+        Some(name.to_string_lossy().into_owned())
+    }
+
+    /// Reads the text of a cell that names files beside this one.
+    fn read(&self, text: &str) -> Result<Cell, Vec<cell::Problem>> {
+        let folder = self.path.as_deref().and_then(Path::parent);
+        cell::read(text, &mut |name| {
+            let folder = folder.ok_or("the example has no files beside it")?;
+            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+            let file = within(folder, name, cell::MAX_MESH_BYTES as u64)?;
+            std::fs::read(file).map_err(|error| error.to_string())
+        })
+    }
+
+    /// Writes both files, each whole or not at all.
+    fn write(&self) -> Result<(), String> {
+        let path = self.path.as_ref().ok_or("the example is not a file: start the studio with one of your own, which `jointplay cell example` makes")?;
+        put(path, &self.cell)?;
+        put(&path.with_extension("program"), &self.program)
+    }
+}
+
+fn put(path: &Path, text: &str) -> Result<(), String> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".new");
+    let new = path.with_file_name(name);
+    let done = std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, path));
+    done.map_err(|error| format!("cannot write {}: {error}", path.display()))
+}
+
+/// The two files as they stand, and the last plan made of them or of changes to them.
+#[derive(Clone)]
+pub(crate) struct Desk(Arc<Inner>);
+
+struct Inner {
+    files: Mutex<CellFiles>,
+    last: Mutex<Option<Arc<Plan>>>,
+}
+
+impl Desk {
+    pub(crate) fn new(files: CellFiles) -> Self {
+        Self(Arc::new(Inner { files: Mutex::new(files), last: Mutex::new(None) }))
+    }
+
+    /// The files as they stand.
+    pub(crate) fn files(&self) -> CellFiles {
+        self.0.files.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    /// The texts given, those of the files where none are.
+    pub(crate) fn texts(&self, cell: Option<String>, program: Option<String>) -> (String, String) {
+        let files = self.files();
+        (cell.unwrap_or(files.cell), program.unwrap_or(files.program))
+    }
+
+    /// What a program comes to in a cell; the last question is remembered.
+    pub(crate) fn plan(&self, cell: String, program: String) -> Arc<Plan> {
+        let last = || self.0.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(plan) = last().as_ref().filter(|plan| plan.is_of(&cell, &program)) {
+            return Arc::clone(plan);
+        }
+        let plan = Arc::new(Plan::new(&self.files(), cell, program));
+        *last() = Some(Arc::clone(&plan));
+        plan
+    }
+
+    /// Keeps both texts in the files that they came from.
+    pub(crate) fn save(&self, cell: String, program: String) -> Result<(), String> {
+        let mut files = self.0.files.lock().unwrap_or_else(PoisonError::into_inner);
+        let new = CellFiles { path: files.path.clone(), cell, program };
+        new.write()?;
+        *files = new;
+        Ok(())
+    }
+}
+
+/// What a program comes to in a cell, as far as it comes.
+pub(crate) struct Plan {
+    cell_text: String,
+    program_text: String,
+    pub(crate) cell: Option<Cell>,
+    /// All that is wrong before anything moves.
+    pub(crate) problems: Vec<ProblemAt>,
+    pub(crate) motion: Option<Motion>,
+    pub(crate) report: Option<Report>,
+    flaws: Vec<Flaw>,
+}
+
+impl Plan {
+    fn new(files: &CellFiles, cell_text: String, program_text: String) -> Self {
+        let mut plan = Self {
+            cell_text,
+            program_text,
+            cell: None,
+            problems: Vec::new(),
+            motion: None,
+            report: None,
+            flaws: Vec::new(),
+        };
+        match files.read(&plan.cell_text) {
+            Ok(cell) => plan.cell = Some(cell),
+            Err(problems) => plan.problems.extend(
+                problems.iter().map(|one| ProblemAt::new(Of::Cell, &one.place, one.to_string())),
+            ),
+        }
+        let program = program::parse(&plan.program_text);
+        if let Err(problems) = &program {
+            plan.problems.extend(
+                problems.iter().map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string())),
+            );
+        }
+        if let (Some(cell), Ok(program)) = (&plan.cell, program) {
+            match motion(cell, &program) {
+                Ok(motion) => {
+                    let report = check(cell, &motion, &CheckOptions::default());
+                    plan.flaws = report::flaws(&report);
+                    (plan.motion, plan.report) = (Some(motion), Some(report));
+                }
+                Err(stopped) => plan.problems.extend(stopped.told(&plan.program_text)),
+            }
+        }
+        plan
+    }
+
+    fn is_of(&self, cell: &str, program: &str) -> bool {
+        self.cell_text == cell && self.program_text == program
+    }
+
+    /// What `jointplay cell check` says of it.
+    pub(crate) fn document(&self) -> Option<report::CellReport> {
+        let (cell, motion, report) =
+            (self.cell.as_ref()?, self.motion.as_ref()?, self.report.as_ref()?);
+        Some(report::cell(cell, &self.program_text, motion, report))
+    }
+
+    /// The motion as exports take it.
+    pub(crate) fn recording(&self) -> Option<Recording<'_>> {
+        Some(Recording {
+            cell: self.cell.as_ref()?,
+            motion: self.motion.as_ref()?,
+            program: &self.program_text,
+            flaws: &self.flaws,
+        })
+    }
+}
+
+/// Why a program comes to no motion.
+enum Stopped {
+    Steps(Vec<ProgramError>),
+    Times(MotionError),
+}
+
+impl Stopped {
+    /// All that is wrong with the text, the same at one place once.
+    fn told(&self, text: &str) -> Vec<ProblemAt> {
+        let mut told: Vec<ProblemAt> = Vec::new();
+        let mut tell = |problem: ProblemAt| {
+            if !told.contains(&problem) {
+                told.push(problem);
+            }
+        };
+        match self {
+            Self::Steps(errors) => errors.iter().for_each(|error| {
+                let error = program::explain(text, error);
+                tell(ProblemAt::new(Of::Program, &error.place, error.to_string()));
+            }),
+            Self::Times(error) => error.problems.iter().for_each(|one| {
+                let Place { line, column } = one.place;
+                let message = one.message.clone();
+                tell(ProblemAt { of: Of::Program, line, column, width: 0, message });
+            }),
+        }
+        told
+    }
+}
+
+fn motion(cell: &Cell, program: &Program) -> Result<Motion, Stopped> {
+    let steps = expand(cell, program).map_err(Stopped::Steps)?;
+    timed(cell, steps, &MotionOptions::default()).map_err(Stopped::Times)
+}
+
+/// The robot standing at home in a cell, for a picture of it where there is no motion.
+pub(crate) fn standing(cell: &Cell) -> Option<Motion> {
+    let place = Place { line: 1, column: 1 };
+    let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
+    let program = Program { body: vec![wait], routines: Vec::new() };
+    motion(cell, &program).ok()
+}

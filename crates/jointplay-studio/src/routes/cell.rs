@@ -1,0 +1,255 @@
+//! `/api/v1/cell…`: the cell, and what programs come to in it.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use arrow_array::{ArrayRef, Float64Array, RecordBatch, UInt32Array};
+use arrow_ipc::writer::StreamWriter;
+use arrow_schema::{ArrowError, DataType, Field, Schema};
+use axum::Json;
+use axum::extract::State;
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use jointplay::format::export::{self, Recording};
+use jointplay::format::table::{Column, Values};
+use jointplay::format::{cell, report};
+
+use crate::app::App;
+use crate::body::Body;
+use crate::cell::{Desk, Plan, standing};
+use crate::problem::Problem;
+use crate::wire::Binary;
+use crate::wire::cell::{
+    CellDocument, CellRequest, CellText, MotionRequest, PlanDocument, SaveRequest, StationRequest,
+    steps, zones,
+};
+
+fn desk(app: &App) -> Result<Desk, Problem> {
+    app.desk.clone().ok_or_else(|| {
+        let detail = "this studio shows no cell: start it with `jointplay studio --cell`";
+        Problem::request(StatusCode::NOT_FOUND, detail)
+    })
+}
+
+/// The cell and its program, as their files have them
+#[utoipa::path(
+    get,
+    path = "/api/v1/cell",
+    operation_id = "cell",
+    responses(
+        (status = 200, description = "The texts", body = CellDocument),
+        (status = 404, description = "The studio shows no cell", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn cell_files(State(app): State<App>) -> Result<Json<CellDocument>, Problem> {
+    let files = desk(&app)?.files();
+    let file = files.name();
+    let (cell, program) = files.into_texts();
+    Ok(Json(CellDocument { file, cell, program }))
+}
+
+/// Keeps both texts in the files that they came from
+///
+/// Each file is written whole or not at all; what is wrong with the texts does not matter.
+#[utoipa::path(
+    put,
+    path = "/api/v1/cell",
+    operation_id = "save_cell",
+    request_body = SaveRequest,
+    responses(
+        (status = 200, description = "The texts, as they are kept now", body = CellDocument),
+        (status = 409, description = "They cannot be kept", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn save_cell(
+    State(app): State<App>,
+    Body(SaveRequest { cell, program }): Body<SaveRequest>,
+) -> Result<Json<CellDocument>, Problem> {
+    let desk = desk(&app)?;
+    let saved = desk.clone();
+    let save = move || {
+        saved.save(cell, program).map_err(|why| Problem::request(StatusCode::CONFLICT, why))
+    };
+    app.work.run(save).await?;
+    cell_files(State(app)).await
+}
+
+/// What a program comes to in a cell: steps, times, and all that is wrong
+///
+/// A text that is wrong is no error of the request: `problems` says what and where, all of it at once.
+#[utoipa::path(
+    post,
+    path = "/api/v1/cell/plan",
+    operation_id = "plan",
+    request_body = CellRequest,
+    responses(
+        (status = 200, description = "The plan", body = PlanDocument),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn plan(
+    State(app): State<App>,
+    Body(CellRequest { cell, program }): Body<CellRequest>,
+) -> Result<Json<PlanDocument>, Problem> {
+    let desk = desk(&app)?;
+    let (cell, program) = desk.texts(cell, program);
+    app.work.run(move || Ok(Json(document(&desk.plan(cell, program))))).await
+}
+
+fn document(plan: &Plan) -> PlanDocument {
+    let cell = plan.cell.as_ref();
+    PlanDocument {
+        problems: plan.problems.clone(),
+        report: plan.document(),
+        steps: match (cell, &plan.motion) {
+            (Some(cell), Some(motion)) => steps(cell, motion),
+            _ => Vec::new(),
+        },
+        stations: cell.map(|cell| report::teach(cell, None).stations).unwrap_or_default(),
+        zones: cell.map(zones).unwrap_or_default(),
+        bodies: cell
+            .map(|cell| cell.bodies.iter().map(|body| body.name.clone()).collect())
+            .unwrap_or_default(),
+        effectors: cell
+            .map(|cell| {
+                let name = |id: jointplay::cell::robot::EffectorId| {
+                    cell.robot.arms[id.arm].effectors[id.effector].name.clone()
+                };
+                cell.robot.effectors().map(name).collect()
+            })
+            .unwrap_or_default(),
+    }
+}
+
+/// The cell with its motion, as binary glTF with one animation
+///
+/// Where the program comes to no motion, the cell stands still; where the cell cannot be read there is nothing to show.
+#[utoipa::path(
+    post,
+    path = "/api/v1/cell/motion.glb",
+    operation_id = "motion",
+    request_body = MotionRequest,
+    responses(
+        (status = 200, description = "The cell in motion", body = Binary, content_type = "model/gltf-binary"),
+        (status = 409, description = "There is nothing to show", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn motion(
+    State(app): State<App>,
+    Body(request): Body<MotionRequest>,
+) -> Result<Response, Problem> {
+    let (desk, rate) = (desk(&app)?, request.rate()?);
+    let (cell, program) = desk.texts(request.cell, request.program);
+    let shown = move || {
+        let plan = desk.plan(cell, program);
+        let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
+        let still;
+        let recording = match (plan.recording(), &plan.cell) {
+            (Some(recording), _) => recording,
+            (None, Some(cell)) => {
+                still = standing(cell).ok_or_else(|| refused(nothing(&plan)))?;
+                Recording { cell, motion: &still, program: "", flaws: &[] }
+            }
+            (None, None) => return Err(refused(nothing(&plan))),
+        };
+        export::gltf(&recording, rate).map_err(|error| refused(error.to_string()))
+    };
+    let file = app.work.run(shown).await?;
+    Ok(([(header::CONTENT_TYPE, "model/gltf-binary")], file).into_response())
+}
+
+fn nothing(plan: &Plan) -> String {
+    match plan.problems.first() {
+        Some(first) => format!("there is nothing to show: line {}: {}", first.line, first.message),
+        None => "there is nothing to show".to_owned(),
+    }
+}
+
+/// The motion sample by sample, as an Arrow stream
+///
+/// Time, line of the program, step; position, speed and acceleration of each axis and the wafer centre of each effector, in mm and degrees, as `jointplay cell run` writes them.
+#[utoipa::path(
+    post,
+    path = "/api/v1/cell/samples",
+    operation_id = "samples",
+    request_body = MotionRequest,
+    responses(
+        (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.arrow.stream"),
+        (status = 409, description = "Nothing moves", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn samples(
+    State(app): State<App>,
+    Body(request): Body<MotionRequest>,
+) -> Result<Response, Problem> {
+    let (desk, rate) = (desk(&app)?, request.rate()?);
+    let (cell, program) = desk.texts(request.cell, request.program);
+    let told = move || {
+        let plan = desk.plan(cell, program);
+        let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
+        let recording = plan.recording().ok_or_else(|| refused(nothing(&plan)))?;
+        let columns =
+            export::samples(&recording, rate).map_err(|error| refused(error.to_string()))?;
+        arrow(columns).map_err(|error| Problem::broken(&error.to_string()))
+    };
+    let stream = app.work.run(told).await?;
+    Ok(([(header::CONTENT_TYPE, "application/vnd.apache.arrow.stream")], stream).into_response())
+}
+
+/// Columns as one batch of an Arrow stream.
+fn arrow(columns: Vec<Column>) -> Result<Vec<u8>, ArrowError> {
+    let field = |column: &Column| {
+        let kind = match column.values {
+            Values::Real(_) => DataType::Float64,
+            Values::Count(_) => DataType::UInt32,
+        };
+        Field::new(&column.name, kind, false)
+    };
+    let fields: Vec<Field> = columns.iter().map(field).collect();
+    let arrays: Vec<ArrayRef> = columns
+        .into_iter()
+        .map(|column| match column.values {
+            Values::Real(values) => Arc::new(Float64Array::from(values)) as ArrayRef,
+            Values::Count(values) => Arc::new(UInt32Array::from(values)) as ArrayRef,
+        })
+        .collect();
+    let samples = arrays.first().map_or(0, |array| array.len());
+    let metadata = HashMap::from([("samples".to_owned(), samples.to_string())]);
+    let schema = Arc::new(Schema::new_with_metadata(fields, metadata));
+    let mut writer = StreamWriter::try_new(Vec::new(), &schema)?;
+    writer.write(&RecordBatch::try_new(schema, arrays)?)?;
+    writer.finish()?;
+    writer.into_inner()
+}
+
+/// The text of the cell with new values of one station
+///
+/// Comments and all else stay as they are; nothing is kept until both texts are `PUT`.
+#[utoipa::path(
+    post,
+    path = "/api/v1/cell/station",
+    operation_id = "station",
+    request_body = StationRequest,
+    responses(
+        (status = 200, description = "The text", body = CellText),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn station(
+    State(app): State<App>,
+    Body(request): Body<StationRequest>,
+) -> Result<Json<CellText>, Problem> {
+    let desk = desk(&app)?;
+    let changes = request.changes()?;
+    let (text, _) = desk.texts(request.cell, None);
+    let changed = cell::set_station(&text, &request.station, &changes);
+    let cell = changed.map_err(|problem| Problem::field("station", problem.to_string()))?;
+    Ok(Json(CellText { cell }))
+}

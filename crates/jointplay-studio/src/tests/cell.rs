@@ -1,0 +1,180 @@
+//! The cell: its texts, what they come to, and what of it is kept.
+
+use std::path::Path;
+
+use arrow_ipc::reader::StreamReader;
+use axum::Router;
+use axum::body::Body;
+use axum::http::{Method, Request, StatusCode, header};
+use jointplay::format::robot;
+use serde_json::{Value, json};
+
+use super::{Answer, HOST, PORT, app, get, send_to};
+use crate::cell::{CellFiles, Desk};
+
+/// A program that is planned quickly.
+const SHORT: &str = "HOME\nGET LP1 SLOT 1 WITH A\nPUT LP1 SLOT 1 WITH A\n";
+
+fn server(files: CellFiles) -> Router {
+    let mut app = app(robot::paper(), None).unwrap();
+    app.desk = Some(Desk::new(files));
+    crate::app::router(app, PORT)
+}
+
+fn ask(server: &Router, method: Method, path: &str, body: &Value) -> Answer {
+    let request = Request::builder().method(method).uri(format!("/api/v1/{path}"));
+    let request =
+        request.header(header::HOST, HOST).header(header::CONTENT_TYPE, "application/json");
+    send_to(server.clone(), request.body(Body::from(body.to_string())).unwrap())
+}
+
+#[track_caller]
+fn plan(server: &Router, body: &Value) -> Value {
+    let answer = ask(server, Method::POST, "cell/plan", body);
+    assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
+    answer.json()
+}
+
+#[test]
+fn without_a_cell_there_is_none() {
+    let answer = get("/api/v1/cell");
+    assert_eq!(answer.status, StatusCode::NOT_FOUND);
+    assert!(answer.json()["detail"].as_str().unwrap().contains("--cell"));
+    assert_eq!(get("/api/v1/robot").json()["cell"], false);
+}
+
+#[test]
+fn a_program_is_planned_shown_and_told() {
+    let server = server(CellFiles::example());
+    let found = plan(&server, &json!({ "program": SHORT }));
+    assert_eq!(found["problems"], json!([]));
+    assert_eq!(found["report"]["verdict"], "sound", "{}", found["report"]["violations"]);
+    let (report, steps) = (&found["report"], found["steps"].as_array().unwrap());
+    assert_eq!(report["steps"], steps.len());
+    assert_eq!(steps.last().unwrap()["end_s"], report["duration_s"]);
+    assert!(steps.iter().any(|step| step["phase"] == "lift" && step["loaded"] == json!(["A"])));
+    assert_eq!(
+        found["stations"][1]["tilt_pitch_deg"].as_f64().map(|lean| (lean * 1e9).round() / 1e9),
+        Some(0.8)
+    );
+    let shown = ask(&server, Method::POST, "cell/motion.glb", &json!({ "program": SHORT }));
+    assert_eq!(
+        (shown.header("content-type"), &shown.bytes[..4]),
+        ("model/gltf-binary", &b"glTF"[..])
+    );
+    let told =
+        ask(&server, Method::POST, "cell/samples", &json!({ "program": SHORT, "rate_hz": 10 }));
+    let batches: Vec<_> =
+        StreamReader::try_new(told.bytes.as_slice(), None).unwrap().map(Result::unwrap).collect();
+    let duration = report["duration_s"].as_f64().unwrap();
+    let rows: usize = batches.iter().map(arrow_array::RecordBatch::num_rows).sum();
+    assert!((rows as f64 - duration * 10.0 - 1.0).abs() <= 1.0, "{rows} rows of {duration} s");
+    assert!(batches[0].column_by_name("A_z_mm").is_some());
+}
+
+#[test]
+fn all_mistakes_are_told_with_their_places() {
+    let server = server(CellFiles::example());
+    let wrong = "HOME\nGET LP9 SLOT 1 WITH A\nFLY\n";
+    let found = plan(&server, &json!({ "program": wrong }));
+    assert_eq!(found["report"], Value::Null);
+    let first = &found["problems"][0];
+    assert_eq!(
+        (&first["of"], &first["line"], &first["column"]),
+        (&"program".into(), &3.into(), &1.into())
+    );
+    let found = plan(&server, &json!({ "program": wrong.replace("FLY\n", "") }));
+    let first = &found["problems"][0];
+    assert_eq!(
+        (&first["line"], &first["column"], &first["width"]),
+        (&2.into(), &5.into(), &3.into())
+    );
+    assert!(first["message"].as_str().unwrap().contains("LP9"), "{first}");
+    // The cell stands still, to be looked at while the program is mended.
+    let shown = ask(&server, Method::POST, "cell/motion.glb", &json!({ "program": wrong }));
+    assert_eq!((shown.status, &shown.bytes[..4]), (StatusCode::OK, &b"glTF"[..]));
+    let told = ask(&server, Method::POST, "cell/samples", &json!({ "program": wrong }));
+    assert_eq!(told.status, StatusCode::CONFLICT);
+    let found = plan(&server, &json!({ "cell": "kind = \"cell\"\nsize = 3\n" }));
+    assert!(
+        found["problems"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .any(|one| one["of"] == "cell" && one["line"] == 2)
+    );
+    assert_eq!((&found["stations"], &found["report"]), (&json!([]), &Value::Null));
+}
+
+#[test]
+fn a_station_is_edited_and_its_comments_stay() {
+    let server = server(CellFiles::example());
+    let change = json!({ "station": "LP2", "tilt": { "yaw_rad": 0.0, "pitch_rad": 0.01 }, "position_m": [-0.5, -0.495, 0.5] });
+    let answer = ask(&server, Method::POST, "cell/station", &change);
+    assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
+    let text = answer.json()["cell"].as_str().unwrap().to_owned();
+    assert!(text.contains("# The misaligned one"), "comments stay");
+    let found = plan(&server, &json!({ "cell": text, "program": "HOME\n" }));
+    let station = &found["stations"][1];
+    assert!((station["position_mm"][0].as_f64().unwrap() + 500.0).abs() < 1e-9, "{station}");
+    assert!((station["tilt_pitch_deg"].as_f64().unwrap() - 0.01_f64.to_degrees()).abs() < 1e-9);
+    let unknown =
+        ask(&server, Method::POST, "cell/station", &json!({ "station": "LP9", "yaw_rad": 0 }));
+    assert_eq!(
+        (unknown.status, &unknown.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"station".into())
+    );
+    let far = ask(
+        &server,
+        Method::POST,
+        "cell/station",
+        &json!({ "station": "LP2", "position_m": [0, 1e9, 0] }),
+    );
+    assert_eq!(far.json()["field"], "position_m[1]");
+}
+
+#[test]
+fn texts_are_kept_in_their_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, jointplay::format::cell::EXAMPLE).unwrap();
+    let server = server(CellFiles::open(&path).unwrap());
+    let shown = send_to(
+        server.clone(),
+        Request::get("/api/v1/cell").header(header::HOST, HOST).body(Body::empty()).unwrap(),
+    );
+    assert_eq!(
+        (&shown.json()["file"], &shown.json()["program"]),
+        (&"mine.toml".into(), &"".into())
+    );
+    let texts = json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT });
+    let kept = ask(&server, Method::PUT, "cell", &texts);
+    assert_eq!((kept.status, &kept.json()["program"]), (StatusCode::OK, &SHORT.into()));
+    assert_eq!(std::fs::read_to_string(folder.path().join("mine.program")).unwrap(), SHORT);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside them");
+    let kept = ask(&self::server(CellFiles::example()), Method::PUT, "cell", &texts);
+    assert_eq!(kept.status, StatusCode::CONFLICT);
+    assert!(kept.json()["detail"].as_str().unwrap().contains("jointplay cell example"));
+}
+
+#[test]
+fn a_cell_that_cannot_be_read_is_refused_with_its_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wrong.toml");
+    std::fs::write(&path, "kind = \"cell\"\nsize = 3\n").unwrap();
+    let why = CellFiles::open(&path).unwrap_err();
+    assert!(why.contains("wrong.toml:2:1"), "{why}");
+    assert!(CellFiles::open(Path::new("nowhere.toml")).unwrap_err().contains("nowhere.toml"));
+}
+
+#[test]
+fn bad_questions_name_their_field() {
+    let server = server(CellFiles::example());
+    let rate = ask(&server, Method::POST, "cell/motion.glb", &json!({ "rate_hz": 0 }));
+    assert_eq!(
+        (rate.status, &rate.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"rate_hz".into())
+    );
+    let extra = ask(&server, Method::POST, "cell/plan", &json!({ "programme": "" }));
+    assert_eq!(extra.status, StatusCode::UNPROCESSABLE_ENTITY);
+}

@@ -1,0 +1,279 @@
+//! A cell, its program, and what they come to.
+
+use jointplay::cell::cell::{Cell, ZoneRule};
+use jointplay::cell::motion::Motion;
+use jointplay::cell::program::Phase;
+use jointplay::format::cell::Change;
+use jointplay::format::place::Place;
+use jointplay::format::report::{CellReport, StationReport};
+use jointplay::nalgebra::Vector3;
+use jointplay::spatial::Tilt;
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::Triple;
+use crate::problem::Problem;
+use crate::strict;
+
+/// The cell that this server was started with.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct CellDocument {
+    /// What its file is called; `null` for the example, which is not a file.
+    #[schema(required = true)]
+    pub(crate) file: Option<String>,
+    /// Text of the cell's file.
+    pub(crate) cell: String,
+    /// Text of the program's file; empty where there is none.
+    pub(crate) program: String,
+}
+
+/// A cell and a program; what is left out is as in the files.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CellRequest {
+    /// Text of a cell file.
+    #[serde(default)]
+    pub(crate) cell: Option<String>,
+    /// Text of a program.
+    #[serde(default)]
+    pub(crate) program: Option<String>,
+}
+
+/// A cell and a program, to be told sample by sample.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MotionRequest {
+    /// Text of a cell file; without it, that of the file.
+    #[serde(default)]
+    pub(crate) cell: Option<String>,
+    /// Text of a program; without it, that of the file.
+    #[serde(default)]
+    pub(crate) program: Option<String>,
+    /// Samples a second [Hz].
+    #[serde(default = "usual_rate")]
+    #[schema(required = false, default = 25.0, minimum = 0.1, maximum = 10000)]
+    pub(crate) rate_hz: f64,
+}
+
+fn usual_rate() -> f64 {
+    25.0
+}
+
+impl MotionRequest {
+    /// The rate, if a motion can be told at it [Hz].
+    pub(crate) fn rate(&self) -> Result<f64, Problem> {
+        if (0.1..=10_000.0).contains(&self.rate_hz) {
+            return Ok(self.rate_hz);
+        }
+        let detail = format!("{} samples a second are not within 0.1 to 10000", self.rate_hz);
+        Err(Problem::field("rate_hz", detail))
+    }
+}
+
+/// Which text something is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Of {
+    /// The cell's.
+    Cell,
+    /// The program's.
+    Program,
+}
+
+/// Something wrong in a text, and where.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct ProblemAt {
+    /// In which text.
+    pub(crate) of: Of,
+    /// Line, from 1.
+    pub(crate) line: usize,
+    /// Column in characters, from 1.
+    pub(crate) column: usize,
+    /// How many characters are meant.
+    pub(crate) width: usize,
+    /// What is wrong.
+    pub(crate) message: String,
+}
+
+impl ProblemAt {
+    pub(crate) fn new(of: Of, place: &Place, message: String) -> Self {
+        Self { of, line: place.line, column: place.column, width: place.width, message }
+    }
+}
+
+/// What a program comes to in a cell.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct PlanDocument {
+    /// All that is wrong before anything moves; with any of it there is no report.
+    pub(crate) problems: Vec<ProblemAt>,
+    /// What `jointplay cell check --format json` says; `null` where nothing moves.
+    #[schema(required = true)]
+    pub(crate) report: Option<CellReport>,
+    /// The motions, one after the other.
+    pub(crate) steps: Vec<StepDocument>,
+    /// Where the stations are; none where the cell cannot be read.
+    pub(crate) stations: Vec<StationReport>,
+    /// Regions with rules.
+    pub(crate) zones: Vec<ZoneDocument>,
+    /// Names of bodies.
+    pub(crate) bodies: Vec<String>,
+    /// Names of effectors.
+    pub(crate) effectors: Vec<String>,
+}
+
+/// A motion from rest to rest.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct StepDocument {
+    /// Number of its instruction in the order of running, from 1.
+    pub(crate) instruction: usize,
+    /// Line of that.
+    pub(crate) line: usize,
+    /// What part of it this is.
+    pub(crate) phase: &'static str,
+    /// When it starts [s].
+    pub(crate) start_s: f64,
+    /// When it ends [s].
+    pub(crate) end_s: f64,
+    /// Effectors that carry a wafer meanwhile.
+    pub(crate) loaded: Vec<String>,
+    /// Axes that move in it.
+    pub(crate) moving: Vec<String>,
+}
+
+/// A region with a rule.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct ZoneDocument {
+    /// What it is called.
+    pub(crate) name: String,
+    /// What it asks.
+    pub(crate) rule: RuleName,
+}
+
+/// What a zone asks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum RuleName {
+    /// Nothing of the robot may enter.
+    KeepOut,
+    /// Wafers stay within while the robot turns.
+    Safe,
+}
+
+/// What each motion is, how long it takes and who carries.
+pub(crate) fn steps(cell: &Cell, motion: &Motion) -> Vec<StepDocument> {
+    let name = |id: &jointplay::cell::robot::EffectorId| {
+        cell.robot.arms[id.arm].effectors[id.effector].name.clone()
+    };
+    let of = |(k, step): (usize, &jointplay::cell::program::Step)| StepDocument {
+        instruction: step.instruction + 1,
+        line: step.place.line,
+        phase: match step.phase {
+            Phase::Move => "move",
+            Phase::TuckIn => "tuck in",
+            Phase::Turn => "turn",
+            Phase::Enter => "enter",
+            Phase::Extend => "extend",
+            Phase::Lift => "lift",
+            Phase::Lower => "lower",
+            Phase::Retract => "retract",
+            Phase::Level => "level",
+            Phase::Wait => "wait",
+        },
+        start_s: motion.times[k],
+        end_s: motion.times[k + 1],
+        loaded: step.loaded.iter().map(name).collect(),
+        moving: cell
+            .robot
+            .axes
+            .iter()
+            .zip(step.from.iter().zip(&step.to))
+            .filter(|(_, (from, to))| from != to)
+            .map(|(axis, _)| axis.name.clone())
+            .collect(),
+    };
+    motion.steps.iter().enumerate().map(of).collect()
+}
+
+/// The zones of a cell.
+pub(crate) fn zones(cell: &Cell) -> Vec<ZoneDocument> {
+    let of = |zone: &jointplay::cell::cell::Zone| ZoneDocument {
+        name: zone.name.clone(),
+        rule: match zone.rule {
+            ZoneRule::KeepOut => RuleName::KeepOut,
+            ZoneRule::Safe => RuleName::Safe,
+        },
+    };
+    cell.zones.iter().map(of).collect()
+}
+
+/// New values of one station.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct StationRequest {
+    /// Text of a cell file; without it, that of the file.
+    #[serde(default)]
+    pub(crate) cell: Option<String>,
+    /// Which station.
+    pub(crate) station: String,
+    /// Where the centre of the lowest wafer rests, in the base frame [m].
+    #[serde(default)]
+    pub(crate) position_m: Option<Triple>,
+    /// Turn about the vertical [rad].
+    #[serde(default)]
+    #[schema(minimum = -1000, maximum = 1000)]
+    pub(crate) yaw_rad: Option<f64>,
+    /// How it leans.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) tilt: Option<LeanFields>,
+}
+
+/// A lean.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LeanFields {
+    /// Azimuth toward which it leans [rad].
+    #[schema(minimum = -1000, maximum = 1000)]
+    pub(crate) yaw_rad: f64,
+    /// How far [rad].
+    #[schema(exclusive_minimum = -1.5707963267948966, exclusive_maximum = 1.5707963267948966)]
+    pub(crate) pitch_rad: f64,
+}
+
+impl StationRequest {
+    /// The changes that are asked for.
+    pub(crate) fn changes(&self) -> Result<Vec<Change>, Problem> {
+        let mut changes = Vec::new();
+        if let Some(Triple(position)) = self.position_m {
+            for (k, &value) in position.iter().enumerate() {
+                super::length(value, &format!("position_m[{k}]"))?;
+            }
+            changes.push(Change::Position(Vector3::from(position)));
+        }
+        if let Some(yaw) = self.yaw_rad {
+            changes.push(Change::Yaw(super::angle(yaw, "yaw_rad")?));
+        }
+        if let Some(LeanFields { yaw_rad, pitch_rad }) = self.tilt {
+            let yaw = super::angle(yaw_rad, "tilt.yaw_rad")?;
+            let pitch = super::pitch(pitch_rad, "tilt.pitch_rad")?;
+            changes.push(Change::Tilt(Tilt { yaw, pitch }));
+        }
+        Ok(changes)
+    }
+}
+
+/// A text.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct CellText {
+    /// Text of the cell file with the new values; comments and all else as they were.
+    pub(crate) cell: String,
+}
+
+/// Both texts, to be kept.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SaveRequest {
+    /// Text of the cell file.
+    pub(crate) cell: String,
+    /// Text of the program.
+    pub(crate) program: String,
+}

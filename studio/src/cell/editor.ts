@@ -1,0 +1,152 @@
+// A text with its mistakes underlined where they are, and the line marked that runs.
+
+import { defaultKeymap, history, historyKeymap, indentWithTab } from '@codemirror/commands';
+import { HighlightStyle, StreamLanguage, syntaxHighlighting } from '@codemirror/language';
+import { lintGutter, setDiagnostics, type Diagnostic } from '@codemirror/lint';
+import { EditorState, StateEffect, StateField, type Extension } from '@codemirror/state';
+import { Decoration, drawSelection, EditorView, highlightActiveLineGutter, keymap, lineNumbers, type DecorationSet } from '@codemirror/view';
+import { tags } from '@lezer/highlight';
+
+export interface Mistake {
+  line: number;
+  column: number;
+  width: number;
+  message: string;
+  severity: 'error' | 'warning';
+}
+
+const WORDS = /^(HOME|MOVE|LINE|GET|PUT|TRANSFER|SWAP|GOTO|WAIT|SPEED|TILT|CALL|ROUTINE|REPEAT|END|WITH|SLOT|TO|FROM|AT|BY|AS|LEVEL)\b/i;
+
+const programs = StreamLanguage.define({
+  token(stream) {
+    if (stream.eatSpace()) return null;
+    if (stream.match(/^#.*/)) return 'comment';
+    if (stream.match(/^"(?:[^"]|"")*"/)) return 'string';
+    if (stream.match(/^-?\d+(\.\d+)?/)) return 'number';
+    if (stream.match(WORDS)) return 'keyword';
+    if (stream.match(/^[A-Za-z_][\w-]*/)) return 'variableName';
+    stream.next();
+    return null;
+  },
+});
+
+const toml = StreamLanguage.define({
+  token(stream) {
+    if (stream.eatSpace()) return null;
+    if (stream.match(/^#.*/)) return 'comment';
+    if (stream.sol() && stream.match(/^\[+[^\]]*\]+/)) return 'keyword';
+    if (stream.match(/^"(?:[^"\\]|\\.)*"/)) return 'string';
+    if (stream.match(/^[+-]?\d[\d_.eE+-]*/)) return 'number';
+    if (stream.match(/^(true|false)\b/)) return 'number';
+    if (stream.match(/^[A-Za-z_][\w-]*(?=\s*=)/)) return 'variableName';
+    stream.next();
+    return null;
+  },
+});
+
+const colours = HighlightStyle.define([
+  { tag: tags.keyword, color: 'var(--accent)', fontWeight: '600' },
+  { tag: tags.comment, color: 'var(--soft)' },
+  { tag: tags.string, color: 'var(--play)' },
+  { tag: tags.number, color: 'var(--number)' },
+]);
+
+const look = EditorView.theme({
+  '&': { height: '100%', fontSize: '12.5px', color: 'var(--ink)', backgroundColor: 'var(--panel)' },
+  '.cm-scroller': { fontFamily: 'ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace', lineHeight: '1.5' },
+  '.cm-gutters': { backgroundColor: 'var(--raised)', color: 'var(--soft)', border: 'none' },
+  '.cm-activeLineGutter': { backgroundColor: 'transparent', color: 'var(--ink)' },
+  '.cm-cursor': { borderLeftColor: 'var(--ink)' },
+  '&.cm-focused .cm-selectionBackground, .cm-selectionBackground': { background: 'color-mix(in srgb, var(--accent) 28%, transparent) !important' },
+  '.cm-runs': { backgroundColor: 'color-mix(in srgb, var(--accent) 16%, transparent)' },
+  '.cm-tooltip': { backgroundColor: 'var(--panel)', color: 'var(--ink)', border: '1px solid var(--line)' },
+});
+
+const setRunning = StateEffect.define<number>();
+const running = StateField.define<DecorationSet>({
+  create: () => Decoration.none,
+  update(marks, change) {
+    for (const effect of change.effects)
+      if (effect.is(setRunning)) {
+        const { doc } = change.state;
+        if (effect.value < 1 || effect.value > doc.lines) return Decoration.none;
+        return Decoration.set([Decoration.line({ class: 'cm-runs' }).range(doc.line(effect.value).from)]);
+      }
+    return marks.map(change.changes);
+  },
+  provide: (field) => EditorView.decorations.from(field),
+});
+
+export class Editor {
+  readonly #view: EditorView;
+  #running = 0;
+  /** Whether a change comes from outside, and not from typing. */
+  #given = false;
+
+  constructor(host: HTMLElement, kind: 'program' | 'cell', label: string, text: string, typed: (text: string) => void) {
+    const extensions: Extension[] = [
+      lineNumbers(),
+      highlightActiveLineGutter(),
+      history(),
+      drawSelection(),
+      lintGutter(),
+      running,
+      look,
+      kind === 'program' ? programs : toml,
+      syntaxHighlighting(colours),
+      // Escape, then Tab, leaves the text by the keyboard.
+      keymap.of([...defaultKeymap, ...historyKeymap, indentWithTab]),
+      EditorView.contentAttributes.of({ 'aria-label': label, spellcheck: 'false' }),
+      EditorView.updateListener.of((update) => {
+        if (update.docChanged && !this.#given) typed(update.state.doc.toString());
+      }),
+    ];
+    this.#view = new EditorView({ parent: host, state: EditorState.create({ doc: text, extensions }) });
+  }
+
+  destroy(): void {
+    this.#view.destroy();
+  }
+
+  /** Takes a text from outside, changing only what differs. */
+  set text(text: string) {
+    const now = this.#view.state.doc.toString();
+    if (now === text) return;
+    let start = 0;
+    const most = Math.min(now.length, text.length);
+    while (start < most && now[start] === text[start]) start += 1;
+    let end = 0;
+    while (end < most - start && now[now.length - 1 - end] === text[text.length - 1 - end]) end += 1;
+    this.#given = true;
+    this.#view.dispatch({ changes: { from: start, to: now.length - end, insert: text.slice(start, text.length - end) } });
+    this.#given = false;
+  }
+
+  set mistakes(mistakes: Mistake[]) {
+    const { doc } = this.#view.state;
+    const found = mistakes
+      .filter(({ line }) => line >= 1 && line <= doc.lines)
+      .map(({ line, column, width, message, severity }): Diagnostic => {
+        const at = doc.line(line);
+        const from = Math.min(at.from + Math.max(column - 1, 0), at.to);
+        const to = Math.min(from + Math.max(width, 1), at.to);
+        return { from: to > from ? from : at.from, to, severity, message };
+      });
+    this.#view.dispatch(setDiagnostics(this.#view.state, found));
+  }
+
+  /** Marks the line that runs; 0 marks none. */
+  set running(line: number) {
+    if (line === this.#running) return;
+    this.#running = line;
+    this.#view.dispatch({ effects: setRunning.of(line) });
+  }
+
+  /** Brings a line into view. */
+  show(line: number): void {
+    const { doc } = this.#view.state;
+    if (line < 1 || line > doc.lines) return;
+    const at = doc.line(line).from;
+    this.#view.dispatch({ selection: { anchor: at }, effects: EditorView.scrollIntoView(at, { y: 'center' }) });
+  }
+}
