@@ -24,7 +24,7 @@ use crate::{folder, output};
 #[command(after_help = "\
 Examples:
   jointplay cell teach
-  jointplay cell teach --station ALIGN --point-mm 400,600,600 --point-mm 300,600,599 --point-mm 350,700,599.5 --point-mm 350,500,599.5
+  jointplay cell teach --station LP2 --first-mm -495,-495,500 --last-mm -492,-495,740
 
 Exit codes: 0 done, 1 the robot cannot tilt so far or the points are scattered, 2 bad input or usage.")]
 pub(super) struct Teach {
