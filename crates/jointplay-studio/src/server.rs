@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use jointplay::format::robot::{self, Robot};
 use tokio::runtime::{Builder, Runtime};
+use tokio::task::JoinHandle;
 
 use crate::app::{self, App};
 use crate::cell::{CellFiles, Desk};
@@ -46,6 +47,7 @@ pub struct Server {
     listener: TcpListener,
     address: SocketAddr,
     runtime: Runtime,
+    interrupted: JoinHandle<io::Result<()>>,
     app: App,
 }
 
@@ -68,8 +70,11 @@ impl Server {
         listener.set_nonblocking(true)?;
         let address = listener.local_addr()?;
         let runtime = Builder::new_current_thread().enable_all().build()?;
+        // Listened to from here on: whoever is told the address may press Ctrl-C at once.
+        let interrupted = runtime.spawn(tokio::signal::ctrl_c());
+        runtime.block_on(tokio::task::yield_now());
         let app = App::new(robot, folder, Patience::default());
-        Ok(Self { listener, address, runtime, app })
+        Ok(Self { listener, address, runtime, interrupted, app })
     }
 
     /// Shows a cell beside the robot.
@@ -90,7 +95,7 @@ impl Server {
     /// # Errors
     /// [`Error::System`] if the port or Ctrl-C cannot be listened to.
     pub fn run(self) -> Result<(), Error> {
-        let Self { listener, address, runtime, app } = self;
+        let Self { listener, address, runtime, interrupted, app } = self;
         let work = app.work.clone();
         let served = runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
@@ -100,7 +105,7 @@ impl Server {
                 let _ = asked.await;
             });
             let serving = tokio::spawn(serve.into_future());
-            tokio::signal::ctrl_c().await?;
+            interrupted.await.map_err(io::Error::other)??;
             work.stop();
             let _ = goodbye.send(());
             // Whoever keeps a connection open beyond that is cut off.
