@@ -14,8 +14,8 @@ const EDGE: f64 = 0.9999;
 /// Steps of the descent at most; it takes five to ten, and more only out of a nearly stretched arm.
 const MOST_STEPS: usize = 100;
 
-/// Steps below this end the descent [rad]: the target is met exactly all the same, and what is left of the way to the least cost goes with its square.
-const SMALL: f64 = 1e-5;
+/// Steps below this end the descent [rad]: near a limit the cost is so curved that longer ones would still count.
+const SMALL: f64 = 1e-9;
 
 /// Step of differences of slopes [rad].
 const DIFFERENCE: f64 = 1e-6;
@@ -108,7 +108,7 @@ impl Redundant<'_> {
             let Some((there, next)) = better else { break };
             let gained = now.cost - next.cost;
             (free, now) = (there, next);
-            if gained <= 1e-12 * now.cost {
+            if gained <= 1e-15 * now.cost {
                 break;
             }
         }
