@@ -41,7 +41,7 @@ fn no_positions_are_beyond_the_reach_and_some_come_close_to_it() {
             farthest = farthest.max(distance);
         }
         assert!(
-            least <= nearest + 0.01 && farthest <= most + 1e-3,
+            least <= nearest + 1e-9 && farthest <= most + 1e-9,
             "{number}: {least} {nearest} {farthest} {most}"
         );
         assert!(

@@ -5,6 +5,8 @@ use crate::CellError;
 
 /// Positions of each axis from which extremes are searched.
 const STARTS: usize = 7;
+/// Starts that are followed, the best of all.
+const FOLLOWED: usize = 24;
 /// A search ends where its steps are that share of an axis' range.
 const FINEST: f64 = 1e-9;
 
@@ -15,7 +17,7 @@ impl HybridRobot {
     /// As [`Self::effector_pose`].
     ///
     /// # Numerics
-    /// A search by steps of all motors from the best of a grid of starts, down to a billionth of their ranges; with a wrist behind two links the least distance may be found a centimetre too large.
+    /// A search by steps of all motors from the best of a grid of starts, down to a billionth of their ranges.
     pub fn reach(&self, id: EffectorId) -> Result<[f64; 2], CellError> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
         let motors: Vec<usize> =
@@ -28,9 +30,8 @@ impl HybridRobot {
         let mut ends = [0.0; 2];
         for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
             let gain = |positions: &[f64]| Ok::<f64, CellError>(sign * distance(positions)?);
-            let (mut best, mut at) = (gain(&home)?, home.clone());
-            let count = STARTS.pow(u32::try_from(motors.len()).unwrap_or(0));
-            for start in 0..count {
+            let mut starts = vec![(gain(&home)?, home.clone())];
+            for start in 0..STARTS.pow(u32::try_from(motors.len()).unwrap_or(0)) {
                 let mut positions = home.clone();
                 let mut rest = start;
                 for &motor in &motors {
@@ -39,36 +40,49 @@ impl HybridRobot {
                     let axis = &self.axes[motor];
                     positions[motor] = axis.min + share * (axis.max - axis.min);
                 }
-                let found = gain(&positions)?;
-                if found > best {
-                    (best, at) = (found, positions);
-                }
+                starts.push((gain(&positions)?, positions));
             }
-            let mut share = 1.0 / (STARTS - 1) as f64;
-            while share > FINEST {
-                let mut better = false;
-                // Along every axis, and along all together: valleys do not run along axes.
-                for direction in 0..3_usize.pow(u32::try_from(motors.len()).unwrap_or(0)) {
-                    let mut positions = at.clone();
-                    let mut rest = direction;
-                    for &motor in &motors {
-                        let way = (rest % 3) as f64 - 1.0;
-                        rest /= 3;
-                        let axis = &self.axes[motor];
-                        let moved = positions[motor] + way * share * (axis.max - axis.min);
-                        positions[motor] = moved.clamp(axis.min, axis.max);
-                    }
-                    let found = gain(&positions)?;
-                    if found > best {
-                        (best, at, better) = (found, positions, true);
-                    }
-                }
-                if !better {
-                    share *= 0.5;
-                }
+            starts.sort_by(|(one, _), (other, _)| other.total_cmp(one));
+            starts.truncate(FOLLOWED);
+            let mut best = f64::NEG_INFINITY;
+            for start in starts {
+                best = self.climbed(&motors, start, gain)?.max(best);
             }
             *end = (sign * best).max(0.0).sqrt();
         }
         Ok(ends)
+    }
+
+    /// The greatest gain that steps of the motors lead to from a start.
+    fn climbed(
+        &self,
+        motors: &[usize],
+        (mut best, mut at): (f64, Vec<f64>),
+        gain: impl Fn(&[f64]) -> Result<f64, CellError>,
+    ) -> Result<f64, CellError> {
+        let mut share = 1.0 / (STARTS - 1) as f64;
+        while share > FINEST {
+            let mut better = false;
+            // Along every axis, and along all together: valleys do not run along axes.
+            for direction in 0..3_usize.pow(u32::try_from(motors.len()).unwrap_or(0)) {
+                let mut positions = at.clone();
+                let mut rest = direction;
+                for &motor in motors {
+                    let way = (rest % 3) as f64 - 1.0;
+                    rest /= 3;
+                    let axis = &self.axes[motor];
+                    let moved = positions[motor] + way * share * (axis.max - axis.min);
+                    positions[motor] = moved.clamp(axis.min, axis.max);
+                }
+                let found = gain(&positions)?;
+                if found > best {
+                    (best, at, better) = (found, positions, true);
+                }
+            }
+            if !better {
+                share *= 0.5;
+            }
+        }
+        Ok(best)
     }
 }
