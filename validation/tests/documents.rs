@@ -10,10 +10,12 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Names of the tests of this crate and of the core.
+/// Names of the tests of this crate, of the core and of the cell.
 fn tests() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
-    for folder in ["validation/tests", "crates/jointplay-core/tests"] {
+    let cell = ["tests", "src/wafer"].map(|folder| format!("crates/jointplay-cell/{folder}"));
+    let folders = ["validation/tests", "crates/jointplay-core/tests"].map(str::to_owned);
+    for folder in folders.into_iter().chain(cell) {
         let path = format!("{}/../{folder}", env!("CARGO_MANIFEST_DIR"));
         for entry in std::fs::read_dir(path).expect("the folder is there") {
             let path = entry.expect("the folder can be read").path();
