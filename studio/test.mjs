@@ -34,7 +34,9 @@ function packages() {
 
 /** The command that serves the page. */
 function command() {
-  run(process.env.CARGO ?? 'cargo', ['build', '--quiet', '--package', 'jointplay-cli'], { cwd: ROOT });
+  // With the features of the other tests, so that it is there already when they have run.
+  const features = ['--workspace', '--all-features', '--bin', 'jointplay'];
+  run(process.env.CARGO ?? 'cargo', ['build', '--quiet', ...features], { cwd: ROOT });
   const target = process.env.CARGO_TARGET_DIR ?? resolve(ROOT, 'target');
   return resolve(target, 'debug', process.platform === 'win32' ? 'jointplay.exe' : 'jointplay');
 }

@@ -11,7 +11,9 @@ use crate::python;
 pub(crate) fn run(root: &Path) -> bool {
     let Some(python) = python::find() else { return false };
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let built = Command::new(cargo).arg("build").current_dir(root).status();
+    // With the features of the other tests, so that it is there already when they have run.
+    let arguments = ["build", "--workspace", "--all-features", "--bin", "jointplay"];
+    let built = Command::new(cargo).args(arguments).current_dir(root).status();
     if !built.is_ok_and(|status| status.success()) {
         eprintln!("studio: the command cannot be built");
         return false;

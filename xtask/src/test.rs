@@ -34,6 +34,9 @@ impl Step {
     }
 }
 
+/// What a person types before an example's name.
+const EXAMPLE: &str = "run -p jointplay --example ";
+
 /// Random cases are the same in each run, so that a failure speaks of the change; `cargo test` alone draws new ones.
 const SAME_CASES: (&str, &str) = ("PROPTEST_RNG_SEED", "1");
 
@@ -58,6 +61,7 @@ pub(crate) fn run(root: &Path) -> bool {
         "xtask studio" => studio::run(root),
         "xtask page" => page::run(root),
         DOC => doc_links::run(cargo(step, root), root),
+        line if line.starts_with(EXAMPLE) => run_example(&line[EXAMPLE.len()..], root),
         _ => run_cargo(step, root),
     })
 }
@@ -84,7 +88,7 @@ fn steps(examples: &[String]) -> Vec<Step> {
     for name in examples {
         let cure =
             format!("mend examples/{name}.rs; its crate's manifest must list it under [[example]]");
-        steps.push(Step::new(&format!("run -p jointplay --example {name}"), cure));
+        steps.push(Step::new(&format!("{EXAMPLE}{name}"), cure));
     }
     let docs = Step::new(DOC, "mend the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", doc_links::FLAGS)), ..docs });
@@ -164,6 +168,20 @@ fn run_cargo(step: &Step, root: &Path) -> bool {
         Ok(status) => status.success(),
         Err(error) => {
             eprintln!("cannot start cargo: {error}");
+            false
+        }
+    }
+}
+
+/// Runs an example as the tests have built it: alone, it would be built anew with the features that it needs.
+fn run_example(name: &str, root: &Path) -> bool {
+    let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
+    let built = root.join(target).join("debug").join("examples").join(name);
+    match Command::new(&built).current_dir(root).status() {
+        Ok(status) => status.success(),
+        Err(error) => {
+            eprintln!("cannot start {}: {error}", built.display());
             false
         }
     }

@@ -12,7 +12,7 @@ pub(super) const FLAGS: &str = "-W rustdoc::broken_intra_doc_links";
 
 /// Units that stand in brackets.
 const UNITS: &[&str] =
-    &["m", "mm", "µm", "m²", "rad", "deg", "N", "Nm", "kg", "s", "m/s", "rad/s", "px"];
+    &["m", "mm", "µm", "m²", "rad", "deg", "N", "Nm", "kg", "s", "m/s", "rad/s", "Hz", "Pa", "px"];
 
 /// Runs cargo doc and repeats what it says, save warnings about units and sources; true if nothing is left.
 pub(super) fn run(mut cargo: Command, root: &Path) -> bool {

@@ -53,7 +53,7 @@ pub struct Gantt {
     pub duration: f64,
     /// Title above the picture; empty for none.
     pub title: String,
-    /// Width [px].
+    /// Width in pixels.
     pub width: f64,
 }
 

@@ -50,7 +50,7 @@ pub struct TopView<'a> {
     pub wrong: Vec<[f64; 2]>,
     /// Title above the picture; empty for none.
     pub title: String,
-    /// Width [px].
+    /// Width in pixels.
     pub width: f64,
 }
 
