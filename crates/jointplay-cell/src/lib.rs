@@ -15,6 +15,7 @@
 //! | [`program`] | what the robot is told, and the steps that it comes to |
 //! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
+//! | [`Memory`] | both for a plan that changes, at the cost of what changes |
 //! | [`surface`] | shapes as triangles, for whoever shows them |
 //!
 //! Pure mathematics in SI: no files, no clock, no threads.
@@ -22,6 +23,7 @@
 pub mod cell;
 pub mod check;
 mod error;
+mod memory;
 pub mod motion;
 pub mod program;
 pub mod robot;
@@ -30,3 +32,4 @@ pub mod surface;
 pub mod wafer;
 
 pub use error::CellError;
+pub use memory::{Memory, Reuse};

@@ -1,12 +1,12 @@
 //! Whether friction holds a wafer.
 
+use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
 
-use crate::cell::Cell;
+use super::scene::Scene;
 use crate::motion::Sample;
-use crate::robot::{EffectorId, Positions};
-use crate::wafer::Unreachable;
+use crate::robot::{EffectorId, Positions, RODS};
 
 /// What a wafer's effector has to push it sideways with, and what friction can, by mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,19 +28,21 @@ const STEP: f64 = 1e-4;
 /// with the acceleration c̈ of the wafer's centre in the base frame, all turning included, and the normal n of its plane: in-plane acceleration and gravity along the tilted plane against normal acceleration and g cos α.
 ///
 /// # Errors
-/// As [`Cell::wafer_pose`].
+/// Those of the platform and of the droop.
 ///
 /// # Numerics
-/// `now` is the pose of the wafer at the sample; c̈ is the second difference of the centre over the parabola of velocities and accelerations through the sample: off by the square of the step.
+/// `platform` and `now` are its pose and that of the wafer at the sample; c̈ is the second difference of the centre over the parabola of velocities and accelerations through the sample: off by the square of the step.
 ///
 /// # Assumptions
 /// Coulomb friction at the centre of mass: what the pads bear of the wafer's turning about its own centre is left out.
 pub(super) fn push(
-    cell: &Cell,
+    scene: &Scene<'_>,
     sample: &Sample,
     effector: EffectorId,
+    platform: &Forward,
     now: &Pose,
-) -> Result<Push, Unreachable> {
+) -> Result<Push, String> {
+    let cell = scene.cell;
     let center = now.translation.vector;
     let still = |values: &[f64]| values.iter().all(|value| *value == 0.0);
     let acceleration = if still(&sample.velocities) && still(&sample.accelerations) {
@@ -51,7 +53,14 @@ pub(super) fn push(
             for (k, position) in moved.iter_mut().enumerate() {
                 *position += t * (sample.velocities[k] + 0.5 * t * sample.accelerations[k]);
             }
-            cell.wafer_pose(effector, &moved, true).map(|pose| pose.translation.vector)
+            // While the rods stand, so does the platform.
+            let pose = if moved[..RODS] == platform.rods {
+                scene.wafer(platform, effector, &moved)
+            } else {
+                let moving = cell.robot.platform(&moved).map_err(|error| error.to_string())?;
+                scene.wafer(&moving, effector, &moved)
+            };
+            pose.map(|pose| pose.translation.vector)
         };
         ((on_parabola(STEP)? - center) - (center - on_parabola(-STEP)?)) / (STEP * STEP)
     };

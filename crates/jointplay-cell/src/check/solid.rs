@@ -1,5 +1,7 @@
 //! Shapes as the collision library knows them, and distances between them.
 
+use std::convert::Infallible;
+
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::math::{Mat3, Pose3, Rot3, Vector};
@@ -7,6 +9,7 @@ use parry3d_f64::query;
 use parry3d_f64::shape::{Shape as Queried, SharedShape};
 
 use crate::cell::Shape;
+use crate::memory::{Kept, Key, extend};
 
 /// A shape in its carrier's frame.
 #[derive(Clone)]
@@ -115,8 +118,7 @@ impl Solid {
         self.center.norm() + self.radius
     }
 
-    /// Least and largest coordinate along a direction through the base origin [m], or wider.
-    fn span(&self, base_from_carrier: &Pose, direction: &Vector3<f64>) -> (f64, f64) {
+    fn span(&self, base_from_carrier: &Pose, direction: &Vector3<f64>) -> Span {
         let base_from_shape = base_from_carrier * self.carrier_from_shape;
         let d = base_from_shape.rotation.inverse() * direction;
         let origin = direction.dot(&base_from_shape.translation.vector);
@@ -133,8 +135,91 @@ impl Solid {
                 (0.5 * (a + b), 0.5 * (a - b).abs())
             }
         };
-        (origin + middle - half - self.margin, origin + middle + half + self.margin)
+        let half = half + self.margin;
+        Span { least: origin + middle - half, most: origin + middle + half }
     }
+}
+
+/// Least and largest coordinate along a direction [m], or wider.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Span {
+    pub(super) least: f64,
+    pub(super) most: f64,
+}
+
+impl Span {
+    /// What is between two spans; below zero where they overlap.
+    pub(super) fn gap(self, other: Self) -> f64 {
+        (self.least - other.most).max(other.least - self.most)
+    }
+
+    /// The least span that holds both.
+    pub(super) fn with(self, other: Self) -> Self {
+        Self { least: self.least.min(other.least), most: self.most.max(other.most) }
+    }
+
+    /// With so much more at either end.
+    pub(super) fn wider(self, by: f64) -> Self {
+        Self { least: self.least - by, most: self.most + by }
+    }
+}
+
+/// The solids of the last check, each with a number of its own.
+#[derive(Default)]
+pub(super) struct Solids {
+    kept: Kept<(u64, Option<Solid>)>,
+    count: u64,
+}
+
+impl Solids {
+    pub(super) fn begin(&mut self) {
+        self.kept.begin("");
+    }
+
+    /// As [`Solid::new`].
+    pub(super) fn get(&mut self, shape: &Shape, carrier_from_shape: &Pose) -> Option<(u64, Solid)> {
+        let make = || {
+            self.count += 1;
+            Ok::<_, Infallible>((self.count, Solid::new(shape, carrier_from_shape)))
+        };
+        let Ok(found) = self.kept.get(inputs(shape, carrier_from_shape), make);
+        Some((found.0, found.1.clone()?))
+    }
+
+    pub(super) fn end(&mut self) {
+        self.kept.end();
+    }
+}
+
+fn inputs(shape: &Shape, carrier_from_shape: &Pose) -> Key {
+    let mut key = Key::new();
+    extend(&mut key, carrier_from_shape.rotation.matrix().as_slice());
+    extend(&mut key, carrier_from_shape.translation.vector.as_slice());
+    match shape {
+        Shape::Box { half } => {
+            key.push(0);
+            extend(&mut key, half);
+        }
+        Shape::Cylinder { radius, half_height } => {
+            key.push(1);
+            extend(&mut key, &[*radius, *half_height]);
+        }
+        Shape::Capsule { ends, radius } => {
+            key.push(2);
+            extend(&mut key, ends.as_flattened());
+            extend(&mut key, &[*radius]);
+        }
+        Shape::Convex { points } => {
+            key.push(3);
+            extend(&mut key, points.as_flattened());
+        }
+        Shape::Mesh { vertices, triangles } => {
+            key.extend([4, vertices.len() as u64]);
+            extend(&mut key, vertices.as_flattened());
+            key.extend(triangles.as_flattened().iter().map(|&corner| u64::from(corner)));
+        }
+    }
+    key
 }
 
 fn bounds(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
@@ -159,24 +244,32 @@ pub(super) struct Placed<'a> {
 }
 
 impl Placed<'_> {
+    /// Least and largest coordinate along a direction through the base origin.
+    pub(super) fn span(&self, direction: &Vector3<f64>) -> Span {
+        self.solid.span(self.base_from_carrier, direction)
+    }
+
     fn pose(&self) -> Pose3 {
         posed(&(self.base_from_carrier * self.solid.carrier_from_shape))
     }
 }
 
-/// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
-pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
+/// Distance of the middles of two solids [m].
+pub(super) fn between_centers(a: Placed<'_>, b: Placed<'_>) -> f64 {
     let center = |p: &Placed<'_>| {
         p.base_from_carrier.rotation * p.solid.center + p.base_from_carrier.translation.vector
     };
-    (center(&a) - center(&b)).norm() - a.solid.radius - b.solid.radius
+    (center(&a) - center(&b)).norm()
+}
+
+/// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
+pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
+    between_centers(a, b) - a.solid.radius - b.solid.radius
 }
 
 /// A lower bound of the distance: the gap between two solids along a direction [m]; below zero where they overlap there.
 pub(super) fn gap_along(a: Placed<'_>, b: Placed<'_>, direction: &Vector3<f64>) -> f64 {
-    let (a_least, a_most) = a.solid.span(a.base_from_carrier, direction);
-    let (b_least, b_most) = b.solid.span(b.base_from_carrier, direction);
-    (a_least - b_most).max(b_least - a_most)
+    a.span(direction).gap(b.span(direction))
 }
 
 /// Distance between two solids [m], 0 where they overlap.

@@ -2,7 +2,7 @@
 
 use super::scene::{Holder, Item};
 use crate::motion::Sample;
-use crate::robot::{HybridRobot, MAX_AXES, MotionKind, RODS};
+use crate::robot::{Arm, HybridRobot, MAX_AXES, MotionKind, RODS};
 
 /// Slack for what the bounds leave out: the platform's shift and twist by its tilt, of the size of the tilt, and the droop's change by reach.
 const SLACK: f64 = 1.1;
@@ -32,7 +32,7 @@ impl Travel {
 }
 
 /// What all axes did between two samples, at most.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Moved {
     /// Path of each axis [m or rad].
     axes: [f64; MAX_AXES],
@@ -40,6 +40,26 @@ pub(super) struct Moved {
     height: f64,
     /// Angle that its normal turned by [rad].
     pub(super) lean: f64,
+}
+
+impl Moved {
+    /// What they did in two intervals, one after the other.
+    pub(super) fn and(&self, more: &Self) -> Self {
+        self.with(more, |one, other| one + other)
+    }
+
+    /// What they did beyond the first of two intervals.
+    pub(super) fn beyond(&self, first: &Self) -> Self {
+        self.with(first, |one, other| one - other)
+    }
+
+    fn with(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            axes: std::array::from_fn(|axis| of(self.axes[axis], other.axes[axis])),
+            height: of(self.height, other.height),
+            lean: of(self.lean, other.lean),
+        }
+    }
 }
 
 /// The base triangle, as far as it gears rods to the platform.
@@ -112,40 +132,86 @@ fn path(dt: f64, of: impl Fn(&Sample) -> (f64, f64, f64), from: &Sample, to: &Sa
 impl Levers {
     /// Of an item that moves.
     pub(super) fn new(robot: &HybridRobot, item: &Item) -> Self {
+        Self::beyond(robot, item, 0)
+    }
+
+    /// Of two items that move, against each other: what carries both alike counts for neither.
+    pub(super) fn between(robot: &HybridRobot, one: &Item, other: &Item) -> Self {
+        let common = match (joints_of(robot, one), joints_of(robot, other)) {
+            (Some((a, m)), Some((b, n))) if a == b => m.min(n),
+            (Some((a, _)), Some((b, _))) => {
+                usize::from(begin_alike(&robot.arms[a], &robot.arms[b]))
+            }
+            _ => 0,
+        };
+        let (one, other) = (Self::beyond(robot, one, common), Self::beyond(robot, other, common));
+        let arms = std::array::from_fn(|axis| one.arms[axis] + other.arms[axis]);
+        Self { arms, far: one.far + other.far }
+    }
+
+    /// By joints from a place on.
+    ///
+    /// ```text
+    ///    |v|  ≤  Σ_a |ȧ| Σ_g |m_ga| |v_g|        m_ga: turning of link g by axis a, |v_g|: its length
+    /// ```
+    /// so that a wafer that a belt keeps from turning has none of the levers that it would have about each joint.
+    fn beyond(robot: &HybridRobot, item: &Item, common: usize) -> Self {
         let mut arms = [0.0; MAX_AXES];
-        let (arm, links, own) = match item.holder {
-            Holder::Link { arm, link } => (arm, link + 1, item.solid.reach()),
-            Holder::Effector(id) => {
-                let effector = &robot.arms[id.arm].effectors[id.effector];
-                let [x, y, z] = effector.wafer_center;
-                let out = x.hypot(y).hypot(z) + item.solid.reach();
-                (id.arm, robot.arms[id.arm].joints.len(), out)
-            }
-            Holder::Platform | Holder::World | Holder::Slot(_) => {
-                return Self { arms, far: item.solid.reach() };
-            }
+        let reach = item.solid.reach();
+        let Some((arm, joints)) = joints_of(robot, item) else {
+            return Self { arms, far: reach };
         };
         let described = &robot.arms[arm];
-        // From the item inward, the farthest that it can be from each joint.
-        let mut out = own;
-        for (place, joint) in described.joints[..links].iter().enumerate().rev() {
-            if place + 1 < links {
-                out += joint.length.hypot(joint.offset);
+        let own = match item.holder {
+            Holder::Effector(id) => {
+                let [x, y, z] = described.effectors[id.effector].wafer_center;
+                x.hypot(y).hypot(z) + reach
             }
-            for &(axis, ratio) in &joint.drives {
-                arms[axis] += ratio.abs()
-                    * match joint.kind {
-                        MotionKind::Turn => out,
-                        MotionKind::Slide => 1.0,
-                    };
-            }
-            if joint.kind == MotionKind::Slide {
-                out += slide(robot, joint);
-            }
-            out += joint.rise.abs();
-        }
+            _ => reach,
+        };
         let [x, y, z] = described.mount;
-        Self { arms, far: out + x.hypot(y).hypot(z) }
+        let mut far = x.hypot(y).hypot(z);
+        let mut turning = [0.0_f64; MAX_AXES];
+        for (place, joint) in described.joints[..joints].iter().enumerate() {
+            let mut length =
+                if place + 1 < joints { joint.length.hypot(joint.offset) } else { own };
+            if joint.kind == MotionKind::Slide {
+                length += slide(robot, joint);
+            }
+            far += length + joint.rise.abs();
+            for &(axis, ratio) in joint.drives.iter().filter(|_| place >= common) {
+                match joint.kind {
+                    MotionKind::Turn => turning[axis] += ratio,
+                    MotionKind::Slide => arms[axis] += ratio.abs(),
+                }
+            }
+            for (lever, turning) in arms.iter_mut().zip(&turning) {
+                *lever += turning.abs() * length;
+            }
+        }
+        Self { arms, far }
+    }
+}
+
+/// The arm that holds an item, and how many of its joints come before it.
+fn joints_of(robot: &HybridRobot, item: &Item) -> Option<(usize, usize)> {
+    match item.holder {
+        Holder::Link { arm, link } => Some((arm, link + 1)),
+        Holder::Effector(id) => Some((id.arm, robot.arms[id.arm].joints.len())),
+        Holder::Platform | Holder::World | Holder::Slot(_) => None,
+    }
+}
+
+/// Whether the first joints of two arms turn about one axis, and alike.
+fn begin_alike(one: &Arm, other: &Arm) -> bool {
+    match (one.joints.first(), other.joints.first()) {
+        (Some(first), Some(second)) => {
+            one.mount[..2] == other.mount[..2]
+                && first.kind == MotionKind::Turn
+                && second.kind == MotionKind::Turn
+                && first.drives == second.drives
+        }
+        _ => false,
     }
 }
 

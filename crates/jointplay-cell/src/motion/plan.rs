@@ -1,5 +1,7 @@
 //! From steps to a motion.
 
+use std::sync::Arc;
+
 use super::axes::together;
 use super::blend::{Blend, blend};
 use super::limits::{dynamics, moves};
@@ -7,6 +9,7 @@ use super::line::Task;
 use super::pace::Pace;
 use super::{Motion, Way};
 use crate::cell::Cell;
+use crate::memory::{Kept, Key, Reuse, extend};
 use crate::program::{Path, Place, Step};
 use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
 
@@ -56,41 +59,110 @@ pub fn timed(
     steps: Vec<Step>,
     options: &MotionOptions,
 ) -> Result<Motion, MotionError> {
-    let mut problems = Vec::new();
-    let mut times = Vec::with_capacity(steps.len() + 1);
-    let mut ways: Vec<Way> = Vec::with_capacity(steps.len());
-    let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
-    // How much of a step has run by the end of the one before.
-    let mut early = 0.0;
-    let mut now = 0.0;
-    times.push(now);
-    for (index, step) in steps.iter().enumerate() {
-        let way = match fits(cell, &steps, index) {
-            Some(message) => Err(message),
-            None => way(cell, step, options, now, &times),
-        };
-        let way = way.unwrap_or_else(|message| {
-            let (instruction, place) = (step.instruction, step.place);
-            problems.push(StepProblem { step: index, instruction, place, message });
-            Way::Still { duration: 0.0 }
-        });
-        if let Some(before) = index.checked_sub(1).filter(|_| problems.is_empty()) {
-            let (pair, two) = ([&steps[before], step], [&ways[before], &way]);
-            if let Some(found) = blend(cell, pair, two, options.blend) {
-                early = found.overlap;
-                times[index] = now - 0.5 * early;
-                blends[before] = Some(found);
-            }
-        }
-        now += way.duration() - std::mem::take(&mut early);
+    Ways::default().timed(cell, steps, options)
+}
+
+/// The ways of the last motion, by what they depend on.
+#[derive(Default)]
+pub(crate) struct Ways(Kept<Way>);
+
+impl Ways {
+    /// See [`timed`].
+    pub(crate) fn timed(
+        &mut self,
+        cell: &Cell,
+        steps: Vec<Step>,
+        options: &MotionOptions,
+    ) -> Result<Motion, MotionError> {
+        self.0.begin(&shared(cell, options));
+        let mut problems = Vec::new();
+        let mut times = Vec::with_capacity(steps.len() + 1);
+        let mut ways: Vec<Arc<Way>> = Vec::with_capacity(steps.len());
+        let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
+        // How much of a step has run by the end of the one before.
+        let mut early = 0.0;
+        let mut now = 0.0;
         times.push(now);
-        ways.push(way);
+        for (index, step) in steps.iter().enumerate() {
+            let way = match fits(cell, &steps, index) {
+                Some(message) => Err(message),
+                None => self.way(cell, step, options, now, &times),
+            };
+            let way = way.unwrap_or_else(|message| {
+                let (instruction, place) = (step.instruction, step.place);
+                problems.push(StepProblem { step: index, instruction, place, message });
+                Arc::new(Way::Still { duration: 0.0 })
+            });
+            if let Some(before) = index.checked_sub(1).filter(|_| problems.is_empty()) {
+                let (pair, two) = ([&steps[before], step], [&*ways[before], &*way]);
+                if let Some(found) = blend(cell, pair, two, options.blend) {
+                    early = found.overlap;
+                    times[index] = now - 0.5 * early;
+                    blends[before] = Some(found);
+                }
+            }
+            now += way.duration() - std::mem::take(&mut early);
+            times.push(now);
+            ways.push(way);
+        }
+        self.0.end();
+        if problems.is_empty() {
+            Ok(Motion { steps, times, ways, blends })
+        } else {
+            Err(MotionError { problems })
+        }
     }
-    if problems.is_empty() {
-        Ok(Motion { steps, times, ways, blends })
-    } else {
-        Err(MotionError { problems })
+
+    fn way(
+        &mut self,
+        cell: &Cell,
+        step: &Step,
+        options: &MotionOptions,
+        now: f64,
+        times: &[f64],
+    ) -> Result<Arc<Way>, String> {
+        let duration = match step.path {
+            Path::Still(duration) => duration,
+            Path::Processed { since, seconds } => {
+                let left = times
+                    .get(since + 1)
+                    .ok_or("waits for a station that gets its wafer only later".to_string())?;
+                (left + seconds - now).max(0.0)
+            }
+            Path::Axes => {
+                let limits = |axis| dynamics(&cell.robot, axis, step);
+                let make = || together(&step.from, &step.to, limits).map(Way::Axes);
+                return self.0.get(key(step, &[]), make);
+            }
+            Path::Line(effector) => {
+                let line = [effector.arm as u64, effector.effector as u64];
+                let make = || along(cell, step, effector, options);
+                return self.0.get(key(step, &line), make);
+            }
+        };
+        // Known by how long it is alone: where it stands is the step's.
+        self.0.get(vec![duration.to_bits()], || still(duration, step))
     }
+
+    pub(crate) fn reuse(&self) -> Reuse {
+        self.0.reuse()
+    }
+}
+
+/// What every way depends on: numbers are printed so that no two of them look alike.
+fn shared(cell: &Cell, options: &MotionOptions) -> String {
+    format!("{:?} {:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity, options.line_deviation)
+}
+
+/// What the way of a step depends on besides.
+fn key(step: &Step, line: &[u64]) -> Key {
+    let mut key = vec![line.len() as u64];
+    key.extend(line);
+    extend(&mut key, &step.from);
+    extend(&mut key, &step.to);
+    extend(&mut key, &[step.speed, step.line_speed.unwrap_or(f64::INFINITY)]);
+    key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
+    key
 }
 
 /// What is wrong with a step before it is looked at closely.
@@ -119,27 +191,6 @@ fn fits(cell: &Cell, steps: &[Step], index: usize) -> Option<String> {
         "axis {} starts at {}, but the step before ends at {}: steps have to join",
         cell.robot.axes[jump].name, step.from[jump], earlier[jump]
     ))
-}
-
-fn way(
-    cell: &Cell,
-    step: &Step,
-    options: &MotionOptions,
-    now: f64,
-    times: &[f64],
-) -> Result<Way, String> {
-    let limits = |axis| dynamics(&cell.robot, axis, step);
-    match step.path {
-        Path::Still(duration) => still(duration, step),
-        Path::Processed { since, seconds } => {
-            let left = times
-                .get(since + 1)
-                .ok_or("waits for a station that gets its wafer only later".to_string())?;
-            still((left + seconds - now).max(0.0), step)
-        }
-        Path::Axes => together(&step.from, &step.to, limits).map(Way::Axes),
-        Path::Line(effector) => along(cell, step, effector, options),
-    }
 }
 
 fn still(duration: f64, step: &Step) -> Result<Way, String> {
