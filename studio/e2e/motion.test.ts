@@ -127,11 +127,16 @@ test('series, plots and a film are taken away', async () => {
   const csv = (await take('take-csv')).toString().trim().split('\n');
   expect(csv).toHaveLength(778);
   expect(csv[0]).toContain('q1_m');
-  expect((await take('take-svg')).toString()).toContain('<svg');
-  expect((await take('take-png')).subarray(1, 4).toString()).toBe('PNG');
+  const shown = await page.locator('[data-testid^=plot-]').count();
+  expect(shown).toBeGreaterThan(4);
+  const svg = (await take('take-svg')).toString();
+  expect(svg.match(/<g transform/g)).toHaveLength(shown);
+  const png = await take('take-png');
+  expect(png.subarray(1, 4).toString()).toBe('PNG');
+  expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual([1440, 720 * shown]);
   // Without Parquet in the build, the page says how to have it.
   await page.getByTestId('take').click();
-  const parquet = page.waitForEvent('download', { timeout: 45_000 }).then(
+  const parquet = page.waitForEvent('download', { timeout: 10_000 }).then(
     async (download) => readFileSync(await download.path()),
     () => null,
   );
@@ -176,8 +181,8 @@ test('a whole motion is filmed, and the film lasts as long', async () => {
     return { seconds: video.currentTime, width: video.videoWidth };
   }, bytes);
   expect(played.width).toBeGreaterThan(300);
-  // Real time, three seconds; a machine that draws in software and has other work begins late and may need longer.
-  expect(played.seconds).toBeGreaterThan(1);
+  // Real time, three seconds; a machine that draws in software and has other work may need longer.
+  expect(played.seconds).toBeGreaterThan(2.5);
   expect(played.seconds).toBeLessThan(took + 0.5);
   await page.getByTestId('motion').selectOption('raster');
   await loaded(777);

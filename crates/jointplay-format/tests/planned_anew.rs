@@ -5,7 +5,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
+use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
 use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Step, expand};
 use jointplay_cell::robot::EffectorId;
@@ -145,7 +145,9 @@ fn nothing_is_passed_over_that_a_sample_shows() {
                     && (one.start - 1e-9..one.end + 1e-9).contains(time)
                     && one.worst <= value + 1e-6
             });
-            assert!(told, "{kind} of {names:?} at {time}: {value}");
+            let of_pair = |one: &&Violation| names.iter().all(|name| one.names.contains(name));
+            let others: Vec<&Violation> = report.violations.iter().filter(of_pair).collect();
+            assert!(told, "{kind} of {names:?} at {time}: {value}, not in {others:#?}");
         }
     }
 }

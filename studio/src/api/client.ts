@@ -80,7 +80,7 @@ export function apiCommand(command: Command): Timed {
 
 /**
  * One pose under several models; a height of the platform's centre is that of the first.
- * With the rods from which it comes, the robot stops where its way meets a limit.
+ * With the rods from which it comes, a robot within its limits stops where its way meets one.
  */
 export async function pose(command: Timed, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
   const from = from_rods_m ? { from_rods_m } : {};

@@ -1,5 +1,5 @@
 import { expect, test } from 'vitest';
-import { plotSvg, ticks } from './plotsvg';
+import { figureSvg, ticks } from './plotsvg';
 
 test('ticks are round and within', () => {
   const cases: [number, number, number, number[]][] = [
@@ -15,14 +15,18 @@ test('ticks are round and within', () => {
   }
 });
 
-test('a plot names what it shows, and its points are where they belong', () => {
-  const svg = plotSvg({
+test('a figure names what it shows, and its points are where they belong', () => {
+  const drawing = {
     title: 'Rods <q>',
-    x: { title: 'sample', range: [0, 10] },
-    y: { title: 'mm', range: [0, 1] },
-    series: [{ name: 'q₁', colour: '#0072b2', dash: [8, 4], points: [[0, 0], [10, 1]] }],
-  });
+    x: { title: 'sample', range: [0, 10] as [number, number] },
+    y: { title: 'mm', range: [0, 1] as [number, number] },
+    series: [{ name: 'q₁', colour: '#0072b2', dash: [8, 4], points: [[0, 0], [10, 1]] as [number, number][] }],
+  };
+  const svg = figureSvg([drawing, { ...drawing, title: 'Sides' }]);
   expect(svg).toContain('Rods &lt;q>');
-  expect(svg).toContain('d="M84 312L704 34"');
+  expect(svg).toContain('Sides');
+  expect(svg.match(/d="M84 312L704 34"/g)).toHaveLength(2);
   expect(svg).toContain('stroke-dasharray="8 4"');
+  expect(svg).toContain('height="720"');
+  expect(svg).toContain('translate(0 360)');
 });

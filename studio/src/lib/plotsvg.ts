@@ -1,4 +1,4 @@
-// A plot as SVG, for papers: white ground, black ink.
+// Plots as SVG, for papers: white ground, black ink.
 
 import { fixed } from './units';
 
@@ -9,7 +9,8 @@ export interface Drawing {
   series: { name: string; colour: string; dash: number[]; points: [number, number][] }[];
 }
 
-const SIZE = { width: 720, height: 360, left: 84, right: 16, top: 34, bottom: 48 };
+/** Each plot's, in pixels. */
+export const SIZE = { width: 720, height: 360, left: 84, right: 16, top: 34, bottom: 48 };
 
 /** Round numbers within a range, about so many. */
 export function ticks(low: number, high: number, about: number): number[] {
@@ -22,7 +23,18 @@ export function ticks(low: number, high: number, about: number): number[] {
   return found;
 }
 
-export function plotSvg({ title, x, y, series }: Drawing): string {
+/** Plots as one figure, each below the other. */
+export function figureSvg(drawings: Drawing[]): string {
+  const { width } = SIZE;
+  const height = SIZE.height * drawings.length;
+  const placed = drawings.map((drawing, i) => `<g transform="translate(0 ${i * SIZE.height})">${plot(drawing)}</g>`);
+  return (
+    `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="sans-serif" font-size="12" fill="#222">` +
+    `<style>.grid{stroke:#ddd;fill:none}</style><rect width="100%" height="100%" fill="#fff"/>${placed.join('')}</svg>\n`
+  );
+}
+
+function plot({ title, x, y, series }: Drawing): string {
   const { width, height, left, right, top, bottom } = SIZE;
   const toX = (value: number) => left + ((value - x.range[0]) / (x.range[1] - x.range[0] || 1)) * (width - left - right);
   const toY = (value: number) => height - bottom - ((value - y.range[0]) / (y.range[1] - y.range[0] || 1)) * (height - top - bottom);
@@ -53,10 +65,7 @@ export function plotSvg({ title, x, y, series }: Drawing): string {
   parts.push(`<text x="${(left + width - right) / 2}" y="${height - 10}" text-anchor="middle">${escape(x.title)}</text>`);
   parts.push(`<text transform="translate(18 ${(top + height - bottom) / 2}) rotate(-90)" text-anchor="middle">${escape(y.title)}</text>`);
   parts.push(`<text x="${width - right}" y="${top - 6}" text-anchor="end" font-weight="600">${escape(title)}</text>`);
-  return (
-    `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}" font-family="sans-serif" font-size="12" fill="#222">` +
-    `<style>.grid{stroke:#ddd;fill:none}</style><rect width="100%" height="100%" fill="#fff"/>${parts.join('')}</svg>\n`
-  );
+  return parts.join('');
 }
 
 function escape(text: string): string {

@@ -9,12 +9,17 @@ const KINDS = [
   ['video/webm', 'webm'],
 ] as const;
 
+/** Pictures of the first and of the last moment: an encoder may begin late, and a film ends where its last picture begins. */
+const HELD = 4;
+/** How long these moments are held at least: at 30 pictures a second, three of them [ms]. */
+const HOLD = 100;
+
 export class Film {
   running = $state(false);
-  #recorder: MediaRecorder | null = null;
-  #viewer: Viewer | null = null;
+  #end: (() => Promise<void>) | null = null;
 
-  start(viewer: Viewer, note: () => string, done: (blob: Blob, ending: string) => void): void {
+  /** Resolves once the first moment is in the film and what moves may move; to false if it was stopped meanwhile. */
+  async start(viewer: Viewer, note: () => string, done: (blob: Blob, ending: string) => void): Promise<boolean> {
     const kind = KINDS.find(([type]) => MediaRecorder.isTypeSupported(type));
     if (!kind) throw new Error('this browser encodes no video');
     const [type, ending] = kind;
@@ -24,19 +29,35 @@ export class Film {
     const parts: Blob[] = [];
     recorder.addEventListener('dataavailable', ({ data }) => data.size > 0 && parts.push(data));
     recorder.addEventListener('stop', () => done(new Blob(parts, { type }), ending));
-    recorder.start(500);
-    viewer.film = () => viewer.copyTo(canvas, note());
-    viewer.invalidate();
-    this.#recorder = recorder;
-    this.#viewer = viewer;
+    const waiting: (() => void)[] = [];
+    viewer.film = () => {
+      viewer.copyTo(canvas, note());
+      for (const next of waiting.splice(0)) next();
+    };
+    const hold = async () => {
+      const until = performance.now() + HOLD;
+      for (let picture = 0; picture < HELD || performance.now() < until; picture++)
+        await new Promise<void>((next) => {
+          waiting.push(next);
+          viewer.invalidate();
+        });
+    };
+    this.#end = async () => {
+      await hold();
+      viewer.film = null;
+      recorder.stop();
+      this.running = false;
+    };
     this.running = true;
+    recorder.start(500);
+    await hold();
+    return this.#end !== null;
   }
 
-  stop(): void {
-    this.#recorder?.stop();
-    if (this.#viewer) this.#viewer.film = null;
-    this.#recorder = null;
-    this.#viewer = null;
-    this.running = false;
+  /** Holds the last moment, and hands the film over. */
+  async stop(): Promise<void> {
+    const end = this.#end;
+    this.#end = null;
+    await end?.();
   }
 }

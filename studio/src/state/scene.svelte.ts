@@ -4,7 +4,6 @@ import type { Viewer } from '../scene/viewer';
 
 class SceneHolder {
   viewer = $state.raw<Viewer | null>(null);
-  filming = $state(false);
 }
 
 export const scene = new SceneHolder();

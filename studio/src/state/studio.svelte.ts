@@ -290,7 +290,7 @@ export class Studio {
         const order = [model, ...VIRTUALIZATIONS.filter((name) => name !== model)];
         const models = order.map((name) => api.modelChoice(name, solver, metric));
         try {
-          const answer = await api.pose(command, models, jog ? this.#from : null);
+          const answer = await api.pose(command, models, jog ? (this.pose?.rods_m ?? null) : null);
           const says = (limits: typeof answer.stopped_by) => limits.map(({ message }) => message).join('; ');
           if (jog && answer.limits_broken.length > 0) {
             this.#stay(told, says(answer.limits_broken));
@@ -315,11 +315,6 @@ export class Studio {
       this.#asking = null;
       measure.settled = true;
     }
-  }
-
-  /** The rods from which a jog starts, where they are within the limits. */
-  get #from(): number[] | null {
-    return this.pose && this.pose.limits_broken.length === 0 ? this.pose.rods_m : null;
   }
 
   #stay(told: Command, why: string): void {

@@ -3,7 +3,7 @@
 import * as api from '../api/client';
 import { FACTORS } from '../lib/figures';
 import { decimate } from '../lib/decimate';
-import { plotSvg } from '../lib/plotsvg';
+import { figureSvg } from '../lib/plotsvg';
 import { SERIES } from '../lib/series';
 import type { plots as Plots } from './plots';
 import type { Studio } from './studio.svelte';
@@ -31,39 +31,45 @@ export async function seriesFile(studio: Studio, kind: 'csv' | 'parquet'): Promi
 
 /** Points of one line of a printed plot, at most. */
 const POINTS = 1200;
+/** Pixels of a painted figure for each of its drawing. */
+const FINENESS = 2;
 
-export async function plotBlobs(shown: typeof Plots, kind: 'svg' | 'png', studio: Studio): Promise<{ name: string; blob: Blob }[]> {
-  const made: { name: string; blob: Blob }[] = [];
-  for (const [id, { plot, kind: what }] of shown) {
-    if (kind === 'png') {
-      const canvas = document.createElement('canvas');
-      const source = plot.ctx.canvas;
-      Object.assign(canvas, { width: source.width, height: source.height });
-      const context = canvas.getContext('2d') as CanvasRenderingContext2D;
-      context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('--panel').trim();
-      context.fillRect(0, 0, canvas.width, canvas.height);
-      context.drawImage(source, 0, 0);
-      const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
-      if (blob) made.push({ name: `${id}.png`, blob });
-      continue;
-    }
-    const columns = studio.study.of(what.quantity).filter((_, i) => plot.series[i + 1]?.show);
+/** The plots shown as one figure, with what is seen of them. */
+export function figure(shown: typeof Plots, studio: Studio): Blob {
+  const drawings = [...shown.values()].map(({ plot, kind }) => {
+    const all = studio.study.of(kind.quantity);
+    const columns = all.filter((_, i) => plot.series[i + 1]?.show);
     const { min: from, max: to } = plot.scales['x'] as { min: number; max: number };
     const { min: low, max: high } = plot.scales['y'] as { min: number; max: number };
     const kept = decimate(columns.map(({ values }) => values), from, to + 1, POINTS / 8);
-    const all = studio.study.of(what.quantity);
-    const svg = plotSvg({
-      title: `${what.title}, ${studio.document.model}`,
-      x: { title: 'sample', range: [from, to] },
-      y: { title: what.unit, range: [low, high] },
+    return {
+      title: `${kind.title}, ${studio.document.model}`,
+      x: { title: 'sample', range: [from, to] as [number, number] },
+      y: { title: kind.unit, range: [low, high] as [number, number] },
       series: columns.map((column) => ({
         name: column.symbol,
         colour: SERIES.light[all.indexOf(column) % 6] as string,
         dash: [[], [8, 4], [2, 3], [8, 3, 2, 3], [12, 4], [5, 2]][all.indexOf(column) % 6] as number[],
-        points: kept.map((i) => [i, (column.values[i] as number) * FACTORS[what.unit]]),
+        points: kept.map((i) => [i, (column.values[i] as number) * FACTORS[kind.unit]] as [number, number]),
       })),
-    });
-    made.push({ name: `${id}.svg`, blob: new Blob([svg], { type: 'image/svg+xml' }) });
+    };
+  });
+  return new Blob([figureSvg(drawings)], { type: 'image/svg+xml' });
+}
+
+/** A figure in pixels, as fine as print needs. */
+export async function painted(figure: Blob): Promise<Blob> {
+  const picture = new Image();
+  picture.src = URL.createObjectURL(figure);
+  try {
+    await picture.decode();
+  } finally {
+    URL.revokeObjectURL(picture.src);
   }
-  return made;
+  const canvas = document.createElement('canvas');
+  Object.assign(canvas, { width: picture.width * FINENESS, height: picture.height * FINENESS });
+  canvas.getContext('2d')?.drawImage(picture, 0, 0, canvas.width, canvas.height);
+  const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
+  if (!blob) throw new Error('this browser could not paint the figure');
+  return blob;
 }

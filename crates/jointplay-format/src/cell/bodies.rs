@@ -27,9 +27,7 @@ pub(super) fn bodies(
     stations: &[Station],
     files: &mut Files,
 ) -> Vec<Body> {
-    let name_of = |table: Table| Some(table.entry("name")?.value.get_ref().as_str()?.to_owned());
-    let station_names: Vec<String> =
-        top.tables("station").into_iter().filter_map(name_of).collect();
+    let station_names = names_of(top, "station");
     let mut names = BTreeMap::new();
     let mut bodies = Vec::new();
     for mut table in few(top, "body") {
@@ -70,6 +68,12 @@ pub(super) fn zones(top: &Table, files: &mut Files) -> Vec<Zone> {
     zones
 }
 
+/// The names in all tables of a key, whether the rest of them can be read or not.
+fn names_of(top: &Table, key: &'static str) -> Vec<String> {
+    let name_of = |table: Table| Some(table.entry("name")?.value.get_ref().as_str()?.to_owned());
+    top.tables(key).into_iter().filter_map(name_of).collect()
+}
+
 fn few<'r, 'a>(top: &Table<'r, 'a>, key: &'static str) -> Vec<Table<'r, 'a>> {
     let mut tables = top.tables(key);
     if tables.len() > MOST_BODIES {
@@ -84,14 +88,14 @@ fn few<'r, 'a>(top: &Table<'r, 'a>, key: &'static str) -> Vec<Table<'r, 'a>> {
 pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
     let reader = top.reader;
     let Some(entry) = top.entry("may_touch") else { return Vec::new() };
-    let names: Vec<String> = bodies.iter().map(|body| body.name.clone()).collect();
+    let names = names_of(top, "body");
     let index = |entry: &Entry| {
         let name = entry.text(reader)?;
-        let found = names.iter().position(|known| known == name);
-        if found.is_none() {
+        // A body that could not be read was told of already.
+        if !names.iter().any(|known| known == name) {
             entry.unknown(reader, "body", name, &names);
         }
-        found
+        bodies.iter().position(|known| known.name == name)
     };
     let pair = |pair: Entry| {
         let list = pair.list(reader)?;

@@ -2,7 +2,7 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::explain::{explain, explain_limit};
+use jointplay::format::explain::explain;
 use jointplay::gpr::Gpr;
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::spatial::Tilt;
@@ -15,11 +15,11 @@ use crate::problem::Problem;
 use crate::wire::pose::{
     AnswerDocument, MOST_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
 };
-use crate::wire::{ModelChoice, Rods, rods};
+use crate::wire::{self, ModelChoice, Rods};
 
 /// One pose, with all that one picture of it needs
 ///
-/// A pose beyond the robot's limits is computed all the same, and the limits that it breaks are listed; with `from_rods_m` the robot stops where its way meets one.
+/// A pose beyond the robot's limits is computed all the same, and the limits that it breaks are listed; from rods within them, `from_rods_m`, the robot stops where its way meets one.
 /// A model without an answer says why; the others answer.
 #[utoipa::path(
     post,
@@ -63,7 +63,9 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
     let target = command.read(gpr, "command")?;
     let (rods, tilt) = reached(gpr, target, first.model(), options)?;
     let broken = gpr.limits().broken(&rods, tilt);
-    let (rods, broken, stopped_by) = match from.map(|from| within_limits(gpr, from)).transpose()? {
+    let from = from.map(|Rods(from)| wire::rods(from, "from_rods_m")).transpose()?;
+    let within = |from: &[f64; 3]| gpr.limits().broken(from, gpr.plane_tilt(from)).is_empty();
+    let (rods, broken, stopped_by) = match from.filter(within) {
         Some(from) => (gpr.last_within_limits(&from, &rods), Vec::new(), broken),
         None => (rods, broken, Vec::new()),
     };
@@ -81,18 +83,6 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
         document.mobility = Some(mobility(gpr, rods)?);
     }
     Ok(document)
-}
-
-/// Rods from which a way may start.
-fn within_limits(gpr: &Gpr, Rods(from): Rods) -> Result<[f64; 3], Problem> {
-    let from = rods(from, "from_rods_m")?;
-    let broken = gpr.limits().broken(&from, gpr.plane_tilt(&from));
-    if broken.is_empty() {
-        return Ok(from);
-    }
-    let why: Vec<String> = broken.iter().map(explain_limit).collect();
-    let detail = format!("a way starts within the limits: {}", why.join("; "));
-    Err(Problem::field("from_rods_m", detail))
 }
 
 fn answer(

@@ -136,8 +136,24 @@ fn a_way_beyond_the_limits_ends_at_the_last_pose_within() {
         (&reached["rods_m"][0], &reached["stopped_by"]),
         (&0.501.into(), &Value::Array(vec![]))
     );
-    refused(POSE, &body("[0.9, 0.5, 0.5]"), 422, Some("from_rods_m"), "a way starts within");
     refused(POSE, &body("[1e9, 0.5, 0.5]"), 422, Some("from_rods_m[0]"), "too long");
+}
+
+#[test]
+fn a_way_from_beyond_the_limits_is_not_stopped() {
+    let body = |to: &str| {
+        format!(
+            r#"{{"command": {{"kind": "rods", "rods_m": {to}}}, "from_rods_m": [0.9, 0.5, 0.5]}}"#
+        )
+    };
+    let back = answered(POSE, &body("[0.501, 0.5, 0.5]"));
+    assert_eq!(
+        (&back["rods_m"][0], &back["limits_broken"]),
+        (&0.501.into(), &Value::Array(vec![]))
+    );
+    let on = answered(POSE, &body("[0.52, 0.5, 0.5]"));
+    assert_eq!((&on["rods_m"][0], &on["stopped_by"]), (&0.52.into(), &Value::Array(vec![])));
+    assert_eq!(on["limits_broken"].as_array().unwrap().len(), 1);
 }
 
 #[test]

@@ -21,8 +21,8 @@ pub(crate) const MOST_MODELS: usize = 16;
 pub(crate) struct PoseRequest {
     /// What the robot is told to do.
     pub(crate) command: CommandFields,
-    /// Rods within the limits from which the robot comes: where the command is beyond the limits, it stops at the last of them on the straight way.
-    /// Without them, the command is computed past the limits.
+    /// Rods from which the robot comes: where they are within the limits and the command is not, it stops at the last pose within them on the straight way.
+    /// Without them, or from beyond the limits, the command is computed past the limits.
     #[serde(default)]
     pub(crate) from_rods_m: Option<Rods>,
     /// Which models are to answer; a height of the platform's centre is that of the first of them.
