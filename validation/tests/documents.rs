@@ -13,7 +13,8 @@ fn read(path: &str) -> String {
 /// Names of the tests of this crate, of the core and of the cell.
 fn tests() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
-    let cell = ["tests", "src/wafer"].map(|folder| format!("crates/jointplay-cell/{folder}"));
+    let cell =
+        ["tests", "src/wafer", "src/check"].map(|folder| format!("crates/jointplay-cell/{folder}"));
     let folders = ["validation/tests", "crates/jointplay-core/tests"].map(str::to_owned);
     for folder in folders.into_iter().chain(cell) {
         let path = format!("{}/../{folder}", env!("CARGO_MANIFEST_DIR"));

@@ -11,11 +11,12 @@ use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
 use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
-use jointplay_cell::robot::{EffectorId, WaferTarget};
+use jointplay_cell::robot::{EffectorId, PlatformModel, WaferTarget};
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::wafer::{Droop, DroopRow, Material, Wafer};
 use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
+use jointplay_core::virtualization::{Kernel, SolveOptions, Solver};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 const A: EffectorId = EffectorId { arm: 0, effector: 0 };
@@ -173,6 +174,19 @@ fn tilt_play_and_droop_have_their_messages() {
 }
 
 #[test]
+fn a_platform_that_cannot_be_placed_has_its_message() {
+    let hasty = SolveOptions { solver: Solver::Newton, max_iterations: 0, ..Default::default() };
+    let model = PlatformModel { virtualization: Kernel::Polar, options: hasty };
+    let says = "platform: the newton iteration did not converge in 0 steps: the sides are";
+    let report = breaks(|cell| cell.robot.model = model, Kind::Platform, says);
+    // All the time, in both instructions, and nothing else is known meanwhile.
+    assert_eq!(report.violations.len(), 2);
+    assert_eq!((report.violations[0].start, report.violations[1].end), (0.0, report.duration));
+    assert!(report.by_instruction.iter().all(|row| row.slip.is_none() && row.nearest.is_none()));
+    assert_eq!(report.violations[0].symbol(), "");
+}
+
+#[test]
 fn a_wafer_slips_where_the_hand_computation_says() {
     let mut cell = cell();
     for axis in &mut cell.robot.axes {
@@ -180,14 +194,17 @@ fn a_wafer_slips_where_the_hand_computation_says() {
     }
     let motion = turn(&cell);
     let center = cell.wafer_pose(A, &motion.at(0.0).positions, true).unwrap().translation.vector;
-    // The wafer goes round the first joint, level: tangential and radial acceleration.
+    // The wafer goes round the first joint, level: tangential and radial acceleration of its middle,
+    // and the turning of a disc about it, borne by its edge, where the pressure stands off by the height of its middle.
     let mount = cell.robot.arms[0].mount;
     let platform = cell.robot.forward(&motion.at(0.0).positions).unwrap().platform;
     let joint = platform.base_from_platform * nalgebra::Point3::from(mount);
     let radius = (center - joint.coords).xy().norm();
     let push = |t: f64| {
         let sample = motion.at(t);
-        radius * sample.accelerations[T].hypot(sample.velocities[T].powi(2))
+        let straight = radius * sample.accelerations[T].hypot(sample.velocities[T].powi(2));
+        let turning = 0.5 * 0.15 * 0.15 * sample.accelerations[T].abs();
+        straight + turning / (0.15 - 0.5 * 775e-6 * straight / GRAVITY)
     };
     let worst = motion.samples(1000.0).map(|sample| push(sample.time)).fold(0.0, f64::max);
     cell.robot.arms[0].effectors[0].friction = 0.9 * worst / GRAVITY;

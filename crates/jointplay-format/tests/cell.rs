@@ -417,6 +417,44 @@ fn an_edit_leaves_one_way_of_placing() {
 }
 
 #[test]
+fn stations_in_a_list_are_edited_where_they_stand() {
+    let text = "kind = \"cell\"
+name = \"Two in a list\"
+robot = \"dual-arm\"
+wafer = { diameter_mm = 300, thickness_mm = 0.775, material = \"silicon\" }
+budgets = { play_um = 60, clearance_mm = 1, slot_clearance_mm = 1, plane_urad = 20 }
+station = [
+    # The one that stands still.
+    { name = \"LP1\", position_mm = [-495.0, 495.0, 500.0], yaw_deg = 45.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 },
+    { name = \"LP2\", drift = { first_mm = [-495, -495, 500], last_mm = [-494, -495, 740] }, slots = 25, yaw_deg = 135.0, stroke = { below_mm = 4, above_mm = 3, speed_mm_s = 20 }, retract_mm = 10.0 }, # drifted
+]
+";
+    let stations = |text: &str| {
+        let found = read(text, &mut no_files);
+        let told = |problems: Vec<Problem>| panic!("{}", problems[0].with_excerpt("x.toml"));
+        found.unwrap_or_else(told).stations
+    };
+    assert!(matches!(stations(text)[1].origin, Origin::Drift(_)));
+    let changes = [Change::Position(Vector3::new(-0.49, 0.495, 0.5)), Change::ProcessTime(3.0)];
+    let edited = set_station(text, "LP1", &changes).unwrap();
+    let found = &stations(&edited)[0];
+    assert_eq!((found.base_from_station.translation.vector.x, found.process_time), (-0.49, 3.0));
+    // One line is another, and is written as one would.
+    let old: Vec<&str> = text.lines().collect();
+    let added: Vec<&str> = edited.lines().filter(|line| !old.contains(line)).collect();
+    assert_eq!(added.len(), 1, "{added:?}");
+    assert!(added[0].starts_with("    { name = \"LP1\", position_mm = [-490.0, 495.0, 500.0], "));
+    assert!(added[0].ends_with(" retract_mm = 10.0, process_s = 3.0 },"), "{}", added[0]);
+    let level = set_station(text, "LP2", &[Change::Tilt(Tilt::LEVEL)]).unwrap();
+    let found = &stations(&level)[1];
+    // The slots stay as far apart as the drift had them.
+    assert!(matches!(found.origin, Origin::Nominal) && (found.pitch - 0.01).abs() < 1e-6);
+    assert!(level.contains(" # drifted\n]") && !level.contains("drift = "), "{level}");
+    let told = set_station(text, "LP3", &[]).unwrap_err().to_string();
+    assert!(told.contains("did you mean `LP2`?); known: LP1, LP2"), "{told}");
+}
+
+#[test]
 fn an_edit_of_what_is_not_there_is_refused() {
     let told = set_station(EXAMPLE, "LP3", &[]).unwrap_err().to_string();
     assert!(

@@ -11,6 +11,7 @@ use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::Pose;
+use jointplay_core::virtualization::Kernel;
 use jointplay_format::export::dialect::{DIALECTS, Dialect};
 use jointplay_format::export::{Flaw, MACRO, Recording, gltf, samples, solidworks};
 use jointplay_format::table::Values;
@@ -193,6 +194,37 @@ fn numbers(root: &Value, bytes: &[u8], accessor: usize) -> Vec<f32> {
     let start = index(&view["byteOffset"]);
     let bytes = &bytes[start..start + index(&view["byteLength"])];
     bytes.chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
+}
+
+#[test]
+fn the_platform_stands_where_the_robots_own_model_puts_it() {
+    let mut shifts = Vec::new();
+    for virtualization in [Kernel::Planar, Kernel::Radial, Kernel::Polar] {
+        let mut cell = cell();
+        cell.robot.model.virtualization = virtualization;
+        let mut motion = motion(&cell);
+        for step in &mut motion.steps {
+            (step.from[0], step.to[0]) = (0.501, 0.501);
+        }
+        let motion = timed(&cell, motion.steps, &MotionOptions::default()).unwrap();
+        let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+        let (root, _) = parts(&gltf(&recording, 50.0).unwrap());
+        let nodes = root["nodes"].as_array().unwrap();
+        let node = nodes.iter().find(|node| node["name"] == "platform").unwrap();
+        let pose = cell.robot.forward(&motion.at(0.0).positions).unwrap();
+        let origin = pose.platform.base_from_platform.translation.vector;
+        for k in 0..3 {
+            let shown = node["translation"][k].as_f64().unwrap();
+            assert!((shown - origin[k]).abs() < 1e-7 * origin[k].abs() + 1e-9, "{node} {origin}");
+        }
+        shifts.push(origin.xy());
+        let columns = samples(&recording, 50.0).unwrap();
+        let column = columns.iter().find(|one| one.name == "A_x_mm").unwrap();
+        let Values::Real(values) = &column.values else { panic!("not real") };
+        let x = pose.base_from_wafer[0][0].translation.vector.x;
+        assert!((values[0] - 1e3 * x).abs() < 1e-9, "{values:?} {x}");
+    }
+    assert!((shifts[0] - shifts[1]).norm() > 1e-6 && (shifts[1] - shifts[2]).norm() > 1e-6);
 }
 
 #[test]

@@ -5,14 +5,18 @@ use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
 };
+use jointplay_cell::station::teach::fit_plane;
 use jointplay_cell::station::{Approach, Origin, Station, Stroke};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, leaning};
 use jointplay_plot::Error;
-use jointplay_plot::cell::{Gantt, Span, SpanKind, TopView, Track};
+use jointplay_plot::cell::{Gantt, Span, SpanKind, Taught, TopView, Track};
+use nalgebra::Vector3;
 use resvg::usvg::{Group, Node, Options, Tree, roxmltree::Document};
 
+/// The colour of what is wrong.
+const VERMILLION: &str = "#d55e00";
 const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
 
 /// A robot with a slide before two stations, one of them leaning, a wall and a zone.
@@ -180,6 +184,60 @@ fn a_cell_that_is_too_large_is_refused() {
     let mut view = TopView::new(&cell);
     view.tracks.push(Track { effector: ID, reach: [0.0, f64::INFINITY], points: vec![] });
     assert!(matches!(view.to_svg(), Err(Error::Extent { .. })));
+}
+
+/// A station whose four taught points are off their plane by a height, up and down in turn.
+fn taught(off: f64, threshold: f64) -> Cell {
+    let mut cell = cell();
+    let point = |k: u32| {
+        let (x, y) = [(0.1, 0.0), (0.0, 0.1), (-0.1, 0.0), (0.0, -0.1)][k as usize];
+        let height = if k.is_multiple_of(2) { off } else { -off };
+        Vector3::new(0.6 + x, 0.2 + y, 0.62 + 0.01 * x + height)
+    };
+    let points: Vec<Vector3<f64>> = (0..4).map(point).collect();
+    let fit = fit_plane(&points, threshold).unwrap();
+    cell.stations[0].base_from_station = fit.frame(&points[0], 0.0);
+    cell.stations[0].origin = Origin::Taught(fit);
+    cell
+}
+
+#[test]
+fn stations_as_they_were_taught() {
+    let cell = taught(2e-5, 1e-4);
+    let mut picture = Taught::new(&cell);
+    let expected = [
+        "a cell: stations",
+        "port",
+        "leans 0.5729° toward 180.0°",
+        "4 points, at most 20.0 µm off, allowed 100.0 µm: fits",
+        "1: +20.0 µm",
+        "4: -20.0 µm",
+        "aligner",
+        "leans 0.8021° toward 22.9°",
+        "nominal, not taught",
+        "dashed: level; leans drawn 14 times larger; distances off the planes 1500 times",
+    ];
+    let svg = picture.to_svg().unwrap();
+    check(&svg, &expected);
+    assert_eq!(svg, picture.to_svg().unwrap());
+    assert!(picture.to_png(400).unwrap().starts_with(b"\x89PNG"));
+    // Points beyond the threshold look otherwise; points on the plane take no factor.
+    assert!(!svg.contains(VERMILLION));
+    let scattered = taught(2e-5, 1e-5);
+    let svg = Taught::new(&scattered).to_svg().unwrap();
+    check(&svg, &["4 points, at most 20.0 µm off, allowed 10.0 µm: scattered"]);
+    assert_eq!(svg.matches(VERMILLION).count(), 8);
+    let even = taught(0.0, 1e-5);
+    let mut one = Taught::new(&even);
+    one.stations = vec![0];
+    check(&one.to_svg().unwrap(), &["dashed: level; leans drawn 20 times larger"]);
+    one.stations = vec![1, 7];
+    assert!(!one.to_svg().unwrap().contains(">port</text>"));
+    picture.width = 10.0;
+    assert!(matches!(picture.to_svg(), Err(Error::Size { .. })));
+    let mut far = taught(2e-5, 1e-4);
+    far.wafer.diameter = 1e9;
+    assert!(matches!(Taught::new(&far).to_svg(), Err(Error::Extent { .. })));
 }
 
 fn gantt(duration: f64) -> Gantt {

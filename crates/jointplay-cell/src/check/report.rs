@@ -246,8 +246,11 @@ impl Violation {
                 "the virtual joints move by {worst:.3e} m, the play budget is {limit:.3e} m"
             ),
             Kind::Platform | Kind::Droop => self.detail.clone(),
+            Kind::Slip if worst.is_infinite() => {
+                format!("the wafer on {} lifts off what it rests on", name(0))
+            }
             Kind::Slip => format!(
-                "the wafer on {} slips: it is pushed sideways by {worst:.3} m/s², friction holds {limit:.3} m/s²",
+                "the wafer on {} slips: {worst:.3} m/s² of friction are needed to hold and turn it, there are {limit:.3} m/s²",
                 name(0)
             ),
             Kind::Collision if worst < 0.0 => {

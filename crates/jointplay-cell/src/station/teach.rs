@@ -22,6 +22,8 @@ pub struct PlaneFit {
     pub residual: f64,
     /// Largest distance [m].
     pub worst: f64,
+    /// The points, in the base frame [m].
+    pub points: Vec<Vector3<f64>>,
     /// Root of the mean square of how far the points lie from the line that fits them best, within the plane: what holds the tilt about that line [m].
     pub spread: f64,
     /// What the largest distance may be [m].
@@ -125,7 +127,19 @@ pub fn fit_plane(points: &[Vector3<f64>], threshold: f64) -> Result<PlaneFit, Te
         3 => Verdict::Unproven,
         _ => Verdict::Fits,
     };
-    Ok(PlaneFit { center, normal, tilt, distances, residual, worst, spread, threshold, verdict })
+    let points = points.to_vec();
+    Ok(PlaneFit {
+        center,
+        normal,
+        tilt,
+        distances,
+        residual,
+        worst,
+        points,
+        spread,
+        threshold,
+        verdict,
+    })
 }
 
 impl PlaneFit {

@@ -151,6 +151,94 @@ fn a_loaded_move_that_is_too_fast_lets_the_wafer_slip() {
     assert!(refused.stderr.contains("folder"), "{}", refused.stderr);
 }
 
+/// Line of the cell file, counted from 1, with these words, and the column of the first of them.
+fn place_of(text: &str, words: &str) -> (usize, usize) {
+    let at = text.find(words).unwrap();
+    let line = text[..at].matches('\n').count() + 1;
+    (line, at - text[..at].rfind('\n').map_or(0, |end| end + 1) + 1)
+}
+
+#[test]
+fn the_example_is_broken_in_three_ways_and_mended() {
+    let desk = desk(&[]);
+    let sound = desk.read("example.toml");
+    let broken = |from: &str, to: &str| {
+        assert!(sound.contains(from), "{from}");
+        desk.write("example.toml", &sound.replace(from, to));
+    };
+    let violations = |kind: &str| {
+        let run = desk.run("cell check example.toml --format json");
+        assert_eq!(run.code, 1, "{}", run.stderr);
+        let report: Value = serde_json::from_str(&run.stdout).unwrap();
+        assert_eq!(report["verdict"], "broken");
+        let found = report["violations"].as_array().unwrap().iter();
+        let found: Vec<Value> = found.filter(|one| one["kind"] == kind).cloned().collect();
+        assert!(!found.is_empty(), "no {kind}: {}", run.stdout);
+        // Each within its instruction, and at its line.
+        for one in &found {
+            let rows = report["instructions"].as_array().unwrap().iter();
+            let row = rows.clone().find(|row| row["number"] == one["instruction"]).unwrap();
+            let number = |value: &Value| value.as_f64().unwrap();
+            let start = number(&row["start_s"]);
+            let end = start + number(&row["duration_s"]) + 1e-9;
+            let times = ["start_s", "worst_s", "end_s"].map(|key| number(&one[key]));
+            assert!(times.is_sorted() && start <= times[0] && times[2] <= end, "{one} {row}");
+            assert_eq!(one["line"], row["line"]);
+        }
+        found
+    };
+
+    // A station leans by 2°.
+    broken("pitch_deg = 0.8", "pitch_deg = 2.0");
+    let run = desk.run("cell check example.toml");
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    let (line, _) = place_of(&sound, "tilt = { yaw_deg = 100.0");
+    let at = format!("example.toml:{line}:8: ");
+    assert!(run.stderr.contains(&at), "{at} {}", run.stderr);
+    assert!(run.stderr.contains("2.000°") && run.stderr.contains("1.500°"), "{}", run.stderr);
+    assert_eq!(desk.run("cell export example.toml").code, 2);
+
+    // The wall stands in the way of the turning arms.
+    broken(WALL.0, WALL.1);
+    let collisions = violations("collision");
+    assert!(collisions.iter().any(|one| one["line"] == 3), "{collisions:?}");
+    for one in collisions {
+        let names: Vec<&str> =
+            one["names"].as_array().unwrap().iter().map(|name| name.as_str().unwrap()).collect();
+        assert_eq!(names[1], "wall", "{one}");
+        let message = one["message"].as_str().unwrap();
+        assert!(message.contains(names[0]) && message.contains("wall"), "{one}");
+    }
+
+    // Loaded limits as high as the empty ones: the wafer slips on both its ways.
+    broken("robot = \"dual-arm\"", "robot = \"fast.toml\"");
+    let robot = include_str!("../../../../robots/dual-arm.toml");
+    let mut empty = "";
+    let fast = robot.lines().map(|line| {
+        if line.starts_with("empty = ") {
+            empty = line;
+        }
+        if line.starts_with("loaded = ") { empty.replace("empty", "loaded") } else { line.into() }
+    });
+    desk.write("fast.toml", &fast.collect::<Vec<_>>().join("\n"));
+    let lines: Vec<u64> =
+        violations("slip").iter().map(|one| one["line"].as_u64().unwrap()).collect();
+    assert!(lines.contains(&2) && lines.contains(&3), "{lines:?}");
+
+    // Faster than the limits is no speed.
+    desk.write("example.toml", &sound);
+    desk.write("fast.program", &SMALL.replace("HOME\nTRANSFER LP1", "SPEED 150 %\nTRANSFER LP1"));
+    let run = desk.run("cell check example.toml fast.program");
+    assert_eq!((run.code, run.stdout.as_str()), (2, ""));
+    assert!(run.stderr.contains("fast.program:1:7: "), "{}", run.stderr);
+    assert!(run.stderr.contains("100 %"), "{}", run.stderr);
+
+    // Mended, it is sound, and goes out.
+    assert_eq!(desk.json("cell check example.toml")["verdict"], "sound");
+    desk.done("cell export example.toml --to csv,gltf --rate 20");
+    assert_eq!(desk.names("cell-export"), ["example.csv", "example.glb"]);
+}
+
 #[test]
 fn all_that_is_wrong_with_a_program_is_told_at_once() {
     let desk = desk(&[]);
@@ -257,6 +345,25 @@ fn stations_are_taught_and_written_back() {
     assert!(after.contains("# A work cell to try things on"), "comments stay");
     let again = desk.json("cell teach example.toml --station ALIGN");
     assert_eq!(again["stations"][0], *station);
+
+    // The picture of one, and of all.
+    let line = format!("cell teach example.toml --station ALIGN {points} --figure one.svg");
+    assert!(desk.done(&line).ends_with("picture: one.svg\n"));
+    let one = desk.read("one.svg");
+    for text in ["leans 0.5729° toward ", "4 points, at most 0.0 µm off", "fits", "dashed: level"]
+    {
+        assert!(one.contains(text), "{text}: {one}");
+    }
+    assert!(!one.contains("LP1"), "{one}");
+    desk.done("cell teach example.toml --figure all.svg");
+    let all = desk.read("all.svg");
+    for text in ["LP1", "level", "nominal, not taught", "leans 0.8000° toward 100.0°", "1: +2.5 µm"]
+    {
+        assert!(all.contains(text), "{text}: {all}");
+    }
+    let kind = desk.run("cell teach example.toml --figure all.gif");
+    assert_eq!(kind.code, 2);
+    assert!(kind.stderr.contains("neither in .svg nor in .png"), "{}", kind.stderr);
 
     let steep = points.replace("599.5", "609.5");
     let no = desk.run(&format!("cell teach example.toml --station ALIGN {steep}"));

@@ -3,7 +3,7 @@
 use jointplay_cell::station::{Approach, Stroke};
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
-use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, Value};
+use toml_edit::{Array, DocumentMut, InlineTable, Item, TableLike, Value};
 
 use super::problem::{Fault, Problem};
 use crate::place::{Error, Form, nearest};
@@ -53,29 +53,111 @@ pub enum Change {
 /// What the values come to is not looked at: read the text for that.
 ///
 /// # Errors
-/// The text is no TOML, has no station of this name, or its stations are not tables `[[station]]`.
+/// The text is no TOML, or has no station of this name.
 pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String, Problem> {
     let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
         let message = error.message().replace('\n', " ");
         let span = error.span().unwrap_or(0..0);
         Error::at(text, span, Fault::Form(Form::Malformed { message }))
     })?;
-    let table = station(&mut document, name).map_err(|fault| Error::at(text, 0..0, fault))?;
+    let mut table = station(&mut document, name).map_err(|fault| Error::at(text, 0..0, fault))?;
     for change in changes {
-        apply(table, change);
+        apply(&mut table, change);
     }
     Ok(document.to_string())
 }
 
-fn station<'d>(document: &'d mut DocumentMut, name: &str) -> Result<&'d mut Table, Fault> {
-    let Some(stations) = document.get_mut("station").and_then(Item::as_array_of_tables_mut) else {
-        let whose = "a cell whose stations can be changed".to_owned();
-        return Err(Fault::Missing { whose, key: "[[station]]".to_owned() });
+/// A station: a table of its own under `[[station]]`, or one of the list `station = [{ … }]`.
+struct Station<'d> {
+    table: &'d mut dyn TableLike,
+    is_inline: bool,
+}
+
+impl Station<'_> {
+    fn name(&self) -> Option<&str> {
+        self.table.get("name").and_then(Item::as_str)
+    }
+
+    /// Puts a value where the old one stood, with the comment behind it.
+    fn set(&mut self, key: &str, mut value: Value) {
+        if let Some(Item::Value(old)) = self.table.get_mut(key) {
+            // Within a table or a list, what stays the same keeps how it was written.
+            *value.decor_mut() = old.decor().clone();
+            *old = value;
+            return;
+        }
+        // What stands behind the last value goes on to stand before the brace.
+        if self.is_inline
+            && let Some((_, Item::Value(last))) = self.table.iter_mut().last()
+            && let Some(behind) = last.decor().suffix().cloned()
+        {
+            last.decor_mut().set_suffix("");
+            value.decor_mut().set_suffix(behind);
+        }
+        self.table.insert(key, Item::Value(value));
+    }
+
+    fn drop_keys(&mut self, keys: &[&str]) {
+        for key in keys {
+            self.table.remove(key);
+        }
+    }
+
+    /// A station placed by its drift is placed by the first of its two places instead.
+    fn undrift(&mut self) {
+        let drift = self.table.get("drift").and_then(Item::as_table_like);
+        let place = |key| drift.and_then(|drift| drift.get(key)).cloned();
+        let (first, last) = (place("first_mm"), place("last_mm"));
+        let Some(Item::Value(first)) = first else { return };
+        if let Some(pitch) = self.drifted_pitch(&first, last.as_ref().and_then(Item::as_value)) {
+            self.set("pitch_mm", number(pitch));
+        }
+        self.drop_keys(&["drift"]);
+        self.set("position_mm", first);
+    }
+
+    /// The pitch that a drift tells, where the station has slots and no pitch of its own [mm].
+    fn drifted_pitch(&self, first: &Value, last: Option<&Value>) -> Option<f64> {
+        let slots = self.table.get("slots").and_then(Item::as_integer)?;
+        if slots < 2 || self.table.contains_key("pitch_mm") {
+            return None;
+        }
+        let (first, last) = (coordinates(first)?, coordinates(last?)?);
+        #[expect(clippy::cast_precision_loss, reason = "a count of slots")]
+        Some((last - first).norm() / (slots - 1) as f64)
+    }
+}
+
+/// The three numbers of a point.
+fn coordinates(point: &Value) -> Option<Vector3<f64>> {
+    let list = point.as_array()?;
+    let number = |value: &Value| {
+        #[expect(clippy::cast_precision_loss, reason = "as the number is read elsewhere")]
+        value.as_float().or_else(|| value.as_integer().map(|whole| whole as f64))
     };
-    let name_of = |table: &Table| table.get("name").and_then(Item::as_str).map(str::to_owned);
-    let names: Vec<String> = stations.iter().filter_map(name_of).collect();
-    let mut tables = stations.iter_mut();
-    tables.find(|table| name_of(table).as_deref() == Some(name)).ok_or_else(|| Fault::Unknown {
+    let numbers: Vec<f64> = list.iter().map_while(number).collect();
+    (list.len() == 3 && numbers.len() == 3).then(|| Vector3::from_column_slice(&numbers))
+}
+
+fn station<'d>(document: &'d mut DocumentMut, name: &str) -> Result<Station<'d>, Fault> {
+    let stations: Vec<Station<'d>> = match document.get_mut("station") {
+        Some(Item::ArrayOfTables(tables)) => {
+            tables.iter_mut().map(|table| Station { table, is_inline: false }).collect()
+        }
+        Some(Item::Value(Value::Array(list))) => list
+            .iter_mut()
+            .filter_map(Value::as_inline_table_mut)
+            .map(|table| Station { table, is_inline: true })
+            .collect(),
+        _ => {
+            let whose = "a cell whose stations can be changed".to_owned();
+            return Err(Fault::Missing { whose, key: "[[station]]".to_owned() });
+        }
+    };
+    let names: Vec<String> =
+        stations.iter().filter_map(|station| station.name().map(str::to_owned)).collect();
+    let mut stations = stations.into_iter();
+    stations.find(|station| station.name() == Some(name)).ok_or_else(|| Fault::Unknown {
         what: "station".to_owned(),
         found: name.to_owned(),
         nearest: nearest(name, names.iter().map(String::as_str)),
@@ -83,81 +165,52 @@ fn station<'d>(document: &'d mut DocumentMut, name: &str) -> Result<&'d mut Tabl
     })
 }
 
-fn apply(table: &mut Table, change: &Change) {
+fn apply(station: &mut Station<'_>, change: &Change) {
     match change {
         Change::Position(position) => {
-            drop_keys(table, &["drift"]);
-            set(table, "position_mm", point(position));
+            station.undrift();
+            station.set("position_mm", point(position));
         }
-        Change::Yaw(yaw) => set(table, "yaw_deg", number(deg(*yaw))),
+        Change::Yaw(yaw) => station.set("yaw_deg", number(deg(*yaw))),
         Change::Tilt(tilt) => {
-            undrift(table);
-            drop_keys(table, &["taught"]);
+            station.undrift();
+            station.drop_keys(&["taught"]);
             let values = [("yaw_deg", deg(tilt.yaw)), ("pitch_deg", deg(tilt.pitch))];
-            set(table, "tilt", inline(values.map(|(key, value)| (key, number(value)))));
+            station.set("tilt", inline(values.map(|(key, value)| (key, number(value)))));
         }
         Change::Taught { points, threshold } => {
-            undrift(table);
-            drop_keys(table, &["tilt"]);
+            station.undrift();
+            station.drop_keys(&["tilt"]);
             let points: Array = points.iter().map(point).collect();
             let threshold = number(shift(*threshold, 6));
             let values = [("points_mm", Value::Array(points)), ("threshold_um", threshold)];
-            set(table, "taught", inline(values));
+            station.set("taught", inline(values));
         }
         Change::Drift { first, last } => {
-            drop_keys(table, &["position_mm", "tilt", "taught"]);
+            station.drop_keys(&["position_mm", "tilt", "taught"]);
             let values = [("first_mm", point(first)), ("last_mm", point(last))];
-            set(table, "drift", inline(values));
+            station.set("drift", inline(values));
         }
-        Change::Pitch(pitch) => set(table, "pitch_mm", number(mm(*pitch))),
-        Change::Offset(offset) => set(table, "offset_mm", point(offset)),
+        Change::Pitch(pitch) => station.set("pitch_mm", number(mm(*pitch))),
+        Change::Offset(offset) => station.set("offset_mm", point(offset)),
         Change::Stroke(stroke) => {
             let values = [
                 ("below_mm", stroke.below),
                 ("above_mm", stroke.above),
                 ("speed_mm_s", stroke.speed),
             ];
-            set(table, "stroke", inline(values.map(|(key, value)| (key, number(mm(value))))));
+            station.set("stroke", inline(values.map(|(key, value)| (key, number(mm(value))))));
         }
-        Change::Retract(reach) => set(table, "retract_mm", number(mm(*reach))),
-        Change::Via(via) => set(table, "via_mm", Value::Array(via.iter().map(point).collect())),
+        Change::Retract(reach) => station.set("retract_mm", number(mm(*reach))),
+        Change::Via(via) => station.set("via_mm", Value::Array(via.iter().map(point).collect())),
         Change::Approach(approach) => {
             let word = match approach {
                 Approach::Radial => "radial",
                 Approach::Line => "line",
             };
-            set(table, "approach", Value::from(word));
+            station.set("approach", Value::from(word));
         }
-        Change::ProcessTime(time) => set(table, "process_s", number(*time)),
-    }
-}
-
-/// A station placed by its drift is placed by the first of its two places instead.
-fn undrift(table: &mut Table) {
-    let first = table.get("drift").and_then(|drift| drift.get("first_mm")).cloned();
-    if let Some(Item::Value(first)) = first {
-        drop_keys(table, &["drift"]);
-        set(table, "position_mm", first);
-    }
-}
-
-fn drop_keys(table: &mut Table, keys: &[&str]) {
-    for key in keys {
-        table.remove(key);
-    }
-}
-
-/// Puts a value where the old one stood, with the comment behind it.
-fn set(table: &mut Table, key: &str, mut value: Value) {
-    match table.get_mut(key) {
-        Some(Item::Value(old)) => {
-            // Within a table or a list, what stays the same keeps how it was written.
-            *value.decor_mut() = old.decor().clone();
-            *old = value;
-        }
-        _ => {
-            table.insert(key, Item::Value(value));
-        }
+        Change::ProcessTime(time) => station.set("process_s", number(*time)),
     }
 }
 

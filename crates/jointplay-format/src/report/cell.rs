@@ -5,8 +5,10 @@ use jointplay_cell::check::{Kind, PairDistance, Report, Share, Unit, Verdict, Vi
 use jointplay_cell::motion::Motion;
 use jointplay_cell::program::Place;
 use jointplay_cell::robot::MotionKind;
+use jointplay_core::virtualization::Kernel;
 use serde::Serialize;
 
+use crate::cell::robot::virtualization_name;
 use crate::export::Flaw;
 use crate::place;
 use crate::units::{deg, mm};
@@ -19,6 +21,12 @@ pub struct CellReport {
     pub cell: String,
     /// What its robot is called.
     pub robot: String,
+    /// Virtualization by which its platform sits over the rods.
+    pub virtualization: &'static str,
+    /// How the displacements of that are found.
+    pub solver: String,
+    /// What an angle of the virtualization is multiplied by before it is added to lengths; none where it has no angles.
+    pub metric_mm: Option<f64>,
     /// What of cell and robot is assumed rather than known.
     pub assumed: Vec<String>,
     /// `sound` or `broken`.
@@ -189,9 +197,19 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         unit: if axis.kind == MotionKind::Turn { "deg" } else { "mm" },
         moving_s,
     });
+    let model = &robot.model;
+    let metric = match model.virtualization {
+        Kernel::Polar | Kernel::Offset => {
+            model.options.metric.characteristic_length(robot.gpr.platform()).ok().map(mm)
+        }
+        Kernel::Radial | Kernel::Planar => None,
+    };
     CellReport {
         cell: cell.name.clone(),
         robot: robot.name.clone(),
+        virtualization: virtualization_name(model.virtualization),
+        solver: model.options.solver.to_string(),
+        metric_mm: metric,
         assumed: robot.assumed.iter().chain(&cell.assumed).cloned().collect(),
         verdict: match report.verdict {
             Verdict::Sound => "sound",
@@ -299,8 +317,11 @@ pub fn explain_violation(one: &Violation) -> String {
         Kind::Play => {
             format!("the virtual joints move by {worst}, the play budget is {limit}")
         }
+        Kind::Slip if one.worst.is_infinite() => {
+            format!("the wafer on {} lifts off what it rests on", name(0))
+        }
         Kind::Slip => format!(
-            "the wafer on {} slips: {worst} push it sideways, friction holds {limit}",
+            "the wafer on {} slips: {worst} of friction are needed to hold and turn it, there are {limit}",
             name(0)
         ),
         Kind::Collision if one.worst < 0.0 => {

@@ -2,9 +2,11 @@
 
 mod gantt;
 mod outline;
+mod teach;
 mod top;
 
 pub use gantt::{Gantt, Span, SpanKind};
+pub use teach::Taught;
 pub use top::{TopView, Track};
 
 use crate::Colour;

@@ -12,6 +12,7 @@ use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
 use jointplay::format::{cell, program, report};
 
+use super::text::counted;
 use crate::arguments::{TextFormat, read_text};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -232,9 +233,8 @@ impl Planned {
         if self.is_sound() {
             return Ok(());
         }
-        let count = self.report.violations.len();
-        let what = if count == 1 { "violation" } else { "violations" };
-        Err(Failure::Unsolved(format!("{}: {count} {what}, not safe to run", self.input.label)))
+        let count = counted(self.report.violations.len(), "violation");
+        Err(Failure::Unsolved(format!("{}: {count}, not safe to run", self.input.label)))
     }
 }
 

@@ -11,7 +11,7 @@ use super::input::Planned;
 use crate::failure::Failure;
 
 /// Width of a PNG figure [px].
-const PNG_WIDTH: u32 = 1800;
+pub(super) const PNG_WIDTH: u32 = 1800;
 /// Points of the ways of wafer centres [Hz].
 const POINTS: f64 = 50.0;
 

@@ -67,7 +67,8 @@ impl Run {
             output::json(&document)?;
         } else {
             let mut told = text::report(&document, &planned);
-            told.push_str(&format!("{} files written into {}\n", files.len(), self.out.display()));
+            let written = text::counted(files.len(), "file");
+            told.push_str(&format!("{written} written into {}\n", self.out.display()));
             output::text(&told)?;
         }
         planned.verdict()

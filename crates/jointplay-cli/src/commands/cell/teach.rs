@@ -1,7 +1,7 @@
 //! `jointplay cell teach`: stations from taught points.
 
 use std::fmt::Write as _;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::cell::{self, Change};
@@ -9,8 +9,10 @@ use jointplay::format::place::not_known;
 use jointplay::format::report::{self, StationReport, TeachReport};
 use jointplay::format::units::m_from_mm;
 use jointplay::nalgebra::Vector3;
+use jointplay::plot::cell::Taught;
 
 use super::input::{CellArgs, Named};
+use super::pictures::PNG_WIDTH;
 use crate::arguments::{finite, length};
 use crate::failure::Failure;
 use crate::output::fixed;
@@ -24,6 +26,7 @@ use crate::{folder, output};
 #[command(after_help = "\
 Examples:
   jointplay cell teach
+  jointplay cell teach --figure stations.png
   jointplay cell teach --station LP2 --first-mm -495,-495,500 --last-mm -492,-495,740
 
 Exit codes: 0 done, 1 the robot cannot tilt so far or the points are scattered, 2 bad input or usage.")]
@@ -45,6 +48,9 @@ pub(super) struct Teach {
     /// Where the wafer of the last slot rests, in the base frame
     #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires_all = ["station", "first_mm"])]
     last_mm: Option<Point>,
+    /// Draw how the stations lean and how far points are off their planes, both larger than they are; .svg or .png
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
     /// Write it into the cell file, whose comments stay
     #[arg(long, requires = "station")]
     write: bool,
@@ -73,6 +79,11 @@ fn threshold(text: &str) -> Result<f64, String> {
 
 impl Teach {
     pub(super) fn run(&self) -> Result<(), Failure> {
+        if let Some(path) = &self.figure
+            && !matches!(ending(path).as_deref(), Some("svg" | "png"))
+        {
+            return Err(Failure::FigureKind { path: path.clone() });
+        }
         let mut named = self.cell.load()?;
         if let Some(station) = &self.station {
             let names: Vec<String> =
@@ -87,11 +98,18 @@ impl Teach {
                 }
             }
         }
+        if let Some(path) = &self.figure {
+            folder::write_file(path, &self.drawn(&named, path)?)?;
+        }
         let document = report::teach(&named.cell, self.station.as_deref());
         if self.cell.json() {
             output::json(&document)?;
         } else {
-            output::text(&text(&document))?;
+            let mut told = text(&document);
+            if let Some(path) = &self.figure {
+                let _ = writeln!(told, "picture: {}", path.display());
+            }
+            output::text(&told)?;
         }
         let scattered = document.stations.iter().find(|station| {
             station.plane.as_ref().is_some_and(|plane| plane.verdict == "scattered")
@@ -102,6 +120,20 @@ impl Teach {
                 station.name
             )))
         })
+    }
+
+    /// The picture of the stations asked about.
+    fn drawn(&self, named: &Named, path: &Path) -> Result<Vec<u8>, Failure> {
+        let mut picture = Taught::new(&named.cell);
+        if let Some(station) = &self.station {
+            picture.stations.retain(|&k| named.cell.stations[k].name == *station);
+            picture.title = named.cell.name.clone();
+        }
+        let drawn = match ending(path).as_deref() {
+            Some("png") => picture.to_png(PNG_WIDTH),
+            _ => picture.to_svg().map(String::into_bytes),
+        };
+        drawn.map_err(|source| Failure::Figure { figure: path.display().to_string(), source })
     }
 
     fn change(&self) -> Option<Change> {
@@ -122,6 +154,11 @@ impl Teach {
         }
         folder::write_file(Path::new(&named.label), named.text.as_bytes())
     }
+}
+
+/// What a name ends in, in small letters.
+fn ending(path: &Path) -> Option<String> {
+    path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase())
 }
 
 /// The cell with another place of one station.

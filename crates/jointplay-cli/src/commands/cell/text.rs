@@ -17,32 +17,40 @@ const TIMES: usize = 4;
 /// Verdict, what is wrong, and a table by line of the program.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     let mut text = format!("{} with {}\n", report.cell, report.robot);
+    let metric = report.metric_mm.map_or(String::new(), |length| {
+        format!(", an angle of 1 rad counted as {} mm", fixed(length, 3))
+    });
+    let _ = writeln!(
+        text,
+        "  platform             {} virtualization, {}{metric}",
+        report.virtualization, report.solver
+    );
     let count = report.violations.len();
     let verdict = match count {
         0 => "sound".to_owned(),
-        1 => "1 violation, not safe to run".to_owned(),
-        count => format!("{count} violations, not safe to run"),
+        count => format!("{}, not safe to run", counted(count, "violation")),
     };
     let _ = writeln!(text, "  verdict              {verdict}");
     let _ = writeln!(
         text,
-        "  program              {}, {} instructions in {} motions",
+        "  program              {}, {} in {}",
         planned.input.label,
-        report.instructions.len(),
-        report.steps
+        counted(report.instructions.len(), "instruction"),
+        counted(report.steps, "motion")
     );
     let _ = writeln!(text, "  time                 {} s", fixed(report.duration_s, 3));
     if let Some(rate) = report.wafers_per_hour {
         let _ = writeln!(
             text,
-            "  throughput           {} wafers in it, {} an hour where it is repeated",
-            report.wafers,
+            "  throughput           {} in it, {} an hour where it is repeated",
+            counted(report.wafers, "wafer"),
             fixed(rate, 1)
         );
     }
-    let _ = writeln!(text, "  looked at            {} samples", report.samples);
+    let _ = writeln!(text, "  looked at            {}", counted(report.samples, "sample"));
     if !report.assumed.is_empty() {
-        let _ = writeln!(text, "  assumed, not known   {} parameters:", report.assumed.len());
+        let assumed = counted(report.assumed.len(), "parameter");
+        let _ = writeln!(text, "  assumed, not known   {assumed}:");
         for assumed in &report.assumed {
             let _ = writeln!(text, "    {assumed}");
         }
@@ -98,7 +106,9 @@ fn violations(text: &mut String, planned: &Planned) {
             .collect();
         let more = match all.len().saturating_sub(TIMES) {
             0 => String::new(),
-            more => format!(", and {more} times more (--format json has them all)"),
+            more => {
+                format!(", and {} more (--format json has them all)", counted(more, "time"))
+            }
         };
         let _ = writeln!(text, "    at {} s{more}", times.join(", "));
     }
@@ -160,6 +170,11 @@ fn axes(text: &mut String, report: &CellReport) {
             percent(share)
         );
     }
+}
+
+/// A number of things: the word takes its plural by an s.
+pub(super) fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
 fn percent(share: f64) -> String {

@@ -8,19 +8,21 @@
 //! assert_eq!(axes, ["q1", "q2", "q3", "T", "RA", "RB"]);
 //! ```
 
-use jointplay_cell::robot::{
-    Arm, ArmJoint, Axis, Dynamics, Effector, HybridRobot, MotionKind, Part, PlatformModel, RODS,
-};
-use jointplay_cell::wafer::{Droop, DroopRow, Support};
-use jointplay_core::gpr::{Gpr, Limb, Limits};
-use nalgebra::Vector2;
+mod arm;
+mod axes;
+mod base;
+
+pub use base::virtualization_name;
+
+use jointplay_cell::robot::{Arm, Axis, HybridRobot, MotionKind, Part, RODS};
 
 use super::explain::explain as explain_cell;
 use super::problem::{Fault, Problem};
-use super::tree::{Entry, Reader, Span, Table};
-use crate::explain::explain;
-use crate::units::m_from_mm;
-use crate::{catalogue, robot};
+use super::tree::{Reader, Table};
+use crate::catalogue;
+use arm::read_arm;
+use axes::{motor, rod_axes, tell_twice};
+use base::{platform, three_rods};
 
 /// The `kind` of these files.
 pub const KIND: &str = "hybrid";
@@ -67,6 +69,7 @@ fn read(table: &Table) -> Option<HybridRobot> {
     let kind = table.needed("kind").and_then(|kind| kind.word(reader, "kind", &[(KIND, ())]));
     let name = table.needed("name").and_then(|name| name.line(reader)).map(str::to_owned);
     let gpr = table.needed("gpr").and_then(|entry| three_rods(reader, entry));
+    let model = platform(table);
     let rods = table.needed("rods").and_then(|entry| entry.table(reader, "`[rods]`"));
     let rods = rods.and_then(|rods| rod_axes(&rods, gpr.as_ref()?));
     let tables = table.tables("axis");
@@ -84,314 +87,12 @@ fn read(table: &Table) -> Option<HybridRobot> {
     let mut axes: Vec<Axis> = rods?.into();
     axes.extend(motors.into_iter().collect::<Option<Vec<_>>>()?);
     let arms = arms.into_iter().collect::<Option<Vec<_>>>()?;
-    let model = PlatformModel::default();
-    Some(HybridRobot { name: name?, gpr: gpr?, model, axes, arms, assumed })
-}
-
-/// A three-rod robot by name or as a table.
-fn three_rods(reader: &Reader, entry: Entry) -> Option<Gpr> {
-    if entry.is_text() {
-        let name = entry.text(reader)?;
-        let is_gpr = |entry: &&catalogue::Entry| entry.kind().as_deref() == Some("gpr");
-        let known = catalogue::entries().iter().filter(is_gpr);
-        let Some(found) = known.clone().find(|entry| entry.name == name) else {
-            let names: Vec<String> = known.map(|entry| entry.name.to_owned()).collect();
-            entry.unknown(reader, "three-rod robot", name, &names);
-            return None;
-        };
-        return robot::parse(found.text).ok().map(|robot| robot.gpr);
-    }
-    let table = entry.table(reader, "`[gpr]`")?;
-    let limbs: Vec<Option<Limb>> = table.tables("limb").iter().map(limb).collect();
-    let limits = table.needed("limits").and_then(|entry| entry.table(reader, "`[gpr.limits]`"));
-    let limits = limits.and_then(|limits| {
-        let rods = limits.needed("rod_mm").and_then(|rods| rods.numbers::<2>(reader, Span::Any));
-        let tilt = limits.number("tilt_deg", Span::Positive);
-        limits.finish();
-        let [rod_min, rod_max] = rods?.map(m_from_mm);
-        Some(Limits { rod_min, rod_max, tilt_max: tilt?.to_radians() })
-    });
-    let working = table.needed("working").and_then(|entry| entry.table(reader, "`[gpr.working]`"));
-    let height = working.and_then(|working| {
-        let height = working.length("height_mm", Span::Any);
-        working.finish();
-        height
-    });
-    table.finish();
-    if limbs.len() != 3 {
-        let found = limbs.len();
-        table.wrong(Fault::Count { key: "limb".to_owned(), found, needed: "3".to_owned() });
-        return None;
-    }
-    let limbs: Vec<Limb> = limbs.into_iter().collect::<Option<_>>()?;
-    let made = Gpr::new([limbs[0], limbs[1], limbs[2]], limits?, height?);
-    made.map_err(|error| table.wrong(Fault::Unfit(explain(&error)))).ok()
-}
-
-fn limb(table: &Table) -> Option<Limb> {
-    let radius = table.length("socket_radius_mm", Span::Positive);
-    let angle = table.number("socket_angle_deg", Span::Any);
-    let point =
-        table.entry("base_point_mm").map(|entry| entry.numbers::<2>(table.reader, Span::Any));
-    table.finish();
-    let mut limb = Limb::under_socket(radius?, angle?.to_radians());
-    if let Some(point) = point {
-        limb.base_point = Vector2::from(point?.map(m_from_mm));
-    }
-    Some(limb)
-}
-
-fn rod_axes(table: &Table, gpr: &Gpr) -> Option<[Axis; RODS]> {
-    let (min, max) = (gpr.limits().rod_min, gpr.limits().rod_max);
-    let home = table.length_or("home_mm", Span::Any, gpr.working_height());
-    let empty = dynamics(table, "empty", MotionKind::Slide);
-    let loaded = dynamics(table, "loaded", MotionKind::Slide);
-    table.finish();
-    let (empty, loaded) = (empty?, loaded?);
-    let kind = MotionKind::Slide;
-    Some(ROD_NAMES.map(|name| Axis { name: name.to_owned(), kind, min, max, home, empty, loaded }))
-}
-
-fn motor(table: &Table) -> Option<Axis> {
-    let reader = table.reader;
-    let name = table.name("name");
-    let kind = table.needed("kind").and_then(|kind| kind.word(reader, "kind of axis", &MOTIONS));
-    let Some(kind) = kind else {
-        // Which keys belong here depends on the kind.
-        for key in ["range_deg", "range_mm", "home_deg", "home_mm", "empty", "loaded"] {
-            let _ = table.entry(key);
-        }
-        table.finish();
-        return None;
-    };
-    let (range, home) = match kind {
-        MotionKind::Turn => ("range_deg", "home_deg"),
-        MotionKind::Slide => ("range_mm", "home_mm"),
-    };
-    let range = table.needed(range).and_then(|range| range.numbers::<2>(reader, Span::Any));
-    let home = table.number(home, Span::Any);
-    let empty = dynamics(table, "empty", kind);
-    let loaded = dynamics(table, "loaded", kind);
-    table.finish();
-    let [min, max] = range?.map(|value| to_si(kind, value));
-    let home = to_si(kind, home?);
-    Some(Axis { name: name?, kind, min, max, home, empty: empty?, loaded: loaded? })
-}
-
-/// Notes axes whose name is another one's: what drives a joint could not be told.
-fn tell_twice(table: &Table, axes: &[Table]) {
-    let reader = table.reader;
-    let rods = table.entry("rods").map_or(0, |rods| reader.line(rods.span()));
-    let mut known: Vec<(&str, usize)> = ROD_NAMES.map(|name| (name, rods)).into();
-    for axis in axes {
-        let Some(entry) = axis.entry("name") else { continue };
-        let Some(name) = entry.value.get_ref().as_str() else { continue };
-        match known.iter().find(|(other, _)| *other == name) {
-            Some(&(_, first)) => {
-                let (what, found) = ("axis".to_owned(), name.to_owned());
-                entry.wrong(reader, Fault::Twice { what, found, first });
-            }
-            None => known.push((name, reader.line(entry.span()))),
-        }
-    }
-}
-
-fn to_si(kind: MotionKind, value: f64) -> f64 {
-    match kind {
-        MotionKind::Turn => value.to_radians(),
-        MotionKind::Slide => m_from_mm(value),
-    }
-}
-
-fn dynamics(table: &Table, key: &'static str, kind: MotionKind) -> Option<Dynamics> {
-    let whose = format!("`{key}` of {}", table.whose);
-    let limits = table.needed(key)?.table(table.reader, whose)?;
-    let keys = match kind {
-        MotionKind::Turn => ["velocity_deg_s", "acceleration_deg_s2", "jerk_deg_s3"],
-        MotionKind::Slide => ["velocity_mm_s", "acceleration_mm_s2", "jerk_mm_s3"],
-    };
-    let values = keys.map(|key| limits.number(key, Span::Positive));
-    limits.finish();
-    let [velocity, acceleration, jerk] = values;
-    let si = |value| to_si(kind, value);
-    Some(Dynamics { velocity: si(velocity?), acceleration: si(acceleration?), jerk: si(jerk?) })
-}
-
-fn read_arm(table: &Table, axes: &[String]) -> Option<Arm> {
-    let reader = table.reader;
-    let name = table.name("name");
-    let mount = table.point("mount_mm");
-    let droop = table.table("droop", "`[arm.droop]`");
-    let droop = droop.map_or(Some(Droop::Rigid), |droop| read_droop(&droop));
-    let joints = table.tables("joint");
-    let last = joints.len().saturating_sub(1);
-    let read = |(k, joint): (usize, &Table)| read_joint(joint, axes, k == last);
-    let joints: Vec<Option<ArmJoint>> = joints.iter().enumerate().map(read).collect();
-    let effectors: Vec<Option<Effector>> =
-        table.tables("effector").iter().map(|table| read_effector(reader, table)).collect();
-    for key in ["joint", "effector"] {
-        let _ = table.needed(key);
-    }
-    table.finish();
-    Some(Arm {
-        name: name?,
-        mount: mount?.into(),
-        joints: joints.into_iter().collect::<Option<_>>()?,
-        effectors: effectors.into_iter().collect::<Option<_>>()?,
-        droop: droop?,
-    })
-}
-
-fn read_joint(table: &Table, axes: &[String], is_last: bool) -> Option<ArmJoint> {
-    let reader = table.reader;
-    let kind = table.needed("kind").and_then(|kind| kind.word(reader, "kind of joint", &MOTIONS));
-    let zero = match kind {
-        Some(MotionKind::Turn) => table.number_or("zero_deg", Span::Any, 0.0).to_radians(),
-        Some(MotionKind::Slide) => table.length_or("zero_mm", Span::Any, 0.0),
-        None => {
-            let _ = (table.entry("zero_deg"), table.entry("zero_mm"));
-            0.0
-        }
-    };
-    let drives = table.needed("drives").and_then(|entry| read_drives(reader, entry, axes));
-    let length = if is_last {
-        Some(table.length_or("length_mm", Span::NotNegative, 0.0))
-    } else {
-        table.length("length_mm", Span::NotNegative)
-    };
-    let offset = table.length_or("offset_mm", Span::Any, 0.0);
-    let rise = table.length_or("rise_mm", Span::Any, 0.0);
-    table.finish();
-    Some(ArmJoint { kind: kind?, zero, drives: drives?, length: length?, offset, rise })
-}
-
-/// Axes by name, each with its ratio, in the order of the axes.
-fn read_drives(reader: &Reader, entry: Entry, axes: &[String]) -> Option<Vec<(usize, f64)>> {
-    let Some(table) = entry.value.get_ref().as_table() else {
-        entry.misfit(reader, "a table of axes and their ratios, such as { T = 1, R = -2 }");
-        return None;
-    };
-    let mut drives = Vec::new();
-    let mut is_right = true;
-    for (name, value) in table {
-        let ratio = Entry { key: "drives", value }.number(reader, Span::Any);
-        let motors = &axes[RODS..];
-        match (motors.iter().position(|axis| axis == name.get_ref()), ratio) {
-            (Some(axis), Some(ratio)) => drives.push((RODS + axis, ratio)),
-            (None, _) => {
-                // An axis that could not be read was told of already.
-                if !motors.contains(&String::new()) {
-                    let fault = Fault::Unknown {
-                        what: "axis".to_owned(),
-                        found: name.get_ref().to_string(),
-                        nearest: crate::place::nearest(
-                            name.get_ref(),
-                            motors.iter().map(String::as_str),
-                        ),
-                        known: motors.to_vec(),
-                    };
-                    reader.wrong(name.span(), fault);
-                }
-                is_right = false;
-            }
-            (Some(_), None) => is_right = false,
-        }
-    }
-    drives.sort_by_key(|&(axis, _)| axis);
-    is_right.then_some(drives)
-}
-
-fn read_effector(reader: &Reader, table: &Table) -> Option<Effector> {
-    let name = table.name("name");
-    let center = table.point("wafer_center_mm");
-    let heading = table.number_or("heading_deg", Span::Any, 0.0).to_radians();
-    let support = table.needed("support").and_then(|entry| entry.table(reader, "`support`"));
-    let support = support.and_then(|support| read_support(&support));
-    let friction = table.number("friction", Span::NotNegative);
-    table.finish();
-    Some(Effector {
-        name: name?,
-        wafer_center: center?.into(),
-        heading,
-        support: support?,
-        friction: friction?,
-    })
-}
-
-fn read_support(table: &Table) -> Option<Support> {
-    #[derive(Clone, Copy)]
-    enum Kind {
-        Edge,
-        ThreePoints,
-        TwoRails,
-    }
-    let kinds =
-        [("edge", Kind::Edge), ("three-points", Kind::ThreePoints), ("two-rails", Kind::TwoRails)];
-    let kind = table.needed("kind")?.word(table.reader, "kind of support", &kinds)?;
-    let support = match kind {
-        Kind::Edge => Some(Support::Edge),
-        Kind::ThreePoints => {
-            table.length("radius_mm", Span::Positive).map(|radius| Support::ThreePoints { radius })
-        }
-        Kind::TwoRails => table
-            .length("distance_mm", Span::Positive)
-            .map(|distance| Support::TwoRails { distance }),
-    };
-    table.finish();
-    support
-}
-
-fn read_droop(table: &Table) -> Option<Droop> {
-    #[derive(Clone, Copy)]
-    enum Kind {
-        Rigid,
-        Table,
-        Cantilever,
-    }
-    let kinds = [("rigid", Kind::Rigid), ("table", Kind::Table), ("cantilever", Kind::Cantilever)];
-    let kind = table.needed("kind")?.word(table.reader, "kind of droop", &kinds)?;
-    let droop = match kind {
-        Kind::Rigid => Some(Droop::Rigid),
-        Kind::Table => {
-            let rows: Vec<Option<DroopRow>> = table.tables("row").iter().map(droop_row).collect();
-            let _ = table.needed("row");
-            rows.into_iter().collect::<Option<_>>().map(|rows| Droop::Table { rows })
-        }
-        Kind::Cantilever => {
-            let stiffness = table.number("stiffness_n_m2", Span::Positive);
-            let mass = table.number("mass_kg_m", Span::NotNegative);
-            let both = stiffness.zip(mass);
-            both.map(|(stiffness, mass_per_length)| Droop::Cantilever {
-                stiffness,
-                mass_per_length,
-            })
-        }
-    };
-    table.finish();
-    droop
-}
-
-fn droop_row(table: &Table) -> Option<DroopRow> {
-    let reach = table.length("reach_mm", Span::NotNegative);
-    let empty_drop = table.length("empty_drop_mm", Span::Any);
-    let empty_slope = table.number("empty_slope_mrad", Span::Any);
-    let loaded_drop = table.length("loaded_drop_mm", Span::Any);
-    let loaded_slope = table.number("loaded_slope_mrad", Span::Any);
-    let load = table.number("load_g", Span::Positive);
-    table.finish();
-    Some(DroopRow {
-        reach: reach?,
-        empty_drop: empty_drop?,
-        empty_slope: m_from_mm(empty_slope?),
-        loaded_drop: loaded_drop?,
-        loaded_slope: m_from_mm(loaded_slope?),
-        load: m_from_mm(load?),
-    })
+    Some(HybridRobot { name: name?, gpr: gpr?, model: model?, axes, arms, assumed })
 }
 
 /// What is assumed: keys of the file, each with its reason.
 fn assumed(table: &Table) -> Vec<String> {
-    const KEYS: [&str; 4] = ["gpr", "rods", "axis", "arm"];
+    const KEYS: [&str; 5] = ["gpr", "platform", "rods", "axis", "arm"];
     let Some(reasons) = table.table("assumed", "`[assumed]`") else { return Vec::new() };
     let reason = |key: &'static str| {
         let reason = reasons.entry(key)?.line(table.reader)?;
@@ -426,8 +127,13 @@ fn place(table: &Table, part: Part) -> std::ops::Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use jointplay_cell::robot::PlatformModel;
+    use jointplay_cell::wafer::{Droop, DroopRow, Support};
+    use jointplay_core::gpr::Gpr;
+    use jointplay_core::virtualization::{Kernel, Metric, SolveOptions, Solver};
+    use nalgebra::Vector2;
 
-    const DUAL: &str = include_str!("../../../../robots/dual-arm.toml");
+    const DUAL: &str = include_str!("../../../../../robots/dual-arm.toml");
 
     fn told(problems: &[Problem]) -> String {
         problems.iter().map(|problem| problem.with_excerpt("x.toml") + "\n").collect()
@@ -494,6 +200,61 @@ mod tests {
         refuse("gpr = \"gpr\"", &bad, "{ limb = [", "lie on one line");
         let bad = gpr.replace("{ socket_radius_mm = 93.218, socket_angle_deg = 120 },", "");
         refuse("gpr = \"gpr\"", &bad, "{ limb = [", "`limb` has 2 entries, but needs 3");
+    }
+
+    #[test]
+    fn where_the_platform_sits_is_a_choice() {
+        let chosen = |keys: &str| {
+            let text = DUAL.replacen("[rods]", &format!("[platform]\n{keys}\n[rods]"), 1);
+            parse(&text).unwrap_or_else(|problems| panic!("{}", told(&problems))).model
+        };
+        assert_eq!(parse(DUAL).unwrap().model, PlatformModel::default());
+        assert_eq!(chosen("virtualization = \"planar\""), PlatformModel::default());
+        let newton = chosen("virtualization = \"planar\"\nsolver = \"newton\"");
+        assert_eq!(newton.options.solver, Solver::Newton);
+        let radial = chosen("virtualization = \"radial\"");
+        let model = PlatformModel { virtualization: Kernel::Radial, ..PlatformModel::default() };
+        assert_eq!(radial, model);
+        for (metric, expected) in [
+            ("", Metric::Paper),
+            ("metric = \"paper\"", Metric::Paper),
+            ("metric = \"radius\"", Metric::PlatformRadius),
+            ("metric = 93.5", Metric::Length(0.0935)),
+        ] {
+            let polar = chosen(&format!("virtualization = \"polar\"\n{metric}"));
+            assert_eq!(polar.virtualization, Kernel::Polar);
+            let options = SolveOptions { solver: Solver::LeastNorm, ..Default::default() };
+            assert_eq!(polar.options, SolveOptions { metric: expected, ..options });
+        }
+        // What is said is what the robot does: polar and radial put the centre to other places.
+        let at = |keys: &str| {
+            let text = DUAL.replacen("[rods]", &format!("[platform]\n{keys}\n[rods]"), 1);
+            let robot = parse(&text).unwrap();
+            let home = [0.499, 0.501, 0.5, 0.0, 0.0, 0.0];
+            robot.forward(&home).unwrap().platform.center_shift()
+        };
+        let [planar, polar, radial] =
+            ["planar", "polar", "radial"].map(|name| at(&format!("virtualization = \"{name}\"")));
+        assert!(planar.norm() < 1e-12 && polar.norm() > 1e-7, "{planar} {polar}");
+        assert!((polar + radial).norm() < 0.01 * radial.norm(), "{polar} {radial}");
+        let refused = |keys: &str, blamed: &str, message: &str| {
+            refuse("[rods]", &format!("[platform]\n{keys}\n[rods]"), blamed, message);
+        };
+        refused("", "[platform]", "`[platform]` needs `virtualization`");
+        refused("virtualization = 1", "1", "has to be a text");
+        let known = "did you mean `planar`?); known: radial, polar, offset, planar";
+        refused("virtualization = \"planer\"", "\"planer\"", known);
+        let solver = |solver: &str| format!("virtualization = \"polar\"\nsolver = \"{solver}\"");
+        let none = "a solver of polar, \"closed-form\" is not known (did you mean `least-norm`?); known: newton";
+        refused(&solver("closed-form"), "\"closed-form\"", none);
+        refused(&solver("newtn"), "\"newtn\"", "did you mean `newton`?");
+        let radial = "virtualization = \"radial\"\n";
+        refused(&format!("{radial}metric = 1.0"), "1.0", "only polar and offset have angles");
+        let polar = "virtualization = \"polar\"\n";
+        refused(&format!("{polar}metric = \"raduis\""), "\"raduis\"", "did you mean `radius`?");
+        refused(&format!("{polar}metric = -1"), "-1", "from 0.000000001 to 1000000000");
+        refused(&format!("{polar}metric = true"), "true", "has to be a number");
+        refused(&format!("{polar}solvers = 1"), "solvers", "did you mean `solver`?");
     }
 
     #[test]

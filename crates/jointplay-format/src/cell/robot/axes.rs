@@ -1,0 +1,85 @@
+//! Axes: rods, and the motors of the arms.
+
+use jointplay_cell::robot::{Axis, Dynamics, MotionKind, RODS};
+use jointplay_core::gpr::Gpr;
+
+use super::super::problem::Fault;
+use super::super::tree::{Span, Table};
+use super::{MOTIONS, ROD_NAMES};
+use crate::units::m_from_mm;
+
+pub(super) fn rod_axes(table: &Table, gpr: &Gpr) -> Option<[Axis; RODS]> {
+    let (min, max) = (gpr.limits().rod_min, gpr.limits().rod_max);
+    let home = table.length_or("home_mm", Span::Any, gpr.working_height());
+    let empty = dynamics(table, "empty", MotionKind::Slide);
+    let loaded = dynamics(table, "loaded", MotionKind::Slide);
+    table.finish();
+    let (empty, loaded) = (empty?, loaded?);
+    let kind = MotionKind::Slide;
+    Some(ROD_NAMES.map(|name| Axis { name: name.to_owned(), kind, min, max, home, empty, loaded }))
+}
+
+pub(super) fn motor(table: &Table) -> Option<Axis> {
+    let reader = table.reader;
+    let name = table.name("name");
+    let kind = table.needed("kind").and_then(|kind| kind.word(reader, "kind of axis", &MOTIONS));
+    let Some(kind) = kind else {
+        // Which keys belong here depends on the kind.
+        for key in ["range_deg", "range_mm", "home_deg", "home_mm", "empty", "loaded"] {
+            let _ = table.entry(key);
+        }
+        table.finish();
+        return None;
+    };
+    let (range, home) = match kind {
+        MotionKind::Turn => ("range_deg", "home_deg"),
+        MotionKind::Slide => ("range_mm", "home_mm"),
+    };
+    let range = table.needed(range).and_then(|range| range.numbers::<2>(reader, Span::Any));
+    let home = table.number(home, Span::Any);
+    let empty = dynamics(table, "empty", kind);
+    let loaded = dynamics(table, "loaded", kind);
+    table.finish();
+    let [min, max] = range?.map(|value| to_si(kind, value));
+    let home = to_si(kind, home?);
+    Some(Axis { name: name?, kind, min, max, home, empty: empty?, loaded: loaded? })
+}
+
+/// Notes axes whose name is another one's: what drives a joint could not be told.
+pub(super) fn tell_twice(table: &Table, axes: &[Table]) {
+    let reader = table.reader;
+    let rods = table.entry("rods").map_or(0, |rods| reader.line(rods.span()));
+    let mut known: Vec<(&str, usize)> = ROD_NAMES.map(|name| (name, rods)).into();
+    for axis in axes {
+        let Some(entry) = axis.entry("name") else { continue };
+        let Some(name) = entry.value.get_ref().as_str() else { continue };
+        match known.iter().find(|(other, _)| *other == name) {
+            Some(&(_, first)) => {
+                let (what, found) = ("axis".to_owned(), name.to_owned());
+                entry.wrong(reader, Fault::Twice { what, found, first });
+            }
+            None => known.push((name, reader.line(entry.span()))),
+        }
+    }
+}
+
+fn to_si(kind: MotionKind, value: f64) -> f64 {
+    match kind {
+        MotionKind::Turn => value.to_radians(),
+        MotionKind::Slide => m_from_mm(value),
+    }
+}
+
+fn dynamics(table: &Table, key: &'static str, kind: MotionKind) -> Option<Dynamics> {
+    let whose = format!("`{key}` of {}", table.whose);
+    let limits = table.needed(key)?.table(table.reader, whose)?;
+    let keys = match kind {
+        MotionKind::Turn => ["velocity_deg_s", "acceleration_deg_s2", "jerk_deg_s3"],
+        MotionKind::Slide => ["velocity_mm_s", "acceleration_mm_s2", "jerk_mm_s3"],
+    };
+    let values = keys.map(|key| limits.number(key, Span::Positive));
+    limits.finish();
+    let [velocity, acceleration, jerk] = values;
+    let si = |value| to_si(kind, value);
+    Some(Dynamics { velocity: si(velocity?), acceleration: si(acceleration?), jerk: si(jerk?) })
+}

@@ -1,0 +1,299 @@
+//! Stations as they were taught: how they lean, and how far points lie off their plane.
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::station::teach::{PlaneFit, Verdict};
+use jointplay_cell::station::{Origin, Station};
+use nalgebra::{Rotation3, Unit, Vector3};
+
+use crate::draw::RIM;
+use crate::svg::{Anchor, INK, Svg, path_data, px};
+use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, wrap};
+use crate::{Colour, Error, png};
+
+/// Room about the picture and between stations [px].
+const MARGIN: f64 = 24.0;
+/// Height of what is said of a station [px].
+const WORDS: f64 = 3.0 * ROW + 10.0;
+/// Height of a line of it [px].
+const ROW: f64 = 18.0;
+/// Height of a station's drawing, as a share of its width.
+const HIGH: f64 = 0.5;
+/// The base is turned so far to the right and seen from so far above [rad].
+const TURN: f64 = 0.5;
+const ELEVATION: f64 = 0.42;
+/// How far the steepest station is drawn to lean, where it leans at all [rad].
+const LEAN: f64 = 0.2;
+/// How far off its plane the worst point is drawn, in radii of the disc.
+const OFF: f64 = 0.3;
+/// Leans and distances below these are round-off, and are not drawn larger [rad and m].
+const LEAST_LEAN: f64 = 1e-8;
+const LEAST_OFF: f64 = 1e-9;
+/// Length of the axes [px].
+const AXES: f64 = 26.0;
+/// Corners of a circle.
+const CORNERS: u32 = 72;
+
+const LEVEL: &str = " stroke=\"#8c8c8c\" stroke-width=\"1\" stroke-dasharray=\"4 3\"";
+const PLANE: &str =
+    " fill=\"#0072b2\" fill-opacity=\"0.1\" stroke=\"#0072b2\" stroke-width=\"1.6\"";
+
+/// Stations side by side: the plane of each, leaning more than it does, over a level disc; taught points off that plane, farther than they are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Taught<'a> {
+    /// The cell.
+    pub cell: &'a Cell,
+    /// Its stations to be drawn, by index.
+    pub stations: Vec<usize>,
+    /// Title above the picture; empty for none.
+    pub title: String,
+    /// Width in pixels.
+    pub width: f64,
+}
+
+/// By how much things are drawn larger.
+#[derive(Clone, Copy)]
+struct Factors {
+    lean: f64,
+    off: f64,
+}
+
+/// Where a station's disc is drawn.
+struct Frame {
+    middle: (f64, f64),
+    scale: f64,
+}
+
+impl Frame {
+    /// A vector from the middle of the disc [m].
+    fn at(&self, v: &Vector3<f64>) -> (f64, f64) {
+        let (right, away) =
+            (v.x * TURN.cos() + v.y * TURN.sin(), v.y * TURN.cos() - v.x * TURN.sin());
+        let up = v.z * ELEVATION.cos() + away * ELEVATION.sin();
+        (self.middle.0 + self.scale * right, self.middle.1 - self.scale * up)
+    }
+}
+
+impl<'a> Taught<'a> {
+    /// All stations of a cell, titled by its name, 900 px wide.
+    #[must_use]
+    pub fn new(cell: &'a Cell) -> Self {
+        let stations = (0..cell.stations.len()).collect();
+        Self { cell, stations, title: format!("{}: stations", cell.name), width: 900.0 }
+    }
+
+    /// The picture as SVG with real text, on white.
+    ///
+    /// # Errors
+    /// [`Error::Size`] if the width is out of bounds; [`Error::Extent`] if a station's points are beyond the range of numbers.
+    pub fn to_svg(&self) -> Result<String, Error> {
+        crate::check::width(self.width)?;
+        let shown: Vec<&Station> =
+            self.stations.iter().filter_map(|&k| self.cell.stations.get(k)).collect();
+        let columns = shown.len().clamp(1, 2);
+        #[expect(clippy::cast_precision_loss, reason = "one or two")]
+        let count = columns as f64;
+        let wide = (self.width - (count + 1.0) * MARGIN) / count;
+        let high = HIGH * wide.min(0.5 * self.width) + WORDS;
+        let title = wrap(&self.title, TITLE, self.width - 2.0 * MARGIN);
+        #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
+        let (top, rows) =
+            (16.0 + title.len() as f64 * TITLE * LEADING, shown.len().div_ceil(columns) as f64);
+        let factors = factors(&shown);
+        let bottom = top + rows * (high + MARGIN);
+        let about = if self.title.is_empty() { "stations" } else { &self.title };
+        let mut svg = Svg::new(self.width, bottom + ROW + MARGIN, about);
+        #[expect(clippy::cast_precision_loss, reason = "a count of lines")]
+        for (line, text) in title.iter().enumerate() {
+            let at = (0.5 * self.width, 26.0 + line as f64 * TITLE * LEADING);
+            svg.text(at, TITLE, Anchor::Middle, text, "");
+        }
+        #[expect(clippy::cast_precision_loss, reason = "a count of stations")]
+        for (k, station) in shown.iter().enumerate() {
+            let left = MARGIN + (k % columns) as f64 * (wide + MARGIN);
+            let above = top + (k / columns) as f64 * (high + MARGIN);
+            self.station(&mut svg, station, factors, [left, above, wide, high])?;
+        }
+        let mut said = vec!["dashed: level".to_owned()];
+        if factors.lean > 1.0 {
+            said.push(format!("leans drawn {} times larger", about_by(factors.lean)));
+        }
+        if factors.off > 1.0 {
+            said.push(format!("distances off the planes {} times", about_by(factors.off)));
+        }
+        axes(&mut svg, (MARGIN, bottom + 0.5 * ROW));
+        let at = (0.5 * self.width, bottom + 0.5 * ROW);
+        svg.text(at, TICK, Anchor::Middle, &said.join("; "), "");
+        Ok(svg.finish())
+    }
+
+    /// The SVG painted as PNG, `width_px` pixels wide, with the embedded DejaVu Sans.
+    ///
+    /// # Errors
+    /// As [`Self::to_svg`]; [`Error::Size`] if `width_px` is 0 or over 20 000; [`Error::Paint`] if painting fails.
+    pub fn to_png(&self, width_px: u32) -> Result<Vec<u8>, Error> {
+        png::paint(&self.to_svg()?, width_px)
+    }
+
+    fn station(
+        &self,
+        svg: &mut Svg,
+        station: &Station,
+        factors: Factors,
+        [left, top, wide, high]: [f64; 4],
+    ) -> Result<(), Error> {
+        let normal = station.base_from_station.rotation * Vector3::z();
+        let fit = fit(station);
+        // The disc is as wide as the wafer, or reaches out to the farthest point.
+        let farthest = places(fit).map(|place| place.xy().norm()).fold(0.0, f64::max);
+        let radius = (0.5 * self.cell.wafer.diameter).max(farthest);
+        if !(radius.is_normal() && radius < 1e6) {
+            let what = format!("the station {:?}", station.name);
+            return Err(Error::Extent { what, found: radius, unit: "m" });
+        }
+        let drawn = high - WORDS;
+        let up = ELEVATION.cos() * (LEAN + OFF) + ELEVATION.sin();
+        let scale = (0.46 * wide / radius).min(0.5 * drawn / (radius * up));
+        let middle = (left + 0.5 * wide, top + WORDS + 0.5 * drawn);
+        let frame = Frame { middle, scale };
+        let turn = leaned(&normal, factors.lean);
+        let disc = |turn: &Rotation3<f64>| {
+            let corner = |k: u32| {
+                let angle = f64::from(k) / f64::from(CORNERS) * std::f64::consts::TAU;
+                frame.at(&(turn * Vector3::new(angle.cos(), angle.sin(), 0.0) * radius))
+            };
+            path_data(&(0..CORNERS).map(corner).collect::<Vec<_>>()) + "z"
+        };
+        svg.path(&disc(&Rotation3::identity()), LEVEL);
+        svg.path(&disc(&turn), PLANE);
+        let stem = [Vector3::zeros(), turn * Vector3::z() * (0.35 * radius)];
+        let stem = stem.map(|end| frame.at(&end));
+        svg.path(&path_data(&stem), " stroke=\"#0072b2\" stroke-width=\"1.6\"");
+        svg.path(&dot(stem[1], 2.4), " fill=\"#0072b2\"");
+        if let Some(fit) = fit {
+            points(svg, &frame, fit, &turn, factors.off);
+        }
+        let mut y = top + HALF_CAPITAL * TICK + 0.5 * ROW;
+        for (k, line) in words(station, &normal).into_iter().enumerate() {
+            let size = if k == 0 { TITLE } else { TICK };
+            for part in wrap(&line, size, wide) {
+                svg.text((left, y), size, Anchor::Start, &part, "");
+                y += ROW;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Taught points with their stems, numbered as they were taught.
+fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, off: f64) {
+    let normal = turn * Vector3::z();
+    for (k, (place, distance)) in places(Some(fit)).zip(&fit.distances).enumerate() {
+        let foot = turn * Vector3::new(place.x, place.y, 0.0);
+        let (from, to) = (frame.at(&foot), frame.at(&(foot + normal * (off * distance))));
+        let beyond = distance.abs() > fit.threshold;
+        let colour = if beyond { Colour::VERMILLION } else { Colour::GREEN }.hex();
+        let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"");
+        svg.path(&path_data(&[from, to]), &look);
+        svg.path(&dot(from, 1.6), &format!(" fill=\"{INK}\""));
+        svg.path(&dot(to, 4.0), &format!(" fill=\"{colour}\""));
+        let text = format!("{}: {:+.1} µm", k + 1, distance * 1e6);
+        // Beyond the point, seen from the plane: points on both sides of it keep out of each other's way.
+        let aside = if *distance < 0.0 { 16.0 } else { -8.0 };
+        svg.text((to.0, to.1 + aside), TICK, Anchor::Middle, &text, RIM);
+    }
+}
+
+/// Where taught points are from the middle of them, over the level [m].
+fn places(fit: Option<&PlaneFit>) -> impl Iterator<Item = Vector3<f64>> {
+    fit.into_iter().flat_map(|fit| fit.points.iter().map(|point| point - fit.center))
+}
+
+fn fit(station: &Station) -> Option<&PlaneFit> {
+    match &station.origin {
+        Origin::Taught(fit) => Some(fit),
+        _ => None,
+    }
+}
+
+/// What is known of a station, line by line.
+fn words(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
+    let lean = normal.xy().norm().atan2(normal.z);
+    let toward = normal.y.atan2(normal.x).to_degrees();
+    let leans = if lean > LEAST_LEAN {
+        format!("leans {:.4}° toward {toward:.1}°", lean.to_degrees())
+    } else {
+        "level".to_owned()
+    };
+    let mut lines = vec![station.name.clone(), leans];
+    match &station.origin {
+        Origin::Nominal => lines.push("nominal, not taught".to_owned()),
+        Origin::Drift(drift) => lines.push(format!(
+            "drift: the last slot stands {:.3} mm off the vertical",
+            drift.drift * 1e3
+        )),
+        Origin::Taught(fit) => {
+            let verdict = match fit.verdict {
+                Verdict::Fits => "fits",
+                Verdict::Unproven => "unproven: three points always fit",
+                Verdict::Scattered => "scattered",
+            };
+            lines.push(format!(
+                "{} points, at most {:.1} µm off, allowed {:.1} µm: {verdict}",
+                fit.distances.len(),
+                fit.worst * 1e6,
+                fit.threshold * 1e6
+            ));
+        }
+    }
+    lines
+}
+
+/// So much larger that the steepest lean and the worst point are well seen.
+fn factors(stations: &[&Station]) -> Factors {
+    let lean = |station: &&Station| {
+        let normal = station.base_from_station.rotation * Vector3::z();
+        normal.xy().norm().atan2(normal.z)
+    };
+    let steepest = stations.iter().map(lean).fold(0.0, f64::max);
+    let fits = || stations.iter().filter_map(|station| fit(station));
+    let worst = fits().map(|fit| fit.worst).fold(0.0, f64::max);
+    let narrowest = fits()
+        .map(|fit| places(Some(fit)).map(|place| place.xy().norm()).fold(0.0, f64::max))
+        .fold(f64::INFINITY, f64::min);
+    Factors {
+        lean: if steepest > LEAST_LEAN { (LEAN / steepest).max(1.0) } else { 1.0 },
+        off: if worst > LEAST_OFF { (OFF * narrowest / worst).max(1.0) } else { 1.0 },
+    }
+}
+
+/// The turn that leans a normal by a factor more.
+fn leaned(normal: &Vector3<f64>, factor: f64) -> Rotation3<f64> {
+    let lean = normal.xy().norm().atan2(normal.z);
+    match Unit::try_new(Vector3::new(-normal.y, normal.x, 0.0), f64::MIN_POSITIVE) {
+        Some(axis) => Rotation3::from_axis_angle(&axis, factor * lean),
+        None => Rotation3::identity(),
+    }
+}
+
+/// A factor to two digits.
+fn about_by(factor: f64) -> String {
+    let step = 10_f64.powf(factor.log10().floor() - 1.0);
+    let rounded = (factor / step).round() * step;
+    if rounded < 10.0 { format!("{rounded:.1}") } else { format!("{rounded:.0}") }
+}
+
+/// The directions of the base frame, as they are seen.
+fn axes(svg: &mut Svg, middle: (f64, f64)) {
+    let frame = Frame { middle, scale: AXES };
+    for (name, axis) in [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())] {
+        let ends = [frame.at(&Vector3::zeros()), frame.at(&axis)];
+        svg.path(&path_data(&ends), &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));
+        let (x, y) = frame.at(&(axis * 1.35));
+        svg.text((x, y + HALF_CAPITAL * TICK), TICK, Anchor::Middle, name, "");
+    }
+}
+
+fn dot((x, y): (f64, f64), radius: f64) -> String {
+    let (r, d) = (px(radius), px(2.0 * radius));
+    format!("M{} {}a{r} {r} 0 1 0 {d} 0a{r} {r} 0 1 0 -{d} 0z", px(x - radius), px(y))
+}
