@@ -15,6 +15,7 @@
 //! | [`program`] | what the robot is told, and the steps that it comes to |
 //! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
+//! | [`jog`] | the robot moved by hand: as far as its limits let it go, and what stops it there |
 //! | [`Memory`] | both for a plan that changes, at the cost of what changes |
 //! | [`surface`] | shapes as triangles, for whoever shows them |
 //!
@@ -23,6 +24,7 @@
 pub mod cell;
 pub mod check;
 mod error;
+pub mod jog;
 mod memory;
 pub mod motion;
 pub mod program;

@@ -45,7 +45,7 @@ pub(crate) enum Failure {
     TooManyPoses { found: usize, allowed: usize },
     #[error("cannot read {}: {source}", path.display())]
     Read { path: PathBuf, source: io::Error },
-    #[error("{} is longer than {allowed} bytes, the most that a robot file may have", path.display())]
+    #[error("{} is longer than {allowed} bytes, the most that such a file may have", path.display())]
     TooLarge { path: PathBuf, allowed: u64 },
     #[error("cannot write {}: {}", path.display(), explain_write(.source))]
     Write { path: PathBuf, source: io::Error },

@@ -124,11 +124,12 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
     refuse(
         "robot = \"dual-arm\"",
         "robot = \"dual\"",
-        "none of the robots that come with the program",
+        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, scara-3r, scara-4r, or a file ….toml",
     );
     refuse("robot = \"dual-arm\"", "robot = \"mine.toml\"", "nobody has mine.toml");
     refuse("robot = \"dual-arm\"", "robot = \"../mine.toml\"", "within the cell file's folder");
-    refuse("robot = \"dual-arm\"", "robot = \"gpr\"", "is wrong");
+    let plain = "\"gpr\" is a mechanism without arms; robots with arms: dual-arm, radial-arm";
+    refuse("robot = \"dual-arm\"", "robot = \"gpr\"", plain);
     refuse(
         "diameter_mm = 300.0",
         "diameter_mm = -300.0",

@@ -268,6 +268,38 @@ fn all_that_is_wrong_with_a_program_is_told_at_once() {
 }
 
 #[test]
+fn a_program_that_moves_nothing_is_refused() {
+    let desk = desk(&[]);
+    for text in ["", "# nothing\n", "HOME\n", "SPEED 50 %\nREPEAT 3\nEND\n"] {
+        desk.write("idle.program", text);
+        for command in ["check", "run", "export"] {
+            let run = desk.run(&format!("cell {command} example.toml idle.program"));
+            assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{text}");
+            let says = "idle.program: nothing moves in this program";
+            assert!(run.stderr.contains(says), "{text}: {}", run.stderr);
+        }
+        assert_eq!(desk.names(""), ["example.program", "example.toml", "idle.program"]);
+    }
+}
+
+#[test]
+fn files_that_a_cell_names_and_that_are_not_there_are_looked_for_beside_it() {
+    for (named, line) in [
+        ("robot = \"mine.toml\"", "the file \"mine.toml\" cannot be had: there is none in "),
+        (
+            "robot = \"dual-am\"",
+            "robot with arms \"dual-am\" is not known (did you mean `dual-arm`?)",
+        ),
+    ] {
+        let desk = desk(&[("robot = \"dual-arm\"", named)]);
+        let run = desk.run("cell check example.toml");
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{named}");
+        assert!(run.stderr.contains("example.toml:10:9: "), "{}", run.stderr);
+        assert!(run.stderr.contains(line), "{}", run.stderr);
+    }
+}
+
+#[test]
 fn a_place_out_of_reach_is_a_no() {
     let desk = desk(&[]);
     desk.write("far.program", "GET LP1 SLOT 1 WITH A\nMOVE LINE WITH A BY Y 3000 mm\n");

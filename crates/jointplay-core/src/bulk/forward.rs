@@ -125,6 +125,7 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
         let poses = work.status.len();
         let needs = Needs::of(work.wanted);
         let mut values = [Lanes::splat(simd, 0.0); PLACES];
+        work.status.fill(Status::Solved);
         for first in (0..poses).step_by(Lanes::<S>::COUNT) {
             let rods = [
                 Lanes::load(simd, &work.rods[0], first),
@@ -139,14 +140,10 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
             for (quantity, column) in &mut *work.wanted {
                 values[place(*quantity)].store(column, first);
             }
-            let end = (first + Lanes::<S>::COUNT).min(poses);
-            if solved.all() {
-                work.status[first..end].fill(Status::Solved);
-            } else {
-                for (lane, solved) in solved.answers()[..end - first].iter().enumerate() {
-                    if *solved {
-                        work.status[first + lane] = Status::Solved;
-                    } else {
+            if !solved.all() {
+                let lanes = Lanes::<S>::COUNT.min(poses - first);
+                for (lane, solved) in solved.answers()[..lanes].iter().enumerate() {
+                    if !solved {
                         work.one_by_one(first + lane..first + lane + 1)?;
                     }
                 }
@@ -238,7 +235,9 @@ fn fill<S: Simd, M: Model>(
     values[place(Quantity::Iterations)] = found.iterations;
     for k in 0..3 {
         values[place(Quantity::VirtualJoint(k))] = shape.a[k];
-        values[place(Quantity::VirtualJoint(3 + k))] = shape.b[k];
+        if M::ACROSS {
+            values[place(Quantity::VirtualJoint(3 + k))] = shape.b[k];
+        }
     }
     if needs.sides {
         for k in 0..3 {
@@ -280,11 +279,14 @@ fn fill<S: Simd, M: Model>(
 /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits.
 #[inline(always)]
 fn residual<S: Simd>(balls: &Balls<S>, found: &Found<S>) -> Lanes<S> {
-    let mut most = balls.mean.like(0.0);
-    for (missing, square) in found.missing.iter().zip(balls.squares) {
-        most = most.max(missing.squared() / square);
+    let [mut most, missing_2, missing_3] = found.missing.map(Lanes::squared);
+    let [mut square, square_2, square_3] = balls.squares;
+    // The largest of three fractions, with one division.
+    for (missing, of) in [(missing_2, square_2), (missing_3, square_3)] {
+        let more = (most * of).below(missing * square);
+        (most, square) = (more.select(missing, most), more.select(of, square));
     }
-    most.sqrt() * 0.5
+    (most / square).sqrt() * 0.5
 }
 
 #[inline(always)]

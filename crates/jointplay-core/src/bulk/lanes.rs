@@ -10,7 +10,9 @@ use super::Column;
 ///
 /// Two, since each step of a kernel waits for the one before, and while one register waits the other works.
 /// Arithmetic is lane by lane, so that no pose knows of its neighbours.
+/// In memory they begin where a line of the cache begins: a register that lies across two lines takes both.
 #[derive(Clone, Copy)]
+#[repr(align(64))]
 pub(super) struct Lanes<S: Simd> {
     simd: S,
     value: [S::f64s; 2],
@@ -66,10 +68,12 @@ impl<S: Simd> Lanes<S> {
 
     /// Writes the lanes to a column from `first` on, as far as it goes.
     #[inline(always)]
-    pub(super) fn store(self, column: &mut [f64], first: usize) {
+    pub(super) fn store(&self, column: &mut [f64], first: usize) {
         if first + Self::COUNT <= column.len() {
             let (whole, _) = S::as_mut_simd_f64s(&mut column[first..first + Self::COUNT]);
-            (whole[0], whole[1]) = self.value.into();
+            let [a, b] = self.value;
+            whole[0] = a;
+            whole[1] = b;
         } else {
             let rest = &mut column[first..];
             rest.copy_from_slice(&self.numbers()[..rest.len()]);
@@ -81,7 +85,7 @@ impl<S: Simd> Lanes<S> {
     pub(super) fn numbers(self) -> [f64; MOST] {
         let mut numbers = [0.0; MOST];
         let (whole, _) = S::as_mut_simd_f64s(&mut numbers[..Self::COUNT]);
-        (whole[0], whole[1]) = self.value.into();
+        [whole[0], whole[1]] = self.value;
         numbers
     }
 

@@ -187,6 +187,9 @@ fn closed<S: Simd>(balls: &Balls<S>, robot: &Robot, shape: Shape<S>) -> Found<S>
 /// Three numbers, and zero where the sides are met already.
 #[inline(always)]
 fn unless<S: Simd>(met: Mask<S>, numbers: Three<S>) -> Three<S> {
+    if !met.any() {
+        return numbers;
+    }
     let mut left = numbers;
     for number in &mut left {
         *number = met.select(number.like(0.0), *number);

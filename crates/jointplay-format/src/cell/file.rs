@@ -154,13 +154,20 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
         named.wrong(reader, Fault::File { name: name.to_owned(), why });
         None
     };
+    let known = || robot::names().map(str::to_owned).collect::<Vec<_>>();
     let text = match catalogue::find(name) {
-        Some(entry) => entry.text.to_owned(),
+        Some(entry) if entry.kind().as_deref() == Some(robot::KIND) => entry.text.to_owned(),
+        Some(_) => {
+            let names = known().join(", ");
+            let why = format!("{name:?} is a mechanism without arms; robots with arms: {names}");
+            named.wrong(reader, Fault::Unfit(why));
+            return None;
+        }
         None if !name.ends_with(".toml") => {
-            return cannot(
-                "it is none of the robots that come with the program, and no file whose name ends in .toml"
-                    .to_owned(),
-            );
+            let mut known = known();
+            known.push("or a file ….toml".to_owned());
+            named.unknown(reader, "robot with arms", name, &known);
+            return None;
         }
         None => match super::mesh::named(name, files).map(String::from_utf8) {
             Ok(Ok(text)) => text,

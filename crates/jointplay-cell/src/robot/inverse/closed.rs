@@ -171,7 +171,7 @@ fn links(
     let way = |side: f64| {
         let configuration = Configuration { elbow: elbow(-side * sine), reaching: None };
         let first = if d > 0.0 { toward - side * aside } else { like[0] + one.angle };
-        configuration.agrees_with(bend).then(|| Found {
+        configuration.agrees_with(bend).then_some(Found {
             pair: [first - one.angle, first + side * angle_between - other.angle],
             configuration,
         })

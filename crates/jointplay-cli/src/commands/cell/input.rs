@@ -155,6 +155,12 @@ impl InputArgs {
         progress.stage("expanding");
         let cell = &input.named.cell;
         let steps = expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
+        if steps.is_empty() {
+            return Err(Failure::Robot(format!(
+                "{}: nothing moves in this program: every axis starts at home, and no command takes one from there",
+                input.label
+            )));
+        }
         progress.part_done(1);
         progress.stage("timing");
         let motion = timed(cell, steps, &MotionOptions::default()).map_err(|error| {
@@ -243,6 +249,15 @@ fn excerpts<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> String
     problems.iter().map(|one| one.with_excerpt(label)).collect::<Vec<_>>().join("\n")
 }
 
+/// A folder in words.
+fn shown(folder: &Path) -> String {
+    if folder.as_os_str().is_empty() {
+        "this folder".to_owned()
+    } else {
+        folder.display().to_string()
+    }
+}
+
 /// A file that a cell names: in its folder or below, and nowhere else.
 fn beside(folder: Option<&Path>, name: &str) -> Result<Vec<u8>, String> {
     let Some(folder) = folder else {
@@ -254,7 +269,10 @@ fn beside(folder: Option<&Path>, name: &str) -> Result<Vec<u8>, String> {
     }
     let path = folder.join(name);
     let allowed = cell::MAX_MESH_BYTES as u64;
-    let told = |error: std::io::Error| error.to_string();
+    let told = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::NotFound => format!("there is none in {}", shown(folder)),
+        _ => error.to_string(),
+    };
     let mut bytes = Vec::new();
     // Counted while reading: pipes and devices do not tell their length.
     let file = std::fs::File::open(path).map_err(told)?;
