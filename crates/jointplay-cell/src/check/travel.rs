@@ -69,6 +69,8 @@ pub(super) struct Gearing {
     /// Heights of the base triangle over each side [m], at the corner of each rod.
     heights: [f64; RODS],
     radius: f64,
+    /// Largest jerk that the limits of each axis allow: samples do not show what it is between them [m/s³ or rad/s³].
+    jerks: [f64; MAX_AXES],
 }
 
 impl Gearing {
@@ -82,7 +84,12 @@ impl Gearing {
         let origin = [0.0, 0.0];
         let weight = |k: usize| area(corner((k + 1) % 3), corner((k + 2) % 3), origin) / whole;
         let side = |k: usize| (b[(k + 1) % 3] - b[(k + 2) % 3]).norm();
+        let mut jerks = [0.0; MAX_AXES];
+        for (jerk, axis) in jerks.iter_mut().zip(&robot.axes) {
+            *jerk = axis.empty.jerk.max(axis.loaded.jerk);
+        }
         Self {
+            jerks,
             weights: (0..RODS).map(|k| weight(k).abs()).sum(),
             heights: [0, 1, 2].map(|k| whole.abs() / side(k)),
             radius: b.iter().map(|point| point.norm()).fold(0.0, f64::max),
@@ -94,10 +101,11 @@ impl Gearing {
         let dt = to.time - from.time;
         let mut axes = [0.0; MAX_AXES];
         for (axis, moved) in axes.iter_mut().enumerate().take(from.positions.len()) {
-            *moved =
-                path(dt, |s| (s.velocities[axis], s.accelerations[axis], s.jerks[axis]), from, to);
+            let of = |s: &Sample| (s.velocities[axis], s.accelerations[axis], s.jerks[axis]);
+            *moved = path(dt, of, self.jerks[axis], from, to);
         }
         let mean = |values: &[f64]| (values[0] + values[1] + values[2]) / 3.0;
+        let rods_jerk = self.jerks[..RODS].iter().copied().fold(0.0, f64::max);
         let lean: f64 = (0..RODS)
             .map(|rod| {
                 let off = |s: &Sample| {
@@ -107,7 +115,7 @@ impl Gearing {
                         s.jerks[rod] - mean(&s.jerks),
                     )
                 };
-                path(dt, off, from, to) / self.heights[rod]
+                path(dt, off, 2.0 * rods_jerk, from, to) / self.heights[rod]
             })
             .sum();
         let rods = axes[..RODS].iter().copied().fold(0.0, f64::max);
@@ -123,9 +131,19 @@ impl Gearing {
 }
 
 /// Length of the way of one coordinate between two samples, at most: its largest speed for the whole time.
-fn path(dt: f64, of: impl Fn(&Sample) -> (f64, f64, f64), from: &Sample, to: &Sample) -> f64 {
+fn path(
+    dt: f64,
+    of: impl Fn(&Sample) -> (f64, f64, f64),
+    jerk: f64,
+    from: &Sample,
+    to: &Sample,
+) -> f64 {
     let ((v0, a0, j0), (v1, a1, j1)) = (of(from), of(to));
-    let acceleration = a0.abs().max(a1.abs()) + dt * j0.abs().max(j1.abs());
+    // What stands at both ends and is not pushed there stands between them.
+    if [v0, a0, j0, v1, a1, j1] == [0.0; 6] && from.positions == to.positions {
+        return 0.0;
+    }
+    let acceleration = a0.abs().max(a1.abs()) + dt * jerk.max(j0.abs()).max(j1.abs());
     dt * (v0.abs().max(v1.abs()) + 0.5 * dt * acceleration)
 }
 
