@@ -55,7 +55,7 @@ test('the cell is seen, with its parts by name, and its program is safe to run',
 });
 
 test('the program runs by the keyboard, by the slider and by its steps', async () => {
-  await page.locator('h2').first().click();
+  await page.getByTestId('verdict').click();
   await page.keyboard.press(' ');
   await until('it plays', async () => (await now()) > 0.5);
   await page.keyboard.press(' ');
@@ -118,6 +118,186 @@ test('a station leans too far, is mended, and the file keeps its comments', asyn
   expect(kept.match(/^\s*#/gm)).toEqual(CELL.match(/^\s*#/gm));
 });
 
+/** What the server says of a jog of the texts in the files. */
+async function asked(question: object): Promise<{ axes: { name: string; position: number }[]; from_slot: Record<string, number> | null; effectors: { center_m: number[] }[] }> {
+  const answer = await fetch(`${server.address}api/v1/cell/jog`, { method: 'POST', headers: { 'content-type': 'application/json' }, body: JSON.stringify(question) });
+  expect(answer.status).toBe(200);
+  return answer.json() as never;
+}
+const value = async (name: string) => Number(await page.getByTestId(`field-jog-${name}`).inputValue());
+const origin = (name: string) => page.evaluate((of) => window.jointplay.measure.cell!.origin(of)!, name);
+
+test('moved by hand, axis by axis: it follows in the picture, and limits stop it and say so', async () => {
+  await page.getByTestId('cell-time').fill('0');
+  const before = await origin('upper link 4');
+  await until('the axes are there', async () => (await value('T')) === 0);
+  await page.getByRole('button', { name: 'T more by 1 °' }).click();
+  await page.getByRole('button', { name: 'T more by 1 °' }).click();
+  await page.getByTestId('jogged').waitFor();
+  await until('it turned by two degrees', async () => (await value('T')) === 2);
+  await until('it is seen', async () => (await origin('upper link 4')).some((part, k) => Math.abs(part - before[k]!) > 1e-3));
+  const { axes } = await asked({ to: { kind: 'axes', positions: [0.5, 0.5, 0.5, (2 * Math.PI) / 180, (-40 * Math.PI) / 180, (-40 * Math.PI) / 180] } });
+  expect(axes.find(({ name }) => name === 'T')!.position).toBeCloseTo((2 * Math.PI) / 180, 12);
+  // Typed beyond its stops it goes up to them.
+  await page.getByTestId('field-jog-RA').fill('95');
+  await page.getByTestId('field-jog-RA').press('Enter');
+  await until('it is at its stop', async () => (await value('RA')) === 80);
+  await page.locator('#jog-fields [role=alert]', { hasText: 'RA reaches from -45 to 80 °' }).waitFor();
+  // One rod alone meets the limit of tilt, which the server tells.
+  await page.getByTestId('field-jog-q1').fill('520');
+  await page.getByTestId('field-jog-q1').press('Enter');
+  await page.getByTestId('jog-stopped').filter({ hasText: 'the tilt is' }).filter({ hasText: '1.5000°' }).waitFor();
+  expect(await value('q1')).toBeLessThan(520);
+  await page.getByTestId('jog-release').click();
+  await until('it is back in the program', async () => (await value('RA')) === -40 && (await page.getByTestId('jogged').count()) === 0);
+  expect(await origin('upper link 4')).toEqual(before);
+});
+
+test('moved by hand, as a station and the world see the wafer: the numbers are the server’s', async () => {
+  await page.locator('#jog-slot').click();
+  await page.getByTestId('jog-station').selectOption('LP2');
+  await page.getByTestId('jog-slot').fill('5');
+  await page.getByTestId('jog-slot').press('Enter');
+  await page.getByTestId('jog-in').click();
+  await until('it is in the slot', async () => (await value('radial')) === 0 && (await value('turn')) === 0 && (await value('z')) === 0);
+  await page.getByTestId('field-jog-z').fill('3');
+  await page.getByTestId('field-jog-z').press('Enter');
+  await until('it is above', async () => (await value('z')) === 3);
+  await page.locator('#jog-world').click();
+  const { effectors } = await asked({ seen_from: { station: 'LP2', slot: 5 }, to: { kind: 'slot', radial_m: 0, turn_rad: 0, height_m: 0.003, yaw_rad: 0 } });
+  for (const [k, name] of ['x', 'y', 'z'].entries()) expect(await value(name)).toBeCloseTo(effectors[0]!.center_m[k]! * 1000, 3);
+  await page.getByTestId('field-jog-x').fill('-900');
+  await page.getByTestId('field-jog-x').press('Enter');
+  await page.getByTestId('jog-stopped').filter({ hasText: 'out of reach' }).waitFor();
+  expect(await value('x')).toBeGreaterThan(-700);
+  await page.getByText(/ways? to hold A’s wafer there/).click();
+  await page.getByTestId('jog-branches').getByText('chosen').first().waitFor();
+  await page.locator('#jog-platform').click();
+  await page.getByTestId('field-jog-height').fill('520');
+  await page.getByTestId('field-jog-height').press('Enter');
+  await until('it is higher', async () => (await value('height')) === 520);
+  await page.getByTestId('jog-home').click();
+  await until('it is home', async () => (await value('height')) === 500);
+});
+
+test('a station is taught where the wafer is, and by points of its plane, and undo takes it back', async () => {
+  const undo = page.getByRole('button', { name: 'Undo' });
+  const text = async () => page.evaluate(async () => ((await (await fetch('./api/v1/cell')).json()) as { cell: string }).cell);
+  const kept = await text();
+  await page.locator('#jog-slot').click();
+  await page.getByTestId('jog-station').selectOption('ALIGN');
+  await page.getByTestId('jog-in').click();
+  await until('it is in the slot', async () => (await value('radial')) === 0 && (await value('z')) === 0);
+  await page.getByTestId('field-jog-z').fill('2.5');
+  await page.getByTestId('field-jog-z').press('Enter');
+  await until('it is above', async () => (await value('z')) === 2.5);
+  await page.getByTestId('teach-ALIGN-position').click();
+  await until('the station is there', async () => Number(await page.getByTestId('station-ALIGN-z').inputValue()) === 602.5);
+  await until('and sees the wafer in its slot', async () => (await value('z')) === 0);
+  await undo.click();
+  await until('the station is back', async () => Number(await page.getByTestId('station-ALIGN-z').inputValue()) === 600);
+  // Points of the plane: two wait, the third makes it, a fourth proves it.
+  for (const [radial, turn] of [[-30, 0], [0, 3], [0, -3], [-20, 1]] as const) {
+    for (const [name, to] of [['radial', radial], ['turn', turn], ['z', 0]] as const) {
+      await page.getByTestId(`field-jog-${name}`).fill(String(to));
+      await page.getByTestId(`field-jog-${name}`).press('Enter');
+      await until(`${name} is ${to}`, async () => Math.abs((await value(name)) - to) < 2e-4);
+    }
+    const points = await page.getByTestId('points-ALIGN').locator('li').count();
+    await page.getByTestId('teach-ALIGN-point').click();
+    await until('the point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === points + 1);
+    if (points === 1) await page.getByTestId('plane-ALIGN').filter({ hasText: '2 of 3 points' }).waitFor();
+    if (points === 2) await page.getByTestId('plane-ALIGN').filter({ hasText: 'a fourth would prove it' }).waitFor();
+    if (points === 3) await page.getByTestId('plane-ALIGN').filter({ hasText: 'it fits' }).waitFor();
+  }
+  for (let k = 0; k < 4; k += 1) await undo.click();
+  await until('no point is left', async () => (await page.getByTestId('points-ALIGN').count()) === 0);
+  await verdict('sound');
+  expect(await text()).toBe(kept);
+  await page.getByTestId('jog-release').click();
+});
+
+test('a station is dragged by the handles of its freedoms, in one step of undo', async () => {
+  await page.getByRole('tab', { name: 'Parts' }).click();
+  await page.getByTestId('parts').getByRole('button', { name: /^PM1/ }).click();
+  const grip = (freedom: string) => page.evaluate((of) => window.jointplay.measure.cell!.grip(of as never), freedom);
+  await until('the handles are there', async () => (await grip('x')) !== null);
+  expect(await grip('height'), 'its height comes from taught points').toBe(null);
+  await page.getByTestId('parts').getByRole('button', { name: /^ALIGN/ }).click();
+  await until('it can go up', async () => (await grip('height')) !== null);
+  const z = async () => Number(await page.getByTestId('station-ALIGN-z').inputValue());
+  expect(await z()).toBe(600);
+  const from = (await grip('height'))!;
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(from.x, from.y - 6);
+  await page.mouse.move(from.x, from.y - 12);
+  expect(await z(), 'the field follows').toBeGreaterThan(601);
+  await page.mouse.up();
+  await until('it is planned anew', async () => (await page.getByTestId('planned').textContent())!.startsWith('Planned') && (await z()) > 601);
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until('one step takes it back', async () => (await z()) === 600);
+  await verdict('sound');
+});
+
+test('parts are found by name, marked in the picture, and told', async () => {
+  await page.getByRole('tab', { name: 'Parts' }).click();
+  await page.getByTestId('parts').getByText('Bodies').click();
+  await page.getByTestId('parts').getByRole('button', { name: 'blade-A' }).click();
+  await until('it is marked', async () => (await page.evaluate(() => window.jointplay.measure.cell!.marked())).includes('blade-A'));
+  expect(await page.getByTestId('properties').textContent()).toContain('300.00 mm × 220.00 mm × 3.00 mm');
+  await page.getByTestId('parts').getByText('Arm lower').click();
+  await page.getByTestId('parts').getByRole('button', { name: 'lower all of it' }).click();
+  await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.measure.cell!.marked())).includes('blade-B'));
+  await page.getByRole('tab', { name: 'Program' }).click();
+});
+
+test('positions and speeds are plotted, at the time of the bars', async () => {
+  await page.getByTestId('cell-plots-toggle').click();
+  await page.getByTestId('plot-turn').locator('canvas').waitFor();
+  expect(await page.getByTestId('cell-plots').locator('figure').count()).toBe(6);
+  const box = (await page.getByTestId('plot-turn').locator('.u-over').boundingBox())!;
+  await page.getByTestId('plot-turn').locator('.u-over').click({ position: { x: box.width / 2, y: box.height / 2 } });
+  const at = await now();
+  const duration = Number(await page.getByTestId('cell-time').getAttribute('max'));
+  expect(at / duration).toBeCloseTo(0.5, 1);
+  await page.getByTestId('plot-turn').getByRole('button', { name: /in °$/ }).click();
+  const shown = await page.getByTestId('value-T_deg').getAttribute('data-value');
+  const { axes } = await asked({ time_s: Math.floor(at * 25) / 25 });
+  expect(Number(shown)).toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 9);
+  await page.getByTestId('plot-turn').getByRole('button', { name: /^T\b/ }).click();
+  expect(await page.getByTestId('plot-turn').getByRole('button', { name: /^T\b/ }).getAttribute('aria-pressed')).toBe('false');
+  await page.getByTestId('plot-turn').locator('.u-over').hover();
+  await page.mouse.wheel(0, -200);
+  await page.getByRole('button', { name: 'Whole', exact: true }).click();
+  await page.getByTestId('plot-turn').getByRole('button', { name: /in °$/ }).click();
+});
+
+test('files that changed on the disk are not replaced unasked', async () => {
+  const path = join(folder, 'mine.toml');
+  const theirs = readFileSync(path, 'utf8').replace('-494', '-493');
+  writeFileSync(path, theirs);
+  await page.locator('summary', { hasText: 'LP1' }).click();
+  await page.getByTestId('station-LP1-x').fill('-492');
+  await page.getByTestId('station-LP1-x').press('Enter');
+  await until('it can be kept', () => page.getByTestId('save').isEnabled());
+  await page.getByTestId('save').click();
+  await page.getByTestId('overtaken').waitFor();
+  expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
+  expect(readFileSync(path, 'utf8')).toBe(theirs);
+  await page.getByRole('button', { name: 'Read it again' }).click();
+  await until('theirs is here', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-493');
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until('mine can be had back', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-492');
+  writeFileSync(path, theirs.replace('-493', '-491'));
+  await page.getByTestId('save').click();
+  await page.getByTestId('overtaken').waitFor();
+  expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
+  await page.getByRole('button', { name: 'Replace it' }).click();
+  await until('mine is kept', async () => readFileSync(path, 'utf8').includes('-492'));
+  await verdict('sound');
+});
+
 test('the robot is beside it', async () => {
   await page.getByRole('button', { name: 'Robot', exact: true }).first().click();
   await until('the robot is drawn', () => page.evaluate(() => window.jointplay.measure.pictures > 0));
@@ -125,9 +305,10 @@ test('the robot is beside it', async () => {
   await verdict('sound');
 });
 
-for (const theme of ['light', 'dark'] as const)
-  test(`axe finds nothing, ${theme}`, async () => {
+for (const [theme, tab] of [['light', 'Program'], ['light', 'Parts'], ['dark', 'Cell file'], ['dark', 'Steps']] as const)
+  test(`axe finds nothing, ${theme}, with ${tab}`, async () => {
     await page.getByLabel('Theme').selectOption(theme);
+    await page.getByRole('tab', { name: tab }).click();
     await page.evaluate(axe.source);
     const found = await page.evaluate(async () => {
       const { axe } = window as unknown as { axe: typeof import('axe-core') };

@@ -15,6 +15,7 @@
 //! | [`program`] | what the robot is told, and the steps that it comes to |
 //! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
+//! | [`jog`] | the robot moved by hand: as far as its limits let it go, and what stops it there |
 //! | [`surface`] | shapes as triangles, for whoever shows them |
 //!
 //! Pure mathematics in SI: no files, no clock, no threads.
@@ -22,6 +23,7 @@
 pub mod cell;
 pub mod check;
 mod error;
+pub mod jog;
 pub mod motion;
 pub mod program;
 pub mod robot;

@@ -20,7 +20,7 @@ use crate::meshes::Folder;
 use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
-    cell, compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study,
+    cell, cell_jog, compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study,
 };
 use crate::work::{Patience, Work};
 
@@ -70,6 +70,7 @@ fn api() -> OpenApiRouter<App> {
         .routes(routes!(cell::motion))
         .routes(routes!(cell::samples))
         .routes(routes!(cell::station))
+        .routes(routes!(cell_jog::jog))
 }
 
 /// The OpenAPI description of the server, as JSON text.

@@ -1,5 +1,6 @@
 //! The cell that this server was started with: its two files, and what a program comes to in it.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -38,15 +39,7 @@ impl CellFiles {
     /// What the system says, or what is wrong with the cell, each with its line.
     pub fn open(path: &Path) -> Result<Self, String> {
         let label = path.display();
-        let read = |path: &Path| std::fs::read_to_string(path);
-        let cell = read(path).map_err(|error| format!("cannot read {label}: {error}"))?;
-        let beside = path.with_extension("program");
-        let program = match read(&beside) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
-            Err(error) => return Err(format!("cannot read {}: {error}", beside.display())),
-        };
-        let files = Self { path: Some(path.to_owned()), cell, program };
+        let files = Self::from_disk(path)?;
         match files.read(&files.cell) {
             Ok(_) => Ok(files),
             Err(problems) => {
@@ -56,6 +49,31 @@ impl CellFiles {
                 Err(told.join("\n"))
             }
         }
+    }
+
+    /// Both texts as the files have them, whatever is wrong with them.
+    fn from_disk(path: &Path) -> Result<Self, String> {
+        let cannot = |path: &Path, error| format!("cannot read {}: {error}", path.display());
+        let cell = std::fs::read_to_string(path).map_err(|error| cannot(path, error))?;
+        let beside = path.with_extension("program");
+        let program = match std::fs::read_to_string(&beside) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(cannot(&beside, error)),
+        };
+        Ok(Self { path: Some(path.to_owned()), cell, program })
+    }
+
+    /// The same as it stands on the disk now.
+    fn again(&self) -> Result<Self, String> {
+        self.path.as_deref().map_or_else(|| Ok(self.clone()), Self::from_disk)
+    }
+
+    /// What tells these texts from others.
+    pub(crate) fn version(&self) -> String {
+        let mut hasher = DefaultHasher::new();
+        (&self.cell, &self.program).hash(&mut hasher);
+        format!("{:016x}", hasher.finish())
     }
 
     /// The texts of cell and program.
@@ -80,20 +98,50 @@ impl CellFiles {
         })
     }
 
-    /// Writes both files, each whole or not at all.
+    /// Writes both files, whole, or neither.
     fn write(&self) -> Result<(), String> {
         let path = self.path.as_ref().ok_or("the example is not a file: start the studio with one of your own, which `jointplay cell example` makes")?;
-        put(path, &self.cell)?;
-        put(&path.with_extension("program"), &self.program)
+        let program = path.with_extension("program");
+        let before = std::fs::read(path).ok();
+        let (new_cell, new_program) = (beside(path, &self.cell)?, beside(&program, &self.program)?);
+        put(&new_cell, path)?;
+        put(&new_program, &program).inspect_err(|_| {
+            // The cell as it was, beside a program as it was.
+            if let Some(before) = before {
+                let _ = std::fs::write(&new_cell, before)
+                    .and_then(|()| std::fs::rename(&new_cell, path));
+            }
+        })
     }
 }
 
-fn put(path: &Path, text: &str) -> Result<(), String> {
+/// A text in a new file beside the one that it is for.
+fn beside(path: &Path, text: &str) -> Result<PathBuf, String> {
     let mut name = path.file_name().unwrap_or_default().to_owned();
     name.push(".new");
     let new = path.with_file_name(name);
-    let done = std::fs::write(&new, text).and_then(|()| std::fs::rename(&new, path));
-    done.map_err(|error| format!("cannot write {}: {error}", path.display()))
+    std::fs::write(&new, text).map_err(|error| {
+        let _ = std::fs::remove_file(&new);
+        format!("cannot write {}: {error}", path.display())
+    })?;
+    Ok(new)
+}
+
+/// Puts the new file where the old one was.
+fn put(new: &Path, path: &Path) -> Result<(), String> {
+    std::fs::rename(new, path).map_err(|error| {
+        let _ = std::fs::remove_file(new);
+        format!("cannot write {}: {error}", path.display())
+    })
+}
+
+/// Why texts are not kept.
+#[derive(Debug)]
+pub(crate) enum NotKept {
+    /// The files are others than those that were changed.
+    Changed(String),
+    /// They cannot be written.
+    Unwritten(String),
 }
 
 /// The two files as they stand, and the last plan made of them or of changes to them.
@@ -132,13 +180,35 @@ impl Desk {
         plan
     }
 
-    /// Keeps both texts in the files that they came from.
-    pub(crate) fn save(&self, cell: String, program: String) -> Result<(), String> {
+    /// The files as they stand on the disk.
+    pub(crate) fn read(&self) -> Result<CellFiles, String> {
         let mut files = self.0.files.lock().unwrap_or_else(PoisonError::into_inner);
+        *files = files.again()?;
+        Ok(files.clone())
+    }
+
+    /// Keeps both texts in the files that they came from, unless the files are no longer those of a version.
+    pub(crate) fn save(
+        &self,
+        cell: String,
+        program: String,
+        replaces: Option<&str>,
+    ) -> Result<CellFiles, NotKept> {
+        let mut files = self.0.files.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(version) = replaces {
+            let name = files.name().unwrap_or_default();
+            let now = files.again().map_err(NotKept::Changed)?;
+            if now.version() != version {
+                let why = format!(
+                    "{name} or its program has changed on the disk since it was read: read it again, or replace it all the same"
+                );
+                return Err(NotKept::Changed(why));
+            }
+        }
         let new = CellFiles { path: files.path.clone(), cell, program };
-        new.write()?;
-        *files = new;
-        Ok(())
+        new.write().map_err(NotKept::Unwritten)?;
+        *files = new.clone();
+        Ok(new)
     }
 }
 

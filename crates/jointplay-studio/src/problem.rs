@@ -73,6 +73,12 @@ impl Problem {
         Self { field, ..Self::new(StatusCode::UNPROCESSABLE_ENTITY, Kind::Input, detail) }
     }
 
+    /// A field speaks of what is another by now.
+    pub(crate) fn outdated(field: &str, detail: impl Into<String>) -> Self {
+        let field = Some(field.to_owned());
+        Self { field, ..Self::new(StatusCode::CONFLICT, Kind::Input, detail) }
+    }
+
     /// The request comes from where none may come from.
     pub(crate) fn refused(detail: impl Into<String>) -> Self {
         Self::new(StatusCode::FORBIDDEN, Kind::Refused, detail)

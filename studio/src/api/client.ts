@@ -12,7 +12,11 @@ export type AnswerDocument = Schemas['AnswerDocument'];
 export type MobilityDocument = Schemas['MobilityDocument'];
 export type CellDocument = Schemas['CellDocument'];
 export type PlanDocument = Schemas['PlanDocument'];
-export type StationDocument = Schemas['StationReport'];
+export type StationDocument = Schemas['StationDocument'];
+export type JogDocument = Schemas['JogDocument'];
+/** Where the robot of the cell is moved to, in m and rad. */
+export type Jog = Schemas['Jog'];
+export type JogQuestion = Omit<Schemas['JogRequest'], 'cell' | 'program'>;
 export type ViolationDocument = Schemas['ViolationReport'];
 export type StationChange = Omit<Schemas['StationRequest'], 'cell' | 'station'>;
 export type ModelChoice = Schemas['ModelChoice'];
@@ -141,9 +145,15 @@ export async function cell(): Promise<CellDocument> {
   return (await ask('cell')).json() as Promise<CellDocument>;
 }
 
-/** Keeps both texts in their files. */
-export async function saveCell(texts: CellTexts): Promise<CellDocument> {
-  return (await ask('cell', texts, undefined, 'PUT')).json() as Promise<CellDocument>;
+/** Keeps both texts in their files; where they are to replace a version, not if the files have changed since. */
+export async function saveCell(texts: CellTexts, replaces: string | null): Promise<CellDocument> {
+  const body = replaces === null ? texts : { ...texts, replaces };
+  return (await ask('cell', body, undefined, 'PUT')).json() as Promise<CellDocument>;
+}
+
+/** The robot of the cell, moved by hand. */
+export async function jog(texts: CellTexts, question: JogQuestion): Promise<JogDocument> {
+  return (await ask('cell/jog', { ...texts, ...question })).json() as Promise<JogDocument>;
 }
 
 /** What a program comes to in a cell. */
@@ -167,6 +177,6 @@ export async function cellSamples(texts: CellTexts, signal: AbortSignal): Promis
 }
 
 /** The text of the cell with new values of one station; its comments stay. */
-export async function setStation(text: string, station: string, change: StationChange): Promise<CellTexts> {
-  return (await ask('cell/station', { cell: text, station, ...change })).json() as Promise<CellTexts>;
+export async function setStation(text: string, station: string, change: StationChange): Promise<{ cell: string }> {
+  return (await ask('cell/station', { cell: text, station, ...change })).json() as Promise<{ cell: string }>;
 }

@@ -1,14 +1,26 @@
 // What the cell's part of the page knows: two texts, what they come to, and the moment shown.
 
 import * as api from '../api/client';
-import { Away, type PlanDocument, type StationDocument } from '../api/client';
+import { Away, Refused, type PlanDocument, type StationDocument } from '../api/client';
 import { History } from '../lib/history';
 import { readArrow } from '../lib/arrow';
+import { Jogger } from './jogger.svelte';
 
 interface Texts {
   cell: string;
   program: string;
 }
+
+/** What undo goes back to: the texts, and points that a plane cannot be laid through yet [m], by station. */
+interface Work {
+  texts: Texts;
+  points: Record<string, number[][]>;
+}
+
+/** Fewer points make no plane. */
+export const ENOUGH_POINTS = 3;
+/** How far a taught point may lie from the plane of all, where the station says nothing [m]. */
+const USUAL_THRESHOLD = 1e-4;
 
 /** How long nobody may type before the texts are planned anew. */
 const REST_MS = 250;
@@ -31,8 +43,23 @@ export class Desk {
   shape = $state.raw<ArrayBuffer | null>(null);
   /** The motion sample by sample. */
   series = $state.raw<Series[]>([]);
+  /** Grows with each motion. */
+  seriesVersion = $state(0);
+  /** The stretch of time that bars and plots show [s]; all where there is none. */
+  range = $state.raw<[number, number] | null>(null);
   state = $state<'starting' | 'planning' | 'ready' | 'away'>('starting');
   notice = $state<string | null>(null);
+  /** The files changed on the disk: what is here cannot be kept without a decision. */
+  overtaken = $state(false);
+  /** The texts that the plan on show was made of. */
+  planned = $state.raw<Texts | null>(null);
+  /** Whether the cell can be read, so that its robot can be moved. */
+  movable = $derived((this.plan?.robot ?? null) !== null);
+  /** Points taught of stations that have not enough for a plane [m]. */
+  points = $state.raw<Record<string, number[][]>>({});
+  /** A line that somebody wants to see. */
+  sought = $state.raw<{ line: number; kind: 'program' | 'cell' } | null>(null);
+  readonly jog = new Jogger(this);
   /** The moment shown [s]. */
   time = $state(0);
   playing = $state(false);
@@ -40,6 +67,27 @@ export class Desk {
   speed = $state(1);
   /** The part or station that is chosen. */
   chosen = $state<string | null>(null);
+  /** The station that is chosen, by itself or by one of its slots. */
+  station = $derived(this.stations.find(({ name }) => this.chosen === name || (this.chosen?.startsWith(`${name} `) ?? false)) ?? null);
+  /** Names of all parts that belong to what is chosen. */
+  marked = $derived.by((): ReadonlySet<string> => {
+    const { chosen } = this;
+    if (chosen === null) return new Set();
+    const slots = this.stations.find(({ name }) => name === chosen)?.slots ?? 0;
+    const named = Array.from({ length: slots }, (_, k) => `${chosen} ${k + 1}`);
+    const robot = this.plan?.robot;
+    const whole = robot?.name === chosen;
+    for (const { name, links, effectors } of robot?.arms ?? []) {
+      if (whole || name === chosen) named.push(...links);
+      else if (effectors.includes(chosen)) named.push(...links.slice(-1));
+    }
+    if (whole) named.push('platform', ...robot!.axes.slice(0, 3).map(({ name }) => name));
+    return new Set([chosen, ...named]);
+  });
+  /** A station while it is dragged. */
+  dragged = $state.raw<StationDocument | null>(null);
+  /** The stations as they are shown: one may be under way. */
+  shownStations = $derived(this.stations.map((one) => (one.name === this.dragged?.name ? this.dragged : one)));
   canUndo = $state(false);
   canRedo = $state(false);
   /** How long the last plan took, from the change to the answer [ms]. */
@@ -61,7 +109,8 @@ export class Desk {
   /** What is broken at the moment shown. */
   broken = $derived((this.plan?.report?.violations ?? []).filter(({ start_s, end_s }) => start_s - 1e-3 <= this.time && this.time <= end_s + 1e-3));
 
-  #history = new History<Texts>(this.texts);
+  #history = new History<Work>({ texts: this.texts, points: {} });
+  #version: string | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
@@ -69,17 +118,20 @@ export class Desk {
 
   async start(): Promise<void> {
     try {
-      const { file, cell, program } = await api.cell();
+      const { file, cell, program, version } = await api.cell();
       this.file = file;
+      this.#version = version;
       this.texts = this.saved = { cell, program };
-      this.#history = new History(this.texts);
+      this.points = {};
+      this.#history = new History({ texts: this.texts, points: this.points });
+      this.#steps();
       await this.replan();
     } catch (error) {
-      this.#failed(error, () => void this.start());
+      this.failed(error, () => void this.start());
     }
   }
 
-  #failed(error: unknown, again: () => void): void {
+  failed(error: unknown, again: () => void = () => undefined): void {
     if (error instanceof DOMException && error.name === 'AbortError') return;
     if (error instanceof Away) {
       this.state = 'away';
@@ -98,8 +150,13 @@ export class Desk {
   /** A change is whole: it can be undone, and is planned. */
   settle(): void {
     clearTimeout(this.#timer);
-    if (this.#history.commit(this.texts)) this.#steps();
+    if (this.#history.commit({ texts: this.texts, points: this.points })) this.#steps();
     void this.replan();
+  }
+
+  /** Shows a line of a text. */
+  find(line: number, kind: 'program' | 'cell' = 'program'): void {
+    this.sought = { line, kind };
   }
 
   #steps(): void {
@@ -115,9 +172,10 @@ export class Desk {
     this.#restore(this.#history.redo());
   }
 
-  #restore(texts: Texts | undefined): void {
-    if (!texts) return;
-    this.texts = texts;
+  #restore(work: Work | undefined): void {
+    if (!work) return;
+    this.texts = work.texts;
+    this.points = work.points;
     this.#steps();
     void this.replan();
   }
@@ -132,45 +190,102 @@ export class Desk {
       const { texts } = this;
       const plan = await api.plan(texts, abort.signal);
       if (abort.signal.aborted) return;
+      if (plan.report?.duration_s !== this.plan?.report?.duration_s) this.range = null;
       this.plan = plan;
+      this.planned = texts;
       if (plan.stations.length > 0) this.stations = plan.stations;
+      this.dragged = null;
       this.took_ms = performance.now() - begun;
-      if (this.time > this.duration) this.seek(this.duration);
+      if (this.time > this.duration) this.time = this.duration;
+      this.jog.renew();
       // Where the cell cannot be read, the last one that could stays in view.
       if (!plan.problems.some(({ of }) => of === 'cell')) this.shape = await api.cellMotion(texts, abort.signal);
       this.series = plan.report ? await read(await api.cellSamples(texts, abort.signal)) : [];
+      this.seriesVersion += 1;
       if (abort.signal.aborted) return;
       this.state = 'ready';
     } catch (error) {
-      if (!abort.signal.aborted) this.#failed(error, () => void this.replan());
+      if (!abort.signal.aborted) this.failed(error, () => void this.replan());
     }
   }
 
   /** New values of a station, written into the text of the cell. */
   async setStation(station: string, change: api.StationChange): Promise<void> {
+    // A text that is being typed is whole now.
+    if (this.texts.cell !== this.#history.present.texts.cell || this.texts.program !== this.#history.present.texts.program) {
+      clearTimeout(this.#timer);
+      if (this.#history.commit({ texts: this.texts, points: this.points })) this.#steps();
+    }
     try {
       const { cell } = await api.setStation(this.texts.cell, station, change);
       this.texts = { ...this.texts, cell };
       this.settle();
     } catch (error) {
-      this.#failed(error, () => undefined);
+      this.dragged = null;
+      this.failed(error);
     }
   }
 
-  async save(): Promise<void> {
+  /** A point of a station's plane; from the third on they make it. */
+  async teachPoint(station: StationDocument, point: number[]): Promise<void> {
+    await this.teachPlane(station, [...this.pointsOf(station), point]);
+  }
+
+  /** All points of a station's plane, those that wait for more among them [m]. */
+  pointsOf({ name, taught_m }: StationDocument): number[][] {
+    return this.points[name] ?? taught_m;
+  }
+
+  async teachPlane({ name, plane, taught_m }: StationDocument, points: number[][]): Promise<void> {
+    const { [name]: _, ...others } = this.points;
+    if (points.length >= ENOUGH_POINTS) {
+      const threshold_m = plane ? plane.threshold_um / 1e6 : USUAL_THRESHOLD;
+      this.points = others;
+      await this.setStation(name, { taught: { points_m: points, threshold_m } });
+      return;
+    }
+    // Fewer than a plane needs: they wait beside a plane that there may be.
+    this.points = points.length > 0 || taught_m.length > 0 ? { ...this.points, [name]: points } : others;
+    this.settle();
+  }
+
+  /** Keeps both texts in their files; those that somebody else has changed meanwhile, only if they are to be replaced. */
+  async save(replace = false): Promise<void> {
     try {
-      const { cell, program } = await api.saveCell(this.texts);
+      const { cell, program, version } = await api.saveCell(this.texts, replace ? null : this.#version);
+      this.#version = version;
       this.saved = { cell, program };
       this.notice = null;
+      this.overtaken = false;
     } catch (error) {
-      this.#failed(error, () => undefined);
+      if (error instanceof Refused && error.field === 'replaces') this.overtaken = true;
+      else this.failed(error);
     }
+  }
+
+  /** Takes the files as they are on the disk; what was here can be had back by undo. */
+  async reload(): Promise<void> {
+    try {
+      const { cell, program, version } = await api.cell();
+      this.#version = version;
+      this.overtaken = false;
+      this.saved = this.texts = { cell, program };
+      this.settle();
+    } catch (error) {
+      this.failed(error);
+    }
+  }
+
+  choose(name: string | null): void {
+    this.chosen = name;
   }
 
   // Time
 
   seek(time: number): void {
     this.time = Math.min(Math.max(time, 0), this.duration);
+    this.jog.release();
+    if (!this.playing) this.jog.renew();
   }
 
   toggle(): void {
@@ -181,14 +296,17 @@ export class Desk {
   play(): void {
     if (this.playing || this.duration === 0) return;
     if (this.time >= this.duration) this.time = 0;
+    this.jog.release();
     this.playing = true;
     this.#last = performance.now();
     this.#frame = requestAnimationFrame((now) => this.#tick(now));
   }
 
   pause(): void {
+    if (!this.playing) return;
     this.playing = false;
     cancelAnimationFrame(this.#frame);
+    this.jog.renew();
   }
 
   #tick(now: number): void {

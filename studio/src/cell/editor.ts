@@ -96,7 +96,7 @@ export class Editor {
       syntaxHighlighting(colours),
       // Escape, then Tab, leaves the text by the keyboard.
       keymap.of([...defaultKeymap, ...historyKeymap, indentWithTab]),
-      EditorView.contentAttributes.of({ 'aria-label': label, spellcheck: 'false' }),
+      EditorView.contentAttributes.of({ 'aria-label': label, spellcheck: 'false', tabindex: '0' }),
       EditorView.updateListener.of((update) => {
         if (update.docChanged && !this.#given) typed(update.state.doc.toString());
       }),

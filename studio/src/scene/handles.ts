@@ -1,4 +1,4 @@
-// Handles by which the platform is dragged: up and down, about x, about y. Nothing else can it do.
+// Handles by which things are dragged, one for each freedom that they have. Millimetres.
 
 import {
   ConeGeometry,
@@ -14,10 +14,20 @@ import {
   type Raycaster,
 } from 'three';
 
-export type Freedom = 'height' | 'about_x' | 'about_y';
+export type Freedom = 'x' | 'y' | 'height' | 'yaw' | 'about_x' | 'about_y';
 
 /** What a handle does, for people. */
-export const SAYS: Record<Freedom, string> = { height: 'up and down', about_x: 'tilt about x', about_y: 'tilt about y' };
+export const SAYS: Record<Freedom, string> = {
+  x: 'along x',
+  y: 'along y',
+  height: 'up and down',
+  yaw: 'turn about the vertical',
+  about_x: 'tilt about x',
+  about_y: 'tilt about y',
+};
+
+/** The platform has these, and no other. */
+const PLATFORM: readonly Freedom[] = ['height', 'about_x', 'about_y'];
 
 /** How far the pointer goes for one degree [px]: tilts are small, so the drag is geared down. */
 const PIXELS_PER_DEGREE = 90;
@@ -37,17 +47,54 @@ export class Handles {
   readonly #active = new MeshBasicMaterial({ depthTest: false, transparent: true, toneMapped: false });
   #hot: Freedom | null = null;
 
-  constructor(radius: number) {
+  readonly #reach: number;
+
+  constructor(radius: number, freedoms: readonly Freedom[] = PLATFORM) {
     const reach = radius + 62;
-    // Positive about x lifts the side toward +y, positive about y lowers the side toward +x.
-    this.#add('about_x', new Vector3(0, reach, 0), new Vector3(0, 0, 1), arc(reach, 'x'));
-    this.#add('about_y', new Vector3(reach, 0, 0), new Vector3(0, 0, -1), arc(reach, 'y'));
-    this.#add('height', new Vector3(0, 0, 74), new Vector3(0, 0, 1), straight());
+    this.#reach = reach;
+    const [x, y, z] = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
+    for (const freedom of freedoms)
+      switch (freedom) {
+        // Positive about x lifts the side toward +y, positive about y lowers the side toward +x.
+        case 'about_x':
+          this.#add(freedom, y.clone().multiplyScalar(reach), z, arc(reach, 'x'));
+          break;
+        case 'about_y':
+          this.#add(freedom, x.clone().multiplyScalar(reach), z.clone().negate(), arc(reach, 'y'));
+          break;
+        case 'yaw':
+          this.#add(freedom, new Vector3(-Math.SQRT1_2, -Math.SQRT1_2, 0).multiplyScalar(reach), new Vector3(Math.SQRT1_2, -Math.SQRT1_2, 0), arc(reach, 'z'));
+          break;
+        case 'height':
+          this.#add(freedom, z.clone().multiplyScalar(74), z, straight());
+          break;
+        default: {
+          const along = freedom === 'x' ? x : y;
+          const group = straight();
+          group.quaternion.setFromUnitVectors(z, along);
+          this.#add(freedom, along.clone().multiplyScalar(74), along, group);
+        }
+      }
   }
 
   paint(idle: number, active: number): void {
     this.#idle.color.set(idle);
     this.#active.color.set(active);
+  }
+
+  /** Where a handle is grabbed, in the scene. */
+  grip(freedom: Freedom): Vector3 | null {
+    const handle = this.#handles.find((one) => one.freedom === freedom);
+    return handle ? this.group.localToWorld(handle.at.clone()) : null;
+  }
+
+  /** Gives back what was made for it. */
+  dispose(): void {
+    this.group.traverse((part) => {
+      if (part instanceof Mesh) part.geometry.dispose();
+    });
+    this.#idle.dispose();
+    this.#active.dispose();
   }
 
   /** The handle under the pointer. */
@@ -67,7 +114,7 @@ export class Handles {
     return true;
   }
 
-  /** By how much a pointer's way [px] changes a freedom: mm for the height, degrees for the tilts. */
+  /** By how much a pointer's way [px] changes a freedom: mm for places, degrees for turns; tilts are geared down, a yaw follows the pointer. */
   change(freedom: Freedom, moved: Vector2, camera: Camera, size: { width: number; height: number }): number {
     const handle = this.#handles.find((one) => one.freedom === freedom) as Handle;
     const start = this.group.localToWorld(handle.at.clone());
@@ -78,7 +125,9 @@ export class Handles {
     const pixelsPerMillimetre = way.length();
     if (pixelsPerMillimetre < 1e-3) return 0;
     const along = moved.dot(way.normalize());
-    return freedom === 'height' ? along / pixelsPerMillimetre : along / PIXELS_PER_DEGREE;
+    if (freedom === 'about_x' || freedom === 'about_y') return along / PIXELS_PER_DEGREE;
+    const mm = along / pixelsPerMillimetre;
+    return freedom === 'yaw' ? ((mm / this.#reach) * 180) / Math.PI : mm;
   }
 
   #add(freedom: Freedom, at: Vector3, way: Vector3, group: Group): void {
@@ -97,14 +146,16 @@ function toPixels(point: Vector3, camera: Camera, { width, height }: { width: nu
 }
 
 /** A piece of a circle about an axis through the centre, with an arrow head at each end, and a wider piece to grab it by. */
-function arc(radius: number, about: 'x' | 'y'): Group {
+function arc(radius: number, about: 'x' | 'y' | 'z'): Group {
   const half = 0.2;
   const group = new Group();
   const turn = new Group();
   group.add(turn);
   // A torus lies in its xy plane, starting at +x: turned so that its middle is where the handle is.
   if (about === 'y') turn.rotation.set(Math.PI / 2, 0, 0);
-  else turn.rotation.set(Math.PI / 2, Math.PI / 2, 0);
+  else if (about === 'x') turn.rotation.set(Math.PI / 2, Math.PI / 2, 0);
+  // Toward where no straight handle is.
+  else turn.rotation.set(0, 0, (-3 * Math.PI) / 4);
   const line = new Mesh(new TorusGeometry(radius, 1.5, 10, 24, 2 * half));
   line.rotation.z = -half;
   const grip = new Mesh(new TorusGeometry(radius, 9, 6, 12, 2.4 * half), new MeshBasicMaterial({ visible: false }));

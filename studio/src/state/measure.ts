@@ -1,6 +1,7 @@
 // Marks for the measuring script and the tests: when which pose has been drawn.
 
 import type { PoseDocument } from '../api/client';
+import type { Freedom } from '../scene/handles';
 
 class Measure {
   /** Pictures drawn since the page opened. */
@@ -19,7 +20,7 @@ class Measure {
 
   /** The cell's picture: how often it was drawn, and the names of its parts. */
   cellPictures = 0;
-  cell: { parts: () => string[] } | null = null;
+  cell: { parts: () => string[]; origin: (name: string) => number[] | null; grip: (freedom: Freedom) => { x: number; y: number } | null; marked: () => string[] } | null = null;
 
   cellDrawn(took_ms: number): void {
     this.took_ms = took_ms;

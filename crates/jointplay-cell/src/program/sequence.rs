@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
 use super::presence::slot_name;
@@ -108,7 +108,8 @@ impl<'c> Robot<'c> {
             source: Box::new(source),
         };
         let pose = self.cell.wafer_pose(effector, &self.positions, loaded).map_err(stopped)?;
-        let target = target_of(&pose, by);
+        let mut target = WaferTarget::of(&pose);
+        target.center += Vector3::from(by);
         let reached = self.cell.reach(effector, &target, loaded, &self.positions);
         let to = reached.map_err(stopped)?.positions;
         self.tucked = false;
@@ -379,17 +380,6 @@ impl<'c> Robot<'c> {
         }
         let limits = broken.iter().map(|limit| limit_told(robot, limit)).collect();
         Err(ProgramProblem::Limits { what, limits })
-    }
-}
-
-/// A place beside that of a wafer, its plane and heading the same.
-fn target_of(base_from_wafer: &Pose, by: [f64; 3]) -> WaferTarget {
-    let normal = base_from_wafer.rotation * Vector3::z();
-    let level = leaning(&normal).inverse() * (base_from_wafer.rotation * Vector3::x());
-    WaferTarget {
-        center: base_from_wafer.translation.vector + Vector3::from(by),
-        normal,
-        heading: Some(level.y.atan2(level.x)),
     }
 }
 

@@ -5,7 +5,10 @@ mod waypoints;
 
 pub use waypoints::Waypoints;
 
+use std::f64::consts::FRAC_PI_2;
+
 use jointplay_core::spatial::Pose;
+use nalgebra::{Rotation3, Vector3};
 
 use crate::robot::EffectorId;
 
@@ -47,6 +50,28 @@ pub struct Station {
     pub effectors: Vec<EffectorId>,
     /// Seconds that it works on a wafer before giving it back [s].
     pub process_time: f64,
+}
+
+impl Station {
+    /// The frame that the station would have if a wafer lay in one of its slots like this, headed inward.
+    ///
+    /// ```text
+    ///    base_from_station  =  base_from_wafer · wafer_from_slot · slot_from_station      wafer's x along y of the slot
+    /// ```
+    #[must_use]
+    pub fn taught_by(&self, slot: usize, base_from_wafer: &Pose) -> Pose {
+        let inward = Rotation3::from_axis_angle(&Vector3::z_axis(), -FRAC_PI_2);
+        let station_from_slot = self.base_from_station.inverse() * self.slot_frame(slot);
+        base_from_wafer * inward * station_from_slot.inverse()
+    }
+
+    /// Where the origin of the station would be if a wafer's centre lay in one of its slots here, its lean and yaw as they are, in the base frame [m].
+    #[must_use]
+    pub fn origin_under(&self, slot: usize, center: &Vector3<f64>) -> Vector3<f64> {
+        let beside =
+            self.slot_frame(slot).translation.vector - self.base_from_station.translation.vector;
+        center - beside
+    }
 }
 
 /// What a station's frame comes from.

@@ -160,6 +160,14 @@ pub fn frame(origin: Vector3<f64>, normal: &Vector3<f64>, yaw: f64) -> Pose {
     Pose::from_parts(origin.into(), leaning(normal) * turned)
 }
 
+/// The turn about the vertical of a frame before it leans: the yaw that [`frame`] makes it from [rad].
+#[must_use]
+pub fn yaw(frame: &Pose) -> f64 {
+    let normal = frame.rotation * Vector3::z();
+    let along = leaning(&normal).inverse() * (frame.rotation * Vector3::x());
+    along.y.atan2(along.x)
+}
+
 /// What the places of the first and the last slot tell of a station.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drift {
@@ -218,6 +226,7 @@ mod tests {
         assert_eq!(fit.verdict, Verdict::Fits);
         assert!((fit.normal - tilt.normal()).norm() < 1e-14 && fit.worst < 1e-15, "{fit:?}");
         let frame = fit.frame(&Vector3::new(0.7, -0.2, 0.0), 0.4);
+        assert!((yaw(&frame) - 0.4).abs() < 1e-14);
         assert!((frame.translation.vector.z - 0.9).abs() < 1e-14);
         assert!((frame.rotation * Vector3::z() - tilt.normal()).norm() < 1e-14);
         assert_eq!(fit_plane(&plane(tilt, &SQUARE[..3]), 1e-4).unwrap().verdict, Verdict::Unproven);

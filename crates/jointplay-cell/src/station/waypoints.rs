@@ -134,6 +134,24 @@ impl Cell {
         near: &[f64],
     ) -> Result<Waypoints, Unreachable> {
         let station = &self.stations[slot.station];
+        let crossing = self.turning_axis(effector, slot, near)?;
+        Ok(station.waypoints(slot.slot, [crossing.x, crossing.y]))
+    }
+
+    /// Where the axis that the arm turns about crosses the plane of a slot, the platform leaning as it does there, in the base frame [m].
+    ///
+    /// # Errors
+    /// As [`Cell::waypoints`].
+    ///
+    /// # Panics
+    /// If the cell has no such station.
+    pub fn turning_axis(
+        &self,
+        effector: EffectorId,
+        slot: SlotId,
+        near: &[f64],
+    ) -> Result<Vector3<f64>, Unreachable> {
+        let station = &self.stations[slot.station];
         let frame = station.slot_frame(slot.slot);
         let resting = station.waypoints(slot.slot, [0.0, 0.0]).resting;
         let positions = self.reach(effector, &resting, true, near)?.positions;
@@ -143,8 +161,7 @@ impl Cell {
         let joint = (platform.base_from_platform * Point3::from(mount)).coords;
         let (along, normal) = (platform.normal(), frame.rotation * Vector3::z());
         let rise = normal.dot(&(frame.translation.vector - joint)) / normal.dot(&along);
-        let crossing = joint + along * rise;
-        Ok(station.waypoints(slot.slot, [crossing.x, crossing.y]))
+        Ok(joint + along * rise)
     }
 }
 

@@ -1,9 +1,11 @@
 //! Faults and limits of robots with arms, said in mm and degrees.
 
 use jointplay_cell::CellError;
+use jointplay_cell::jog::Stopped;
 use jointplay_cell::robot::{
     Axis, Branch, BrokenLimit, HybridRobot, Inverse, MotionKind, OutOfReach, Standing,
 };
+use jointplay_cell::wafer::{BrokenWay, Unreachable};
 
 use crate::units::{deg, mm};
 
@@ -107,4 +109,25 @@ pub fn explain_unreachable(robot: &HybridRobot, inverse: &Inverse) -> Option<Str
     let plane = plane.map(|limit| explain_limit(robot, limit));
     let branches = inverse.branches.iter().map(|branch| explain_branch(robot, branch));
     Some(reach.chain(plane).chain(branches).collect::<Vec<_>>().join("; "))
+}
+
+/// What stops a robot that is moved by hand: one line for each limit, or for each way that the arm could be bent.
+#[must_use]
+pub fn explain_stopped(robot: &HybridRobot, stopped: &Stopped) -> Vec<String> {
+    let limits = |broken: &mut dyn Iterator<Item = &BrokenLimit>| {
+        broken.map(|limit| explain_limit(robot, limit)).collect::<Vec<String>>()
+    };
+    match stopped {
+        Stopped::Limits(broken) => limits(&mut broken.iter()),
+        Stopped::Place(Unreachable::Limits(ways)) => {
+            let told = |way: &BrokenWay| {
+                let why = limits(&mut way.broken.iter().map(|(_, limit)| limit)).join("; ");
+                format!("{}: {why}", way.configuration)
+            };
+            ways.iter().map(told).collect()
+        }
+        Stopped::Place(Unreachable::OutOfReach(reach)) => vec![explain_out_of_reach(reach)],
+        Stopped::Place(Unreachable::Robot(error)) => vec![explain(error)],
+        Stopped::Place(other) => vec![other.to_string()],
+    }
 }

@@ -27,6 +27,7 @@ use jointplay_cell::robot::EffectorId;
 pub use error::Error;
 pub use gltf::gltf;
 pub use samples::{samples, tracks};
+pub use scene::{Frame, frames};
 pub use solidworks::{MACRO, solidworks, solidworks_names};
 
 /// The most samples that one export may have: a day at 1 kHz is less.

@@ -54,35 +54,33 @@ struct Wafer {
     held: Held,
 }
 
+impl Wafer {
+    /// Where it is, the robot being posed like this.
+    fn place(&self, pose: &ChainPose) -> Pose {
+        match self.held {
+            Held::Lying(at) => at,
+            Held::On(id, at) => pose.base_from_wafer[id.arm][id.effector] * at,
+        }
+    }
+}
+
 impl Scene {
     /// The frames of a motion at even times and at its end.
     pub(super) fn of(recording: &Recording<'_>, rate: f64) -> Result<Self, Error> {
         recording.check_rate(rate)?;
         let Recording { cell, motion, .. } = *recording;
         let mut scene = Self { times: Vec::new(), tracks: tracks(cell) };
-        let mut wafers = wafers(recording);
+        let mut wafers = Wafers::new(recording);
         let first = scene.tracks.len();
-        scene.tracks.extend(wafers.iter().map(|wafer| Track::new(&wafer.name, Part::Wafer, None)));
-        let mut in_slot: Vec<(SlotId, usize)> =
-            cell.occupied.iter().copied().enumerate().map(|(k, slot)| (slot, k)).collect();
-        let mut step = 0;
+        let tracks = wafers.all.iter().map(|wafer| Track::new(&wafer.name, Part::Wafer, None));
+        scene.tracks.extend(tracks);
         for sample in motion.samples(rate) {
-            while step < motion.steps.len() && motion.times[step + 1] <= sample.time {
-                if let Some(handover) = motion.steps[step].handover {
-                    let at = motion.at(motion.times[step + 1]);
-                    let pose = placed(recording, &at)?;
-                    hand_over(handover, &pose, &mut wafers, &mut in_slot);
-                }
-                step += 1;
-            }
+            wafers.until(recording, sample.time)?;
             let pose = placed(recording, &sample)?;
             scene.times.push(sample.time);
             scene.place_robot(cell, &pose);
-            for (track, wafer) in scene.tracks[first..].iter_mut().zip(&wafers) {
-                track.push(&match wafer.held {
-                    Held::Lying(at) => at,
-                    Held::On(id, at) => pose.base_from_wafer[id.arm][id.effector] * at,
-                });
+            for (track, wafer) in scene.tracks[first..].iter_mut().zip(&wafers.all) {
+                track.push(&wafer.place(&pose));
             }
         }
         Ok(scene)
@@ -161,44 +159,108 @@ fn tracks(cell: &Cell) -> Vec<Track> {
     tracks
 }
 
-/// All wafers where they are at the start: those of slots, then those on effectors.
-fn wafers(recording: &Recording<'_>) -> Vec<Wafer> {
-    let cell = recording.cell;
-    let in_slots = cell.occupied.iter().map(|slot| {
-        let station = &cell.stations[slot.station];
-        let name = format!("wafer of {} {}", station.name, slot.slot);
-        Wafer { name, held: Held::Lying(station.slot_frame(slot.slot)) }
-    });
-    let carried = cell.carried.iter().map(|&id| {
-        let name = format!("wafer of {}", recording.effector_name(id));
-        Wafer { name, held: Held::On(id, Pose::identity()) }
-    });
-    in_slots.chain(carried).collect()
+/// All wafers, those of slots first.
+struct Wafers {
+    all: Vec<Wafer>,
+    in_slot: Vec<(SlotId, usize)>,
+    /// The step that may hand one over next.
+    step: usize,
 }
 
-/// From then on the wafer moves with what holds it, from exactly where it is.
-fn hand_over(
-    handover: Handover,
-    pose: &ChainPose,
-    wafers: &mut [Wafer],
-    in_slot: &mut Vec<(SlotId, usize)>,
-) {
-    let effector = |id: EffectorId| pose.base_from_wafer[id.arm][id.effector];
-    match handover {
-        Handover::Taken(id, slot) => {
-            let Some(found) = in_slot.iter().position(|&(one, _)| one == slot) else { return };
-            let (_, k) = in_slot.remove(found);
-            if let Held::Lying(at) = wafers[k].held {
-                wafers[k].held = Held::On(id, effector(id).inverse() * at);
+impl Wafers {
+    /// Where they are at the start.
+    fn new(recording: &Recording<'_>) -> Self {
+        let cell = recording.cell;
+        let in_slots = cell.occupied.iter().map(|slot| {
+            let station = &cell.stations[slot.station];
+            let name = format!("wafer of {} {}", station.name, slot.slot);
+            Wafer { name, held: Held::Lying(station.slot_frame(slot.slot)) }
+        });
+        let carried = cell.carried.iter().map(|&id| {
+            let name = format!("wafer of {}", recording.effector_name(id));
+            Wafer { name, held: Held::On(id, Pose::identity()) }
+        });
+        let in_slot = cell.occupied.iter().copied().enumerate().map(|(k, slot)| (slot, k));
+        Self { all: in_slots.chain(carried).collect(), in_slot: in_slot.collect(), step: 0 }
+    }
+
+    /// Hands over what is handed over until a time [s].
+    fn until(&mut self, recording: &Recording<'_>, time: f64) -> Result<(), Error> {
+        let motion = recording.motion;
+        while self.step < motion.steps.len() && motion.times[self.step + 1] <= time {
+            if let Some(handover) = motion.steps[self.step].handover {
+                let at = motion.at(motion.times[self.step + 1]);
+                self.hand_over(handover, &placed(recording, &at)?);
             }
+            self.step += 1;
         }
-        Handover::Left(id, slot) => {
-            let on = |wafer: &Wafer| matches!(wafer.held, Held::On(with, _) if with == id);
-            let Some(k) = wafers.iter().position(on) else { return };
-            if let Held::On(_, at) = wafers[k].held {
-                wafers[k].held = Held::Lying(effector(id) * at);
-                in_slot.push((slot, k));
+        Ok(())
+    }
+
+    /// From then on the wafer moves with what holds it, from exactly where it is.
+    fn hand_over(&mut self, handover: Handover, pose: &ChainPose) {
+        let Self { all: wafers, in_slot, .. } = self;
+        let effector = |id: EffectorId| pose.base_from_wafer[id.arm][id.effector];
+        match handover {
+            Handover::Taken(id, slot) => {
+                let Some(found) = in_slot.iter().position(|&(one, _)| one == slot) else { return };
+                let (_, k) = in_slot.remove(found);
+                if let Held::Lying(at) = wafers[k].held {
+                    wafers[k].held = Held::On(id, effector(id).inverse() * at);
+                }
+            }
+            Handover::Left(id, slot) => {
+                let on = |wafer: &Wafer| matches!(wafer.held, Held::On(with, _) if with == id);
+                let Some(k) = wafers.iter().position(on) else { return };
+                if let Held::On(_, at) = wafers[k].held {
+                    wafers[k].held = Held::Lying(effector(id) * at);
+                    in_slot.push((slot, k));
+                }
             }
         }
     }
+}
+
+/// A frame that moves, in the one that it moves with; named and nested as in [`gltf`](fn@super::gltf).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// What it is called.
+    pub name: String,
+    /// Its origin [m].
+    pub place: [f64; 3],
+    /// Its unit quaternion x, y, z, w.
+    pub turn: [f64; 4],
+}
+
+/// Where all would be at a moment of the motion if the axes stood elsewhere, and who carries a wafer then.
+///
+/// # Arguments
+/// * `time` – the moment that tells which wafers are where [s]
+/// * `positions` – of all axes, rods first ([m], [rad])
+///
+/// # Errors
+/// [`Error::Placing`]
+pub fn frames(
+    recording: &Recording<'_>,
+    time: f64,
+    positions: &[f64],
+) -> Result<(Vec<Frame>, Vec<EffectorId>), Error> {
+    let mut wafers = Wafers::new(recording);
+    wafers.until(recording, time)?;
+    let failed = |source| Error::Placing { time, source: Box::new(source) };
+    let pose = recording.cell.robot.forward(positions).map_err(failed)?;
+    let mut scene = Scene { times: Vec::new(), tracks: tracks(recording.cell) };
+    scene.place_robot(recording.cell, &pose);
+    for wafer in &wafers.all {
+        let mut track = Track::new(&wafer.name, Part::Wafer, None);
+        track.push(&wafer.place(&pose));
+        scene.tracks.push(track);
+    }
+    let frame =
+        |track: Track| Frame { place: track.places[0], turn: track.turns[0], name: track.name };
+    let carried = wafers.all.iter().filter_map(|wafer| match wafer.held {
+        Held::On(id, _) => Some(id),
+        Held::Lying(_) => None,
+    });
+    Ok((scene.tracks.into_iter().map(frame).collect(), carried.collect()))
 }

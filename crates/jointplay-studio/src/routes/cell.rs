@@ -10,21 +10,22 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use jointplay::format::cell;
 use jointplay::format::export::{self, Recording};
 use jointplay::format::table::{Column, Values};
-use jointplay::format::{cell, report};
 
 use crate::app::App;
 use crate::body::Body;
-use crate::cell::{Desk, Plan, standing};
+use crate::cell::{Desk, NotKept, Plan, standing};
 use crate::problem::Problem;
 use crate::wire::Binary;
 use crate::wire::cell::{
     CellDocument, CellRequest, CellText, MotionRequest, PlanDocument, SaveRequest, StationRequest,
-    steps, zones,
+    steps,
 };
+use crate::wire::cell_parts::{RobotParts, bodies, stations, wafers, zones};
 
-fn desk(app: &App) -> Result<Desk, Problem> {
+pub(super) fn desk(app: &App) -> Result<Desk, Problem> {
     app.desk.clone().ok_or_else(|| {
         let detail = "this studio shows no cell: start it with `jointplay studio --cell`";
         Problem::request(StatusCode::NOT_FOUND, detail)
@@ -39,18 +40,20 @@ fn desk(app: &App) -> Result<Desk, Problem> {
     responses(
         (status = 200, description = "The texts", body = CellDocument),
         (status = 404, description = "The studio shows no cell", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "The files cannot be read", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn cell_files(State(app): State<App>) -> Result<Json<CellDocument>, Problem> {
-    let files = desk(&app)?.files();
-    let file = files.name();
-    let (cell, program) = files.into_texts();
-    Ok(Json(CellDocument { file, cell, program }))
+    let desk = desk(&app)?;
+    let read = move || desk.read().map_err(|why| Problem::request(StatusCode::CONFLICT, why));
+    app.work.run(read).await.map(|files| Json(CellDocument::new(files)))
 }
 
 /// Keeps both texts in the files that they came from
 ///
-/// Each file is written whole or not at all; what is wrong with the texts does not matter.
+/// Both files are written whole, or neither is; what is wrong with the texts does not matter.
+/// With the version that they replace, they are not kept where the files have changed on the disk since.
 #[utoipa::path(
     put,
     path = "/api/v1/cell",
@@ -58,21 +61,22 @@ pub(crate) async fn cell_files(State(app): State<App>) -> Result<Json<CellDocume
     request_body = SaveRequest,
     responses(
         (status = 200, description = "The texts, as they are kept now", body = CellDocument),
-        (status = 409, description = "They cannot be kept", body = Problem, content_type = "application/problem+json"),
+        (status = 409, description = "They cannot be kept; where the files have changed on the disk, `field` is `replaces`", body = Problem, content_type = "application/problem+json"),
         (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn save_cell(
     State(app): State<App>,
-    Body(SaveRequest { cell, program }): Body<SaveRequest>,
+    Body(SaveRequest { cell, program, replaces }): Body<SaveRequest>,
 ) -> Result<Json<CellDocument>, Problem> {
     let desk = desk(&app)?;
-    let saved = desk.clone();
     let save = move || {
-        saved.save(cell, program).map_err(|why| Problem::request(StatusCode::CONFLICT, why))
+        desk.save(cell, program, replaces.as_deref()).map_err(|why| match why {
+            NotKept::Changed(why) => Problem::outdated("replaces", why),
+            NotKept::Unwritten(why) => Problem::request(StatusCode::CONFLICT, why),
+        })
     };
-    app.work.run(save).await?;
-    cell_files(State(app)).await
+    app.work.run(save).await.map(|files| Json(CellDocument::new(files)))
 }
 
 /// What a program comes to in a cell: steps, times, and all that is wrong
@@ -107,11 +111,11 @@ fn document(plan: &Plan) -> PlanDocument {
             (Some(cell), Some(motion)) => steps(cell, motion),
             _ => Vec::new(),
         },
-        stations: cell.map(|cell| report::teach(cell, None).stations).unwrap_or_default(),
+        stations: cell.map(stations).unwrap_or_default(),
+        robot: cell.map(RobotParts::new),
+        wafers: cell.map(wafers).unwrap_or_default(),
         zones: cell.map(zones).unwrap_or_default(),
-        bodies: cell
-            .map(|cell| cell.bodies.iter().map(|body| body.name.clone()).collect())
-            .unwrap_or_default(),
+        bodies: cell.map(bodies).unwrap_or_default(),
         effectors: cell
             .map(|cell| {
                 let name = |id: jointplay::cell::robot::EffectorId| {
@@ -162,7 +166,7 @@ pub(crate) async fn motion(
     Ok(([(header::CONTENT_TYPE, "model/gltf-binary")], file).into_response())
 }
 
-fn nothing(plan: &Plan) -> String {
+pub(super) fn nothing(plan: &Plan) -> String {
     match plan.problems.first() {
         Some(first) => format!("there is nothing to show: line {}: {}", first.line, first.message),
         None => "there is nothing to show".to_owned(),

@@ -1,6 +1,7 @@
 //! One file an endpoint, and what several of them do.
 
 pub(crate) mod cell;
+pub(crate) mod cell_jog;
 pub(crate) mod compare;
 pub(crate) mod forward;
 pub(crate) mod inverse;

@@ -13,15 +13,15 @@ use super::{Answer, HOST, PORT, app, get, send_to};
 use crate::cell::{CellFiles, Desk};
 
 /// A program that is planned quickly.
-const SHORT: &str = "HOME\nGET LP1 SLOT 1 WITH A\nPUT LP1 SLOT 1 WITH A\n";
+pub(super) const SHORT: &str = "HOME\nGET LP1 SLOT 1 WITH A\nPUT LP1 SLOT 1 WITH A\n";
 
-fn server(files: CellFiles) -> Router {
+pub(super) fn server(files: CellFiles) -> Router {
     let mut app = app(robot::paper(), None).unwrap();
     app.desk = Some(Desk::new(files));
     crate::app::router(app, PORT)
 }
 
-fn ask(server: &Router, method: Method, path: &str, body: &Value) -> Answer {
+pub(super) fn ask(server: &Router, method: Method, path: &str, body: &Value) -> Answer {
     let request = Request::builder().method(method).uri(format!("/api/v1/{path}"));
     let request =
         request.header(header::HOST, HOST).header(header::CONTENT_TYPE, "application/json");
@@ -155,6 +155,105 @@ fn texts_are_kept_in_their_files() {
     let kept = ask(&self::server(CellFiles::example()), Method::PUT, "cell", &texts);
     assert_eq!(kept.status, StatusCode::CONFLICT);
     assert!(kept.json()["detail"].as_str().unwrap().contains("jointplay cell example"));
+}
+
+#[test]
+fn files_that_changed_on_the_disk_are_not_replaced_unasked() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, jointplay::format::cell::EXAMPLE).unwrap();
+    let server = server(CellFiles::open(&path).unwrap());
+    let read = || {
+        let request = Request::get("/api/v1/cell").header(header::HOST, HOST);
+        send_to(server.clone(), request.body(Body::empty()).unwrap()).json()
+    };
+    let version = read()["version"].clone();
+    let other = format!("# Mine.\n{}", jointplay::format::cell::EXAMPLE);
+    std::fs::write(&path, &other).unwrap();
+    let text = jointplay::format::cell::EXAMPLE.replace("-495.0, 495.0", "-494.0, 495.0");
+    let mut texts = json!({ "cell": text, "program": SHORT, "replaces": version });
+    let refused = ask(&server, Method::PUT, "cell", &texts);
+    assert_eq!(
+        (refused.status, &refused.json()["field"]),
+        (StatusCode::CONFLICT, &"replaces".into())
+    );
+    let why = refused.json()["detail"].as_str().unwrap().to_owned();
+    assert!(why.contains("mine.toml") && why.contains("changed"), "{why}");
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), other);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "neither is written");
+    // Read again, it may be replaced; so it may be in any case without a version.
+    let again = read();
+    assert_eq!(again["cell"], other);
+    texts["replaces"] = again["version"].clone();
+    let kept = ask(&server, Method::PUT, "cell", &texts);
+    assert_eq!((kept.status, &kept.json()["cell"]), (StatusCode::OK, &text.clone().into()));
+    std::fs::write(path.with_extension("program"), "HOME\n").unwrap();
+    texts["replaces"] = kept.json()["version"].clone();
+    assert_eq!(
+        ask(&server, Method::PUT, "cell", &texts).json()["field"],
+        "replaces",
+        "the program counts too"
+    );
+    texts.as_object_mut().unwrap().remove("replaces");
+    assert_eq!(ask(&server, Method::PUT, "cell", &texts).status, StatusCode::OK);
+    assert_eq!(std::fs::read_to_string(path.with_extension("program")).unwrap(), SHORT);
+}
+
+#[test]
+fn where_one_file_cannot_be_written_neither_is() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("mine.toml");
+    std::fs::write(&path, jointplay::format::cell::EXAMPLE).unwrap();
+    let server = server(CellFiles::open(&path).unwrap());
+    // A folder where the program should be.
+    std::fs::create_dir_all(path.with_extension("program").join("full")).unwrap();
+    let texts = json!({ "cell": "kind = \"cell\"\n", "program": SHORT });
+    let refused = ask(&server, Method::PUT, "cell", &texts);
+    assert_eq!(refused.status, StatusCode::CONFLICT);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), jointplay::format::cell::EXAMPLE);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing is left beside them");
+}
+
+#[test]
+fn a_station_is_taught_by_points_and_leans_by_turns() {
+    let server = server(CellFiles::example());
+    let points = [[-0.4, -0.495, 0.501], [-0.6, -0.495, 0.499], [-0.495, -0.4, 0.5]];
+    let change = json!({ "station": "LP2", "taught": { "points_m": points, "threshold_m": 1e-4 } });
+    let answer = ask(&server, Method::POST, "cell/station", &change);
+    assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
+    let text = answer.json()["cell"].clone();
+    let found = plan(&server, &json!({ "cell": text, "program": "HOME\n" }));
+    let station = &found["stations"][1];
+    assert_eq!(
+        (&station["from"], &station["plane"]["verdict"]),
+        (&"taught".into(), &"unproven".into())
+    );
+    assert_eq!(station["taught_m"], json!(points));
+    assert_eq!(station["freedoms"], json!(["x", "y", "yaw"]));
+    assert!((station["about_y_rad"].as_f64().unwrap() + 0.01).abs() < 1e-5, "{station}");
+    let lean = json!({ "cell": text, "station": "LP2", "tilt_xy": { "about_x_rad": 0.003, "about_y_rad": -0.004 } });
+    let text = ask(&server, Method::POST, "cell/station", &lean).json()["cell"].clone();
+    let found = plan(&server, &json!({ "cell": text, "program": "HOME\n" }));
+    let station = &found["stations"][1];
+    assert!((station["about_x_rad"].as_f64().unwrap() - 0.003).abs() < 1e-15, "{station}");
+    assert_eq!(station["freedoms"].as_array().unwrap().len(), 6);
+    let none = json!({ "station": "LP2", "taught": { "points_m": [], "threshold_m": 0 } });
+    let refused = ask(&server, Method::POST, "cell/station", &none);
+    assert_eq!(refused.json()["field"], "taught.threshold_m");
+}
+
+#[test]
+fn the_parts_of_the_cell_are_told() {
+    let found = plan(&server(CellFiles::example()), &json!({ "program": "HOME\n" }));
+    let robot = &found["robot"];
+    assert_eq!(robot["axes"].as_array().unwrap().len(), 6);
+    assert_eq!(robot["arms"][1]["links"][3], "lower link 4");
+    assert_eq!(found["wafers"][24]["starts"], "LP1, slot 25");
+    let bodies = found["bodies"].as_array().unwrap();
+    let blade = bodies.iter().find(|body| body["name"] == "blade-A").unwrap();
+    assert_eq!(blade["moves_with"], "upper link 4");
+    assert_eq!(blade["shape"], json!({ "kind": "box", "half_m": [0.15, 0.11, 0.0015] }));
+    assert_eq!(found["zones"][0]["rule"], "keep-out");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The server from outside: what it answers, what it refuses.
 
 mod cell;
+mod cell_jog;
 mod meshes;
 mod pose;
 mod questions;

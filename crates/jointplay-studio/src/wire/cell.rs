@@ -1,17 +1,19 @@
 //! A cell, its program, and what they come to.
 
-use jointplay::cell::cell::{Cell, ZoneRule};
+use jointplay::cell::cell::Cell;
 use jointplay::cell::motion::Motion;
 use jointplay::cell::program::Phase;
 use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
-use jointplay::format::report::{CellReport, StationReport};
+use jointplay::format::report::CellReport;
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::Tilt;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::Triple;
+use super::cell_parts::{BodyDocument, RobotParts, StationDocument, WaferDocument, ZoneDocument};
+use crate::cell::CellFiles;
 use crate::problem::Problem;
 use crate::strict;
 
@@ -25,6 +27,16 @@ pub(crate) struct CellDocument {
     pub(crate) cell: String,
     /// Text of the program's file; empty where there is none.
     pub(crate) program: String,
+    /// What tells these texts from others.
+    pub(crate) version: String,
+}
+
+impl CellDocument {
+    pub(crate) fn new(files: CellFiles) -> Self {
+        let (file, version) = (files.name(), files.version());
+        let (cell, program) = files.into_texts();
+        Self { file, cell, program, version }
+    }
 }
 
 /// A cell and a program; what is left out is as in the files.
@@ -111,12 +123,17 @@ pub(crate) struct PlanDocument {
     pub(crate) report: Option<CellReport>,
     /// The motions, one after the other.
     pub(crate) steps: Vec<StepDocument>,
+    /// What the robot is made of; `null` where the cell cannot be read.
+    #[schema(required = true)]
+    pub(crate) robot: Option<RobotParts>,
     /// Where the stations are; none where the cell cannot be read.
-    pub(crate) stations: Vec<StationReport>,
+    pub(crate) stations: Vec<StationDocument>,
+    /// Wafers, as they are at the start.
+    pub(crate) wafers: Vec<WaferDocument>,
     /// Regions with rules.
     pub(crate) zones: Vec<ZoneDocument>,
-    /// Names of bodies.
-    pub(crate) bodies: Vec<String>,
+    /// What may be run into.
+    pub(crate) bodies: Vec<BodyDocument>,
     /// Names of effectors.
     pub(crate) effectors: Vec<String>,
 }
@@ -138,25 +155,6 @@ pub(crate) struct StepDocument {
     pub(crate) loaded: Vec<String>,
     /// Axes that move in it.
     pub(crate) moving: Vec<String>,
-}
-
-/// A region with a rule.
-#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub(crate) struct ZoneDocument {
-    /// What it is called.
-    pub(crate) name: String,
-    /// What it asks.
-    pub(crate) rule: RuleName,
-}
-
-/// What a zone asks.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
-#[serde(rename_all = "kebab-case")]
-pub(crate) enum RuleName {
-    /// Nothing of the robot may enter.
-    KeepOut,
-    /// Wafers stay within while the robot turns.
-    Safe,
 }
 
 /// What each motion is, how long it takes and who carries.
@@ -194,18 +192,6 @@ pub(crate) fn steps(cell: &Cell, motion: &Motion) -> Vec<StepDocument> {
     motion.steps.iter().enumerate().map(of).collect()
 }
 
-/// The zones of a cell.
-pub(crate) fn zones(cell: &Cell) -> Vec<ZoneDocument> {
-    let of = |zone: &jointplay::cell::cell::Zone| ZoneDocument {
-        name: zone.name.clone(),
-        rule: match zone.rule {
-            ZoneRule::KeepOut => RuleName::KeepOut,
-            ZoneRule::Safe => RuleName::Safe,
-        },
-    };
-    cell.zones.iter().map(of).collect()
-}
-
 /// New values of one station.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
@@ -225,6 +211,62 @@ pub(crate) struct StationRequest {
     /// How it leans.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) tilt: Option<LeanFields>,
+    /// The same by its turns about x and about y.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) tilt_xy: Option<LeanXyFields>,
+    /// Points of its plane, taught in place of a lean.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) taught: Option<TaughtFields>,
+}
+
+/// A lean by its turns about x and about y.
+#[derive(Debug, Clone, Copy, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LeanXyFields {
+    /// Turn about x [rad].
+    #[schema(minimum = -1.1, maximum = 1.1)]
+    pub(crate) about_x_rad: f64,
+    /// Turn about y [rad].
+    #[schema(minimum = -1.1, maximum = 1.1)]
+    pub(crate) about_y_rad: f64,
+}
+
+/// Points of a station's plane.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TaughtFields {
+    /// The points, three or more, in the base frame [m].
+    #[schema(max_items = 1000)]
+    pub(crate) points_m: Vec<Triple>,
+    /// How far from their plane one may lie [m].
+    #[schema(exclusive_minimum = 0, maximum = 1000)]
+    pub(crate) threshold_m: f64,
+}
+
+/// The most points that are taught.
+const MOST_POINTS: usize = 1000;
+
+impl TaughtFields {
+    fn change(self) -> Result<Change, Problem> {
+        let found = self.points_m.len();
+        if found > MOST_POINTS {
+            let detail = format!("{found} points are taught, up to {MOST_POINTS} may be");
+            return Err(Problem::field("taught.points_m", detail));
+        }
+        let point = |(i, Triple(point)): (usize, Triple)| {
+            for (k, &value) in point.iter().enumerate() {
+                super::length(value, &format!("taught.points_m[{i}][{k}]"))?;
+            }
+            Ok::<_, Problem>(Vector3::from(point))
+        };
+        let points = self.points_m.into_iter().enumerate().map(point).collect::<Result<_, _>>()?;
+        let threshold = super::length(self.threshold_m, "taught.threshold_m")?;
+        if threshold <= 0.0 {
+            let detail = format!("{threshold} m is not more than nothing");
+            return Err(Problem::field("taught.threshold_m", detail));
+        }
+        Ok(Change::Taught { points, threshold })
+    }
 }
 
 /// A lean.
@@ -257,6 +299,16 @@ impl StationRequest {
             let pitch = super::pitch(pitch_rad, "tilt.pitch_rad")?;
             changes.push(Change::Tilt(Tilt { yaw, pitch }));
         }
+        if let Some(LeanXyFields { about_x_rad, about_y_rad }) = self.tilt_xy {
+            let about_x = super::pitch(about_x_rad, "tilt_xy.about_x_rad")?;
+            let about_y = super::pitch(about_y_rad, "tilt_xy.about_y_rad")?;
+            let tilt = Tilt::from_about_x_and_y(about_x, about_y);
+            super::pitch(tilt.pitch, "tilt_xy")?;
+            changes.push(Change::Tilt(tilt));
+        }
+        if let Some(taught) = self.taught.clone() {
+            changes.push(taught.change()?);
+        }
         Ok(changes)
     }
 }
@@ -276,4 +328,7 @@ pub(crate) struct SaveRequest {
     pub(crate) cell: String,
     /// Text of the program.
     pub(crate) program: String,
+    /// Version of the texts that they replace: with it, they are kept only if the files are still those. Without it, they are kept whatever is there.
+    #[serde(default)]
+    pub(crate) replaces: Option<String>,
 }

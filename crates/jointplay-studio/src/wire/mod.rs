@@ -3,6 +3,9 @@
 #![expect(clippy::approx_constant, reason = "attributes take literals only")]
 
 pub(crate) mod cell;
+pub(crate) mod cell_jog;
+pub(crate) mod cell_jogged;
+pub(crate) mod cell_parts;
 mod command;
 mod model;
 pub(crate) mod pose;

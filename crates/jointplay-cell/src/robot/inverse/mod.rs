@@ -10,6 +10,7 @@ mod whole;
 
 use std::fmt;
 
+use jointplay_core::spatial::{Pose, leaning};
 use nalgebra::Vector3;
 
 use super::Positions;
@@ -23,6 +24,17 @@ pub struct WaferTarget {
     pub normal: Vector3<f64>,
     /// Its heading about the normal, from the shortest rotation of level to the normal [rad]; `None` leaves it to the arm.
     pub heading: Option<f64>,
+}
+
+impl WaferTarget {
+    /// The target that a wafer frame fulfils.
+    #[must_use]
+    pub fn of(base_from_wafer: &Pose) -> Self {
+        let normal = base_from_wafer.rotation * Vector3::z();
+        let level = leaning(&normal).inverse() * (base_from_wafer.rotation * Vector3::x());
+        let heading = Some(level.y.atan2(level.x));
+        Self { center: base_from_wafer.translation.vector, normal, heading }
+    }
 }
 
 /// All ways to reach a target.

@@ -118,10 +118,7 @@ impl HybridRobot {
         let ranges = self.ranges(planar);
         let own_near = planar.own(near);
         let plan = Plan::new(planar);
-        let is_free = match &plan {
-            Some(plan) => plan.last.is_some(),
-            None => planar.axes().len() > 2,
-        };
+        let is_free = is_free(planar, plan.as_ref());
         let with_heading = target.heading.is_some() && is_free;
         let heading = heading.filter(|_| is_free);
         let mut branches: Vec<Branch> = Vec::new();
@@ -197,6 +194,16 @@ impl HybridRobot {
         Ok(Inverse { branches, chosen, out_of_reach, broken_by_plane })
     }
 
+    /// Whether an effector may head where it likes, its wafer's centre and plane given.
+    ///
+    /// # Errors
+    /// [`CellError::NoSuchEffector`]
+    pub fn heading_is_free(&self, id: EffectorId) -> Result<bool, CellError> {
+        self.check_effector(id)?;
+        let planar = Planar::new(self, id);
+        Ok(is_free(&planar, Plan::new(&planar).as_ref()))
+    }
+
     fn ranges(&self, planar: &Planar) -> Ranges {
         let mut ranges = Ranges { min: [0.0; 4], max: [0.0; 4], count: planar.axes().len() };
         for (a, &axis) in planar.axes().iter().enumerate() {
@@ -240,6 +247,14 @@ impl HybridRobot {
     fn time_between(&self, from: &[f64], to: &[f64]) -> f64 {
         let axes = self.axes.iter().zip(from.iter().zip(to));
         axes.map(|(axis, (from, to))| (to - from).abs() / axis.empty.velocity).fold(0.0, f64::max)
+    }
+}
+
+/// Whether motors are left over for the heading.
+fn is_free(planar: &Planar, plan: Option<&Plan>) -> bool {
+    match plan {
+        Some(plan) => plan.last.is_some(),
+        None => planar.axes().len() > 2,
     }
 }
 

@@ -1,0 +1,166 @@
+//! The robot moved by hand in the example cell, and in one whose arm chooses its heading.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use std::f64::consts::PI;
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::jog::{FromSlot, Stopped};
+use jointplay_cell::robot::{BrokenLimit, EffectorId, RODS, WaferTarget};
+use jointplay_cell::station::{SlotId, teach};
+use jointplay_cell::wafer::Unreachable;
+use jointplay_core::gpr::AxisHeight;
+use jointplay_core::spatial::Tilt;
+use jointplay_format::cell::explain::explain_stopped;
+use jointplay_format::cell::{EXAMPLE, read};
+use nalgebra::Vector3;
+
+const A: EffectorId = EffectorId { arm: 0, effector: 0 };
+const LP2: SlotId = SlotId { station: 1, slot: 7 };
+const IN: FromSlot = FromSlot { radial: 0.0, turn: 0.0, height: 0.0, yaw: 0.0 };
+
+fn example() -> Cell {
+    read(EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap()
+}
+
+/// The same stations about an arm of four joints.
+fn with_scara() -> Cell {
+    let text = EXAMPLE.replace("\"dual-arm\"", "\"scara-4r\"");
+    let bodies = text.find("[[body]]").unwrap();
+    let zones = text.find("[[zone]]").unwrap();
+    let text = format!("{}{}", &text[..bodies], &text[zones..]);
+    let pairs = text.find("may_touch").unwrap();
+    let wafer = text.find("[wafer]").unwrap();
+    let text = format!("{}{}", &text[..pairs], &text[wafer..]);
+    read(&text, &mut |_| Err("no files".to_owned())).unwrap()
+}
+
+fn home(cell: &Cell) -> Vec<f64> {
+    cell.robot.axes.iter().map(|axis| axis.home).collect()
+}
+
+#[track_caller]
+fn near(found: f64, wanted: f64, within: f64) {
+    assert!((found - wanted).abs() <= within, "{found} is not {wanted}");
+}
+
+#[test]
+fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
+    let cell = example();
+    let from = home(&cell);
+    let mut to = from.clone();
+    (to[3], to[4]) = (0.5, 5.0);
+    let jogged = cell.jog_axes(&from, &to).unwrap();
+    assert_eq!((jogged.positions[3], jogged.positions[4]), (0.5, cell.robot.axes[4].max));
+    let stopped = jogged.stopped.unwrap();
+    assert!(
+        matches!(&stopped, Stopped::Limits(broken) if matches!(broken[..], [BrokenLimit::Axis { axis: 4, .. }]))
+    );
+    assert_eq!(
+        explain_stopped(&cell.robot, &stopped),
+        ["axis RA would stand at 286.4789°, allowed are -45.0000° to 80.0000°"]
+    );
+    to = from.clone();
+    to[0] += 0.05;
+    let jogged = cell.jog_axes(&from, &to).unwrap();
+    let tilt = cell.robot.gpr.plane_tilt(&[jogged.positions[0], from[1], from[2]]);
+    near(tilt.pitch, cell.robot.gpr.limits().tilt_max, 1e-9);
+    assert!(explain_stopped(&cell.robot, &jogged.stopped.unwrap())[0].starts_with("the tilt is"));
+    assert_eq!(cell.jog_axes(&from, &from).unwrap().stopped, None);
+    assert!(cell.jog_axes(&from, &from[1..]).is_err());
+}
+
+#[test]
+fn the_platform_leans_as_far_as_it_may() {
+    let cell = example();
+    let from = home(&cell);
+    let asked = Tilt::from_about_x_and_y(0.004, -0.006);
+    let jogged = cell.jog_platform(&from, asked, AxisHeight(0.51)).unwrap();
+    let rods = [jogged.positions[0], jogged.positions[1], jogged.positions[2]];
+    near(cell.robot.gpr.plane_tilt(&rods).pitch, asked.pitch, 1e-14);
+    near(cell.robot.gpr.plane_height(&rods).0, 0.51, 1e-14);
+    assert_eq!((jogged.stopped, &jogged.positions[RODS..]), (None, &from[RODS..]));
+    let far = cell.jog_platform(&from, Tilt { yaw: 1.0, pitch: 0.1 }, AxisHeight(0.5)).unwrap();
+    assert!(matches!(far.stopped, Some(Stopped::Limits(_))));
+    assert!(cell.robot.broken_limits(&far.positions).unwrap().is_empty());
+}
+
+#[test]
+fn a_wafer_comes_to_where_the_slot_sees_it() {
+    for (cell, free) in [(example(), false), (with_scara(), true)] {
+        assert_eq!(cell.robot.heading_is_free(A).unwrap(), free);
+        for loaded in [false, true] {
+            let mut positions = home(&cell);
+            for to in [
+                FromSlot { radial: -0.3, ..IN },
+                IN,
+                FromSlot { radial: -0.05, turn: 0.02, height: 0.004, yaw: 0.1 },
+            ] {
+                let jogged = cell.jog_from_slot(&positions, A, loaded, LP2, &to).unwrap();
+                assert_eq!(jogged.stopped, None, "{to:?}");
+                positions = jogged.positions;
+                let seen = cell.seen_from_slot(&positions, A, loaded, LP2).unwrap();
+                near(seen.radial, to.radial, 1e-11);
+                near(seen.turn, to.turn, 1e-10);
+                near(seen.height, to.height, 1e-11);
+                if free {
+                    near(seen.yaw, to.yaw, 1e-10);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn in_the_slot_it_lies_as_a_program_puts_it() {
+    let cell = example();
+    let jogged = cell.jog_from_slot(&home(&cell), A, true, LP2, &IN).unwrap();
+    let pose = cell.wafer_pose(A, &jogged.positions, true).unwrap();
+    let slot = cell.stations[1].slot_frame(7);
+    near((pose.translation.vector - slot.translation.vector).norm(), 0.0, 1e-12);
+    // Heading inward, it teaches the station where it is.
+    let station = &cell.stations[1];
+    let taught = station.taught_by(7, &pose);
+    near(
+        (taught.translation.vector - station.base_from_station.translation.vector).norm(),
+        0.0,
+        1e-6,
+    );
+    let (found, is) = (teach::yaw(&taught), teach::yaw(&station.base_from_station));
+    // The arm points from its own leaning axis, millimetres beside the robot's, and so does the wafer.
+    near((found - is + PI).rem_euclid(2.0 * PI) - PI, 0.0, 3e-3);
+}
+
+#[test]
+fn out_of_reach_it_goes_as_far_as_it_comes() {
+    let cell = example();
+    let jogged = cell.jog_from_slot(&home(&cell), A, false, LP2, &FromSlot { radial: 0.4, ..IN });
+    let jogged = jogged.unwrap();
+    let Some(Stopped::Place(why)) = &jogged.stopped else { panic!("{:?}", jogged.stopped) };
+    assert!(matches!(why, Unreachable::OutOfReach(_) | Unreachable::Limits(_)), "{why:?}");
+    assert!(cell.robot.broken_limits(&jogged.positions).unwrap().is_empty());
+    let seen = cell.seen_from_slot(&jogged.positions, A, false, LP2).unwrap();
+    assert!(seen.radial > 0.0 && seen.radial < 0.4, "{seen:?}");
+    // A hair farther there is no way.
+    let farther = FromSlot { radial: seen.radial + 1e-6, ..seen };
+    let more = cell.jog_from_slot(&jogged.positions, A, false, LP2, &farther).unwrap();
+    assert!(more.stopped.is_some());
+}
+
+#[test]
+fn straight_in_the_world_its_heading_kept() {
+    let cell = with_scara();
+    let start = cell.jog_from_slot(&home(&cell), A, false, LP2, &FromSlot { radial: -0.2, ..IN });
+    let start = start.unwrap().positions;
+    let before = WaferTarget::of(&cell.wafer_pose(A, &start, false).unwrap());
+    let by = Vector3::new(0.01, -0.02, 0.03);
+    let to = WaferTarget { center: before.center + by, ..before };
+    let jogged = cell.jog_wafer(&start, A, false, &to).unwrap();
+    assert_eq!(jogged.stopped, None);
+    let after = WaferTarget::of(&cell.wafer_pose(A, &jogged.positions, false).unwrap());
+    near((after.center - before.center - by).norm(), 0.0, 1e-11);
+    near((after.normal - before.normal).norm(), 0.0, 1e-11);
+    near(after.heading.unwrap(), before.heading.unwrap(), 1e-10);
+    let upside = WaferTarget { normal: -Vector3::z(), ..before };
+    assert!(matches!(cell.jog_wafer(&start, A, false, &upside), Err(Unreachable::Robot(_))));
+}

@@ -1,0 +1,179 @@
+//! `/api/v1/cell/jog`: the robot of the cell, moved by hand.
+
+use axum::Json;
+use axum::extract::State;
+use axum::http::StatusCode;
+use jointplay::cell::CellError;
+use jointplay::cell::cell::Cell;
+use jointplay::cell::jog::{Jogged, Stopped};
+use jointplay::cell::robot::{EffectorId, WaferTarget};
+use jointplay::cell::station::SlotId;
+use jointplay::cell::wafer::Unreachable;
+use jointplay::format::cell::explain;
+use jointplay::format::export::{Recording, frames};
+use jointplay::gpr::AxisHeight;
+
+use super::cell::{desk, nothing};
+use crate::app::App;
+use crate::body::Body;
+use crate::cell::standing;
+use crate::problem::Problem;
+use crate::wire::cell_jog::{Aim, JogRequest, SlotFields, positions};
+use crate::wire::cell_jogged::{
+    BranchDocument, JogDocument, StoppedDocument, axes, effector, from_slot, platform,
+};
+
+/// The robot of the cell moved by hand: as far as its limits let it go, what stops it there, and where everything is then
+///
+/// By axes, by the platform, or by a wafer: in the base frame, or as seen from a slot. The arm's droop is made up for, as programs do.
+/// Where a wafer cannot come to the place asked for, the robot goes as far on the way as it comes, and `stopped` says why.
+#[utoipa::path(
+    post,
+    path = "/api/v1/cell/jog",
+    operation_id = "jog",
+    request_body = JogRequest,
+    responses(
+        (status = 200, description = "Where the robot has come to", body = JogDocument),
+        (status = 409, description = "There is no robot to move", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn jog(
+    State(app): State<App>,
+    Body(mut request): Body<JogRequest>,
+) -> Result<Json<JogDocument>, Problem> {
+    let desk = desk(&app)?;
+    let (cell, program) = desk.texts(request.cell.take(), request.program.take());
+    let moved = move || {
+        let plan = desk.plan(cell, program);
+        let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
+        let Some(cell) = &plan.cell else { return Err(refused(nothing(&plan))) };
+        let still;
+        let recording = match plan.recording() {
+            Some(recording) => recording,
+            None => {
+                still = standing(cell).ok_or_else(|| refused(nothing(&plan)))?;
+                Recording { cell, motion: &still, program: "", flaws: &[] }
+            }
+        };
+        moved(&recording, request).map(Json)
+    };
+    app.work.run(moved).await
+}
+
+fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, Problem> {
+    let cell = recording.cell;
+    let time = request.time_s.clamp(0.0, recording.motion.duration());
+    let from = match request.from {
+        Some(given) => positions(cell, given, "from")?,
+        None => recording.motion.at(time).positions,
+    };
+    let id = named_effector(cell, request.effector.as_deref())?;
+    let slot = request.seen_from.map(|slot| named_slot(cell, &slot)).transpose()?;
+    let placing = |error: jointplay::format::export::Error| {
+        Problem::request(StatusCode::CONFLICT, error.to_string())
+    };
+    let (_, carried) = frames(recording, time, &from).map_err(placing)?;
+    let loaded = carried.contains(&id);
+    let jogged = match request.to.map(|to| to.read(cell)).transpose()? {
+        None => Jogged { positions: from, stopped: None },
+        Some(Aim::Axes(to)) => cell.jog_axes(&from, &to).map_err(robot)?,
+        Some(Aim::Platform { tilt, height }) => {
+            cell.jog_platform(&from, tilt, AxisHeight(height)).map_err(robot)?
+        }
+        Some(Aim::World(mut target)) => {
+            let free = cell.robot.heading_is_free(id).map_err(robot)?;
+            target.heading = target.heading.filter(|_| free);
+            or_stay(&from, cell.jog_wafer(&from, id, loaded, &target))
+        }
+        Some(Aim::Slot(to)) => {
+            let slot = slot.ok_or_else(|| {
+                Problem::field("seen_from", "a place as seen from a slot needs the slot")
+            })?;
+            or_stay(&from, cell.jog_from_slot(&from, id, loaded, slot, &to))
+        }
+    };
+    document(recording, time, id, slot, &carried, &jogged, placing)
+}
+
+/// Where nothing can be computed, the robot stays.
+fn or_stay(from: &[f64], jogged: Result<Jogged, Unreachable>) -> Jogged {
+    jogged.unwrap_or_else(|why| Jogged {
+        positions: from.to_vec(),
+        stopped: Some(Stopped::Place(why)),
+    })
+}
+
+fn robot(error: CellError) -> Problem {
+    Problem::request(StatusCode::CONFLICT, explain::explain(&error))
+}
+
+fn document(
+    recording: &Recording<'_>,
+    time: f64,
+    id: EffectorId,
+    slot: Option<SlotId>,
+    carried: &[EffectorId],
+    jogged: &Jogged,
+    placing: impl Fn(jointplay::format::export::Error) -> Problem,
+) -> Result<JogDocument, Problem> {
+    let (cell, at) = (recording.cell, jogged.positions.as_slice());
+    let unknown = |error: Unreachable| Problem::request(StatusCode::CONFLICT, error.to_string());
+    let loaded = carried.contains(&id);
+    let effectors = cell.robot.effectors().map(|one| {
+        let loaded = carried.contains(&one);
+        let pose = cell.wafer_pose(one, at, loaded).map_err(unknown)?;
+        let free = cell.robot.heading_is_free(one).map_err(robot)?;
+        Ok(effector(cell, one, &pose, loaded, free))
+    });
+    let effectors = effectors.collect::<Result<_, Problem>>()?;
+    let pose = cell.wafer_pose(id, at, loaded).map_err(unknown)?;
+    let seen = match slot {
+        Some(slot) => {
+            let seen = cell.seen_from_slot(at, id, loaded, slot).map_err(unknown)?;
+            Some(from_slot(cell, slot, &seen, &pose))
+        }
+        None => None,
+    };
+    let rigid = cell.robot.effector_pose(at, id).map_err(robot)?;
+    let ways = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(robot)?;
+    let (frames, _) = frames(recording, time, at).map_err(placing)?;
+    Ok(JogDocument {
+        axes: axes(cell, at),
+        platform: platform(cell, at),
+        effectors,
+        from_slot: seen,
+        branches: ways.branches.iter().map(|branch| BranchDocument::new(cell, branch)).collect(),
+        stopped: jogged.stopped.as_ref().map(|stopped| StoppedDocument::new(cell, stopped)),
+        frames: frames.into_iter().map(Into::into).collect(),
+    })
+}
+
+/// The effector of a name; the first without one.
+fn named_effector(cell: &Cell, name: Option<&str>) -> Result<EffectorId, Problem> {
+    let name_of = |id: EffectorId| cell.robot.arms[id.arm].effectors[id.effector].name.as_str();
+    let mut effectors = cell.robot.effectors();
+    let found = effectors.find(|&id| name.is_none_or(|name| name == name_of(id)));
+    found.ok_or_else(|| {
+        let known: Vec<&str> = cell.robot.effectors().map(name_of).collect();
+        let detail =
+            format!("there is no effector {:?}; known: {}", name.unwrap_or(""), known.join(", "));
+        Problem::field("effector", detail)
+    })
+}
+
+fn named_slot(cell: &Cell, asked: &SlotFields) -> Result<SlotId, Problem> {
+    let SlotFields { station: name, slot } = asked;
+    let Some(station) = cell.stations.iter().position(|station| station.name == *name) else {
+        let known: Vec<&str> = cell.stations.iter().map(|one| one.name.as_str()).collect();
+        let detail = format!("there is no station {name:?}; known: {}", known.join(", "));
+        return Err(Problem::field("seen_from.station", detail));
+    };
+    if cell.stations[station].has_slot(*slot) {
+        return Ok(SlotId { station, slot: *slot });
+    }
+    let most = cell.stations[station].slots;
+    let detail = format!("{name} has slots 1 to {most}, but no slot {slot}");
+    Err(Problem::field("seen_from.slot", detail))
+}

@@ -1,0 +1,153 @@
+//! The robot of the cell, moved by hand.
+
+use axum::Router;
+use axum::http::{Method, StatusCode};
+use serde_json::{Value, json};
+
+use super::cell::{SHORT, ask, server};
+use crate::cell::CellFiles;
+
+#[track_caller]
+fn jog(server: &Router, mut body: Value) -> Value {
+    body["program"] = SHORT.into();
+    let answer = ask(server, Method::POST, "cell/jog", &body);
+    assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
+    answer.json()
+}
+
+fn positions(document: &Value) -> Vec<f64> {
+    let axes = document["axes"].as_array().unwrap();
+    axes.iter().map(|axis| axis["position"].as_f64().unwrap()).collect()
+}
+
+#[test]
+fn it_starts_where_the_program_has_it() {
+    let server = server(CellFiles::example());
+    let home = jog(&server, json!({}));
+    assert_eq!(home["stopped"], Value::Null);
+    for axis in home["axes"].as_array().unwrap() {
+        assert_eq!(axis["position"], axis["home"]);
+    }
+    let names: Vec<&str> = home["frames"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|one| one["name"].as_str().unwrap())
+        .collect();
+    assert_eq!(names[..5], ["q1", "q2", "q3", "platform", "upper link 1"]);
+    assert!(names.contains(&"wafer of LP1 1"));
+    let plan = ask(&server, Method::POST, "cell/plan", &json!({ "program": SHORT })).json();
+    let lifted =
+        plan["steps"].as_array().unwrap().iter().find(|step| step["loaded"] == json!(["A"]));
+    let time = lifted.unwrap()["end_s"].as_f64().unwrap();
+    let later = jog(&server, json!({ "time_s": time }));
+    assert_eq!(later["effectors"][0]["loaded"], true);
+    // What it carries goes along.
+    let place = |document: &Value| {
+        let frames = document["frames"].as_array().unwrap();
+        frames.iter().find(|one| one["name"] == "wafer of LP1 1").unwrap()["origin_m"].clone()
+    };
+    let mut to = positions(&later);
+    to[3] += 0.1;
+    let moved = jog(&server, json!({ "time_s": time, "to": { "kind": "axes", "positions": to } }));
+    assert_ne!(place(&moved), place(&later));
+}
+
+#[test]
+fn limits_stop_it_and_say_so() {
+    let server = server(CellFiles::example());
+    let mut to = positions(&jog(&server, json!({})));
+    to[4] = 3.0;
+    let found = jog(&server, json!({ "to": { "kind": "axes", "positions": to } }));
+    assert_eq!(found["axes"][4]["position"], found["axes"][4]["max"]);
+    assert_eq!(
+        (&found["stopped"]["kind"], &found["stopped"]["axes"]),
+        (&"axis_limit".into(), &json!(["RA"]))
+    );
+    let why = found["stopped"]["says"][0].as_str().unwrap();
+    assert!(why.contains("axis RA") && why.contains("80.0000°"), "{why}");
+    let lean =
+        json!({ "kind": "platform", "height_m": 0.5, "about_x_rad": 0.05, "about_y_rad": 0.0 });
+    let found = jog(&server, json!({ "to": lean }));
+    let platform = &found["platform"];
+    let (lean, most) =
+        (platform["lean_rad"].as_f64().unwrap(), platform["lean_max_rad"].as_f64().unwrap());
+    assert!((lean - most).abs() < 1e-9, "{platform}");
+    assert_eq!(found["stopped"]["kind"], "tilt_limit");
+    let far = json!({ "kind": "slot", "radial_m": 1.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
+    let found = jog(&server, json!({ "seen_from": { "station": "LP1", "slot": 3 }, "to": far }));
+    assert_eq!(found["stopped"]["kind"], "out_of_reach", "{}", found["stopped"]);
+    assert!(found["from_slot"]["radial_m"].as_f64().unwrap() < 1.0);
+}
+
+#[test]
+fn a_wafer_goes_into_the_slot_and_teaches_it() {
+    let server = server(CellFiles::example());
+    let into = json!({ "kind": "slot", "radial_m": 0.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
+    let found = jog(
+        &server,
+        json!({ "seen_from": { "station": "LP2", "slot": 4 }, "effector": "B", "to": into }),
+    );
+    assert_eq!(found["stopped"], Value::Null);
+    let seen = &found["from_slot"];
+    for value in ["radial_m", "turn_rad", "height_m"] {
+        assert!(seen[value].as_f64().unwrap().abs() < 1e-10, "{seen}");
+    }
+    let here = seen["station_if_here"]["point_m"].as_array().unwrap();
+    for (found, wanted) in here.iter().zip([-0.495, -0.495, 0.5]) {
+        assert!((found.as_f64().unwrap() - wanted).abs() < 1e-10, "{seen}");
+    }
+    let lean = seen["station_if_here"]["tilt_pitch_rad"].as_f64().unwrap().to_degrees();
+    assert!((lean - 0.8).abs() < 1e-9, "{seen}");
+    assert!(
+        found["branches"].as_array().unwrap().iter().any(|branch| branch["standing"] == "chosen")
+    );
+    // In the base frame from there, up by a centimetre.
+    let effector = &found["effectors"][1];
+    let mut center = effector["center_m"].clone();
+    center[2] = (center[2].as_f64().unwrap() + 0.01).into();
+    let up = json!({ "kind": "world", "center_m": center, "heading_rad": effector["heading_rad"],
+        "about_x_rad": effector["about_x_rad"], "about_y_rad": effector["about_y_rad"] });
+    let from = positions(&found);
+    let raised = jog(&server, json!({ "from": from, "effector": "B", "to": up }));
+    assert_eq!((&raised["stopped"], &raised["from_slot"]), (&Value::Null, &Value::Null));
+    let found = raised["effectors"][1]["center_m"][2].as_f64().unwrap();
+    assert!((found - center[2].as_f64().unwrap()).abs() < 1e-11);
+}
+
+#[test]
+fn bad_questions_name_their_field() {
+    let server = server(CellFiles::example());
+    for (body, field) in [
+        (json!({ "from": [0.5] }), "from"),
+        (json!({ "from": [0.5, 0.5, 0.5, 1e300, 0.0, 0.0] }), "from[3]"),
+        (json!({ "effector": "C" }), "effector"),
+        (json!({ "seen_from": { "station": "LP9", "slot": 1 } }), "seen_from.station"),
+        (json!({ "seen_from": { "station": "LP1", "slot": 26 } }), "seen_from.slot"),
+        (json!({ "to": { "kind": "fly" } }), "to.kind"),
+        (json!({ "to": { "kind": "axes", "positions": [] } }), "to.positions"),
+        (
+            json!({ "to": { "kind": "platform", "height_m": 0.5, "about_x_rad": 1.6, "about_y_rad": 0 } }),
+            "to.about_x_rad",
+        ),
+        (
+            json!({ "to": { "kind": "slot", "radial_m": 0, "turn_rad": 0, "height_m": 0, "yaw_rad": 0 } }),
+            "seen_from",
+        ),
+        (
+            json!({ "to": { "kind": "world", "center_m": [0, 0, 2000], "heading_rad": 0, "about_x_rad": 0, "about_y_rad": 0 } }),
+            "to.center_m[2]",
+        ),
+    ] {
+        let mut body = body;
+        body["program"] = SHORT.into();
+        let answer = ask(&server, Method::POST, "cell/jog", &body);
+        assert_eq!(
+            (answer.status, &answer.json()["field"]),
+            (StatusCode::UNPROCESSABLE_ENTITY, &field.into()),
+            "{body}"
+        );
+    }
+    let unread = ask(&server, Method::POST, "cell/jog", &json!({ "cell": "kind = 3" }));
+    assert_eq!(unread.status, StatusCode::CONFLICT);
+}

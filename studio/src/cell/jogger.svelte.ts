@@ -1,0 +1,119 @@
+// The robot of the cell moved by hand: one question at a time, and of those that wait only the last.
+
+import * as api from '../api/client';
+import { Refused, type Jog, type JogDocument } from '../api/client';
+import type { CellTexts } from '../api/client';
+
+/** What the jogger needs to know of the desk. */
+export interface Bench {
+  /** The texts that the plan on show was made of. */
+  readonly planned: CellTexts | null;
+  /** Whether the cell can be read. */
+  readonly movable: boolean;
+  readonly time: number;
+  failed(error: unknown): void;
+}
+
+interface Question {
+  to: Jog | null;
+  /** From where the program has it, whatever was jogged before. */
+  anew: boolean;
+}
+
+export class Jogger {
+  /** The robot as the server has it. */
+  document = $state.raw<JogDocument | null>(null);
+  /** Whether it has left the program. */
+  active = $state(false);
+  /** What is asked and not yet answered: fields show it at once, so that quick steps add up. */
+  wanted = $state.raw<Jog | null>(null);
+  /** The effector that is moved; the first where it has no name. */
+  effector = $state('');
+  /** The slot from which it is seen. */
+  station = $state('');
+  slot = $state(1);
+
+  readonly #bench: Bench;
+  #next: Question | null = null;
+  #busy = false;
+  /** The moment at which it left the program [s]. */
+  #left = 0;
+
+  constructor(bench: Bench) {
+    this.#bench = bench;
+  }
+
+  get positions(): number[] | null {
+    return this.document?.axes.map(({ position }) => position) ?? null;
+  }
+
+  /** Toward a place. */
+  move(to: Jog): void {
+    if (!this.active) this.#left = this.#bench.time;
+    this.active = true;
+    this.wanted = to;
+    this.#ask({ to, anew: false });
+  }
+
+  /** Asks where the robot is: the cell, the effector or the slot is another one. */
+  renew(): void {
+    this.#ask({ to: null, anew: !this.active });
+  }
+
+  /** Back to where the program has it. */
+  release(): void {
+    if (!this.active) return;
+    this.active = false;
+    this.wanted = null;
+    this.#ask({ to: null, anew: true });
+  }
+
+  /** The robot where it is, as seen from a slot; what is shown stays. */
+  async look(station: string, slot: number): Promise<JogDocument | null> {
+    const { planned } = this.#bench;
+    if (!planned) return null;
+    try {
+      return await api.jog(planned, { ...this.#where(!this.active), seen_from: { station, slot } });
+    } catch (error) {
+      this.#bench.failed(error);
+      return null;
+    }
+  }
+
+  #where(anew: boolean): api.JogQuestion {
+    const effector = this.effector ? { effector: this.effector } : {};
+    const from = this.positions;
+    if (anew || !from) return { time_s: this.#bench.time, ...effector };
+    return { time_s: this.#left, from, ...effector };
+  }
+
+  #ask(question: Question): void {
+    // A move that waits is not lost to a mere look.
+    if (question.to === null && this.#next?.to && !question.anew) return;
+    this.#next = question;
+    if (!this.#busy) void this.#work();
+  }
+
+  async #work(): Promise<void> {
+    this.#busy = true;
+    while (this.#next) {
+      const { to, anew } = this.#next;
+      this.#next = null;
+      const { planned, movable } = this.#bench;
+      if (!planned || !movable) break;
+      try {
+        const seen = this.station ? { seen_from: { station: this.station, slot: this.slot } } : {};
+        this.document = await api.jog(planned, { ...this.#where(anew), ...seen, ...(to ? { to } : {}) });
+      } catch (error) {
+        // A slot or an axis that is there no longer is no reason to stay without the robot.
+        if (error instanceof Refused && error.field?.startsWith('seen_from')) this.station = '';
+        else if (error instanceof Refused && error.field?.startsWith('from')) this.active = false;
+        else if (error instanceof Refused && error.field === 'effector') this.effector = '';
+        else if (to || !(error instanceof Refused)) this.#bench.failed(error);
+        if (error instanceof Refused && !to && error.field) this.#next ??= { to: null, anew: !this.active };
+      }
+    }
+    this.wanted = null;
+    this.#busy = false;
+  }
+}
