@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::super::planar::{Arrow, Planar, ahead, dot, turned};
-use super::plan::{Pair, Plan};
+use super::plan::{Carried, Link, Pair, Plan};
 use super::{Configuration, Elbow, OutOfReach, Reaching};
 
 /// A point counts as reached where it is beyond the stretched arm by no more than this share: round-off.
@@ -29,56 +29,70 @@ fn within(unit: &Vector2<f64>, vector: &Vector2<f64>) -> Vector2<f64> {
 }
 
 impl Plan {
-    /// All values of the pair that span `point` [m].
+    /// All values of the pair that span `point` [m], in ways that agree with a bend.
     ///
     /// # Arguments
     /// * `like` – values of the pair that decide where every turn would do
+    #[inline]
     pub(super) fn span(
         &self,
         planar: &Planar,
         point: &Vector2<f64>,
+        bend: Configuration,
         like: [f64; 2],
     ) -> Result<Ways, OutOfReach> {
-        let arrows = planar.arrows();
-        match self.pair {
-            Pair::Links([i, j]) => links(&arrows[i], &arrows[j], point, like),
-            Pair::Belt([i, j], w) => belt(&arrows[i], &arrows[j], &arrows[w], point, like),
-            Pair::Slide(g) => slide(&arrows[g], &planar.slides()[0].along.vector, point, like),
+        match &self.pair {
+            Pair::Links(pair) => links(pair, point, bend, like),
+            Pair::Belt(pair, carried) => belt(pair, carried, point, bend, like),
+            Pair::Slide(g) => {
+                let slides = planar.slides();
+                slide(&planar.arrows()[*g], &slides[0].along.vector, point, bend, like)
+            }
         }
     }
 
-    /// Velocities of the span by both unknowns.
-    pub(super) fn span_velocities(&self, planar: &Planar, pair: [f64; 2]) -> [Vector2<f64>; 2] {
+    /// How the span changes with both unknowns.
+    #[inline]
+    pub(super) fn span_change(&self, planar: &Planar, pair: [f64; 2]) -> SpanChange {
         let arrows = planar.arrows();
-        match self.pair {
-            Pair::Links([i, j]) => [
-                ahead(&turned(&arrows[i].vector, pair[0])),
-                ahead(&turned(&arrows[j].vector, pair[1])),
-            ],
-            Pair::Belt([i, j], w) => {
-                let half = ahead(&turned(&arrows[w].vector, 0.5 * (pair[0] + pair[1]))) * 0.5;
-                [
-                    ahead(&turned(&arrows[i].vector, pair[0])) + half,
-                    ahead(&turned(&arrows[j].vector, pair[1])) + half,
-                ]
+        let at = |k: usize, turn: f64| turned(&arrows[k].vector, turn);
+        match &self.pair {
+            Pair::Links([i, j]) => {
+                let (one, other) = (at(i.arrow, pair[0]), at(j.arrow, pair[1]));
+                SpanChange {
+                    velocities: [ahead(&one), ahead(&other)],
+                    second: [-one, Vector2::zeros(), -other],
+                }
+            }
+            Pair::Belt([i, j], carried) => {
+                let (one, other) = (at(i.arrow, pair[0]), at(j.arrow, pair[1]));
+                let quarter = at(carried.arrow, 0.5 * (pair[0] + pair[1])) * 0.25;
+                let half = ahead(&quarter) * 2.0;
+                SpanChange {
+                    velocities: [ahead(&one) + half, ahead(&other) + half],
+                    second: [-one - quarter, -quarter, -other - quarter],
+                }
             }
             Pair::Slide(g) => {
                 let along = turned(&planar.slides()[0].along.vector, pair[0]);
-                let reach = turned(&arrows[g].vector, pair[0]) + along * pair[1];
-                [ahead(&reach), along]
+                let reach = at(*g, pair[0]) + along * pair[1];
+                SpanChange {
+                    velocities: [ahead(&reach), along],
+                    second: [-reach, ahead(&along), Vector2::zeros()],
+                }
             }
         }
     }
 
     /// The direction in which a belt-coupled pair moves its wafer; that of the first arrow, where there is no belt.
     pub(super) fn middle(&self, planar: &Planar, pair: [f64; 2]) -> Vector2<f64> {
-        let arrows = planar.arrows();
-        match self.pair {
-            Pair::Belt([i, j], w) => {
-                let middle = Middle::of(&arrows[i], &arrows[j], &arrows[w]);
-                turned(&Vector2::x(), 0.5 * (pair[0] + pair[1]) + middle.angle)
+        let first = |k: usize| turned(&planar.arrows()[k].vector, pair[0]).normalize();
+        match &self.pair {
+            Pair::Belt(_, carried) => {
+                turned(&Vector2::x(), 0.5 * (pair[0] + pair[1]) + carried.middle)
             }
-            Pair::Links([i, _]) | Pair::Slide(i) => turned(&arrows[i].vector, pair[0]).normalize(),
+            Pair::Links([one, _]) => first(one.arrow),
+            Pair::Slide(g) => first(*g),
         }
     }
 
@@ -86,26 +100,35 @@ impl Plan {
     pub(super) fn configuration(&self, planar: &Planar, own: &[f64; 4]) -> Configuration {
         let arrows = planar.arrows();
         let at = |k: usize| turned(&arrows[k].vector, dot(&arrows[k].turn, own));
-        match self.pair {
+        match &self.pair {
             Pair::Links([i, j]) => {
-                Configuration { elbow: elbow(-at(i).perp(&at(j))), reaching: None }
+                Configuration { elbow: elbow(-at(i.arrow).perp(&at(j.arrow))), reaching: None }
             }
-            Pair::Belt([i, j], w) => {
+            Pair::Belt(links, carried) => {
+                let [i, j] = links.map(|link| link.arrow);
                 let pair = [i, j].map(|k| dot(&arrows[k].turn, own));
                 let axis = self.middle(planar, pair);
                 Configuration {
                     elbow: elbow(axis.perp(&at(i))),
-                    reaching: reaching(axis.dot(&(at(i) + at(j) + at(w)))),
+                    reaching: reaching(axis.dot(&(at(i) + at(j) + at(carried.arrow)))),
                 }
             }
             Pair::Slide(g) => {
                 let slide = &planar.slides()[0];
                 let along = turned(&slide.along.vector, dot(&slide.along.turn, own));
-                let tip = at(g) + along * dot(&slide.growth, own);
+                let tip = at(*g) + along * dot(&slide.growth, own);
                 Configuration { elbow: None, reaching: reaching(along.dot(&tip)) }
             }
         }
     }
+}
+
+/// How a span changes with the two unknowns of a pair.
+pub(super) struct SpanChange {
+    /// Its velocities by either.
+    pub(super) velocities: [Vector2<f64>; 2],
+    /// Its second derivatives: by the first, by both, by the second.
+    pub(super) second: [Vector2<f64>; 3],
 }
 
 fn elbow(left: f64) -> Option<Elbow> {
@@ -125,13 +148,14 @@ fn reaching(forward: f64) -> Option<Reaching> {
 }
 
 /// Two links: the law of cosines, its sine by Heron's product so that nothing cancels near the stretched arm.
+#[inline]
 fn links(
-    one: &Arrow,
-    other: &Arrow,
+    [one, other]: &[Link; 2],
     point: &Vector2<f64>,
+    bend: Configuration,
     like: [f64; 2],
 ) -> Result<Ways, OutOfReach> {
-    let (a, b, d) = (one.vector.norm(), other.vector.norm(), point.norm());
+    let (a, b, d) = (one.length, other.length, point.norm());
     let (min, max) = ((a - b).abs(), a + b);
     if d > max + STRETCHED * max || d < min - STRETCHED * max {
         return Err(OutOfReach { distance: d, min, max });
@@ -139,58 +163,35 @@ fn links(
     let cosine = (d * d - a * a - b * b) * 0.5;
     let product = (d + a + b) * (a + b - d) * (d + a - b) * (d - a + b);
     let sine = product.max(0.0).sqrt() * 0.5;
-    let bend = sine.atan2(cosine);
-    let (angle_one, angle_other) = (angle(&one.vector), angle(&other.vector));
-    let way = |bend: f64| {
-        let reach = Vector2::new(a + b * bend.cos(), b * bend.sin());
-        let first = if d > 0.0 { angle(point) - angle(&reach) } else { like[0] + angle_one };
-        Found {
-            pair: [first - angle_one, first + bend - angle_other],
-            configuration: Configuration { elbow: elbow(-bend.sin()), reaching: None },
-        }
+    let angle_between = sine.atan2(cosine);
+    // The line to the point as the first link sees it, times that link's length.
+    let reach = Vector2::new(a * a + cosine, sine);
+    let toward = angle(point);
+    let aside = angle(&reach);
+    let way = |side: f64| {
+        let configuration = Configuration { elbow: elbow(-side * sine), reaching: None };
+        let first = if d > 0.0 { toward - side * aside } else { like[0] + one.angle };
+        configuration.agrees_with(bend).then_some(Found {
+            pair: [first - one.angle, first + side * angle_between - other.angle],
+            configuration,
+        })
     };
     // Stretched or folded, both are one.
-    let second = if sine > 0.0 { Some(way(-bend)) } else { None };
-    Ok([Some(way(bend)), second, None, None])
-}
-
-/// The direction in which a belt-coupled arm moves its wafer.
-struct Middle {
-    angle_one: f64,
-    angle_other: f64,
-    /// Mean of both, from the mean of both turns [rad].
-    angle: f64,
-    /// The third arrow in that direction's frame, its x not negative [m].
-    carried: Vector2<f64>,
-}
-
-impl Middle {
-    fn of(one: &Arrow, other: &Arrow, carried: &Arrow) -> Self {
-        let (angle_one, mut angle_other) = (angle(&one.vector), angle(&other.vector));
-        let mut middle = 0.5 * (angle_one + angle_other);
-        let mut w = turned(&carried.vector, -middle);
-        if w.x < 0.0 {
-            // Of the two mean directions the one in which the wafer is carried.
-            let turn = if angle_other > 0.0 { -1.0 } else { 1.0 } * std::f64::consts::TAU;
-            angle_other += turn;
-            middle += 0.5 * turn;
-            w = -w;
-        }
-        Self { angle_one, angle_other, angle: middle, carried: w }
-    }
+    let second = if sine > 0.0 { way(-1.0) } else { None };
+    Ok([way(1.0), second, None, None])
 }
 
 /// Links of length A at ±δ about the direction of the third arrow w: 2 A cos δ + w spans the distance.
+#[inline]
 fn belt(
-    one: &Arrow,
-    other: &Arrow,
-    carried: &Arrow,
+    [one, other]: &[Link; 2],
+    carried: &Carried,
     point: &Vector2<f64>,
+    bend: Configuration,
     like: [f64; 2],
 ) -> Result<Ways, OutOfReach> {
-    let Middle { angle_one, angle_other, angle: middle, carried: w } =
-        Middle::of(one, other, carried);
-    let (stretched, d) = (2.0 * one.vector.norm(), point.norm());
+    let w = &carried.vector;
+    let (stretched, d) = (2.0 * one.length, point.norm());
     let along = (d - w.y.abs()) * (d + w.y.abs());
     let far = Vector2::new(w.x + stretched, w.y).norm();
     let near = Vector2::new((w.x - stretched).max(0.0), w.y).norm();
@@ -205,36 +206,38 @@ fn belt(
         if grown.abs() > stretched * (1.0 + STRETCHED) || (sign < 0.0 && along == 0.0) {
             continue;
         }
+        let reaching = (along > 0.0).then_some(reaching);
+        if !(Configuration { elbow: None, reaching }).agrees_with(bend) {
+            continue;
+        }
         // cos δ and sin δ without cancelling near the stretched arm.
         let across = ((stretched - grown) * (stretched + grown)).max(0.0).sqrt();
         let half = across.atan2(grown);
         let direction = if d > 0.0 {
             angle(point) - angle(&Vector2::new(sign * along, w.y))
         } else {
-            0.5 * (like[0] + like[1]) + middle
+            0.5 * (like[0] + like[1]) + carried.middle
         };
         for half in [half, -half] {
-            let way = Found {
-                pair: [direction + half - angle_one, direction - half - angle_other],
-                configuration: Configuration {
-                    elbow: elbow(half.sin()),
-                    reaching: (along > 0.0).then_some(reaching),
-                },
-            };
-            if !(across == 0.0 && half < 0.0) && count < 4 {
-                ways[count] = Some(way);
-                count += 1;
+            let configuration = Configuration { elbow: elbow(half.sin()), reaching };
+            if !configuration.agrees_with(bend) || (across == 0.0 && half < 0.0) || count == 4 {
+                continue;
             }
+            let pair = [direction + half - one.angle, direction - half - other.angle];
+            ways[count] = Some(Found { pair, configuration });
+            count += 1;
         }
     }
     Ok(ways)
 }
 
 /// A slide along `unit` with an arrow on it.
+#[inline]
 fn slide(
     carried: &Arrow,
     unit: &Vector2<f64>,
     point: &Vector2<f64>,
+    bend: Configuration,
     like: [f64; 2],
 ) -> Result<Ways, OutOfReach> {
     let w = within(unit, &carried.vector);
@@ -245,19 +248,17 @@ fn slide(
     }
     let along = ((d - aside) * (d + aside)).max(0.0).sqrt();
     let way = |sign: f64, reaching| {
-        let turn = if d > 0.0 {
-            angle(point) - angle(&Vector2::new(sign * along, w.y)) - angle(unit)
-        } else {
-            like[0]
-        };
-        Found {
-            pair: [turn, sign * along - w.x],
-            configuration: Configuration {
-                elbow: None,
-                reaching: (along > 0.0).then_some(reaching),
-            },
-        }
+        let reaching = (along > 0.0).then_some(reaching);
+        let configuration = Configuration { elbow: None, reaching };
+        configuration.agrees_with(bend).then(|| {
+            let turn = if d > 0.0 {
+                angle(point) - angle(&Vector2::new(sign * along, w.y)) - angle(unit)
+            } else {
+                like[0]
+            };
+            Found { pair: [turn, sign * along - w.x], configuration }
+        })
     };
-    let backward = (along > 0.0).then(|| way(-1.0, Reaching::Backward));
-    Ok([Some(way(1.0, Reaching::Forward)), backward, None, None])
+    let backward = if along > 0.0 { way(-1.0, Reaching::Backward) } else { None };
+    Ok([way(1.0, Reaching::Forward), backward, None, None])
 }

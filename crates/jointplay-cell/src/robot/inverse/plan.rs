@@ -1,8 +1,10 @@
 //! How the positions of an arm follow from angles of its arrows.
 
-use nalgebra::Matrix4;
+use std::f64::consts::TAU;
 
-use super::super::planar::{Planar, Slopes};
+use nalgebra::{Matrix4, Vector2};
+
+use super::super::planar::{Arrow, Planar, Slopes, turned};
 
 /// Arrows of a belt-coupled arm count as equally long within this share of their length.
 const SAME_LENGTH: f64 = 1e-12;
@@ -11,11 +13,31 @@ const SAME_LENGTH: f64 = 1e-12;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Pair {
     /// Two arrows, each turning by itself.
-    Links([usize; 2]),
+    Links([Link; 2]),
     /// Two arrows of equal length and a third that turns by the mean of both: they move it along its own direction.
-    Belt([usize; 2], usize),
+    Belt([Link; 2], Carried),
     /// An arrow on a slide that turns with it.
     Slide(usize),
+}
+
+/// An arrow in polar coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Link {
+    pub(super) arrow: usize,
+    /// Length [m].
+    pub(super) length: f64,
+    /// Direction where the unknown is zero [rad].
+    pub(super) angle: f64,
+}
+
+/// The arrow that a belt-coupled pair moves along its own direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Carried {
+    pub(super) arrow: usize,
+    /// Direction in which the pair moves it where both unknowns are zero: the mean of theirs [rad].
+    pub(super) middle: f64,
+    /// It in that direction's frame, its x not negative [m].
+    pub(super) vector: Vector2<f64>,
 }
 
 /// The unknowns of an arm: the pair's two, then the turn of its last arrow, then that of its first.
@@ -55,23 +77,25 @@ impl Plan {
             left += 1;
         }
         let pair = match (planar.slides(), &rest[..left]) {
-            ([], &[i, j]) => Pair::Links([i, j]),
+            ([], &[i, j]) => Pair::Links([i, j].map(|k| Link::of(arrows, k))),
             ([], &[i, j, k]) => {
                 let order = [[i, j, k], [i, k, j], [j, k, i]];
                 let [i, j, w] = order.into_iter().find(|&[i, j, w]| is_belt(planar, i, j, w))?;
-                Pair::Belt([i, j], w)
+                belt([i, j].map(|k| Link::of(arrows, k)), arrows, w)
             }
             ([slide], &[g]) if slide.along.turn == arrows[g].turn => Pair::Slide(g),
             _ => return None,
         };
-        let rows: [Option<&Slopes>; 4] = match pair {
-            Pair::Links([i, j]) | Pair::Belt([i, j], _) => {
-                [Some(&arrows[i].turn), Some(&arrows[j].turn), None, None]
-            }
-            Pair::Slide(g) => [Some(&arrows[g].turn), Some(&planar.slides()[0].growth), None, None],
+        let rows: [&Slopes; 2] = match pair {
+            Pair::Links(pair) | Pair::Belt(pair, _) => pair.map(|link| &arrows[link.arrow].turn),
+            Pair::Slide(g) => [&arrows[g].turn, &planar.slides()[0].growth],
         };
-        let rows =
-            [rows[0], rows[1], last.map(|k| &arrows[k].turn), first.map(|k| &arrows[k].turn)];
+        let rows = [
+            Some(rows[0]),
+            Some(rows[1]),
+            last.map(|k| &arrows[k].turn),
+            first.map(|k| &arrows[k].turn),
+        ];
         let mut forward = Matrix4::identity();
         for (r, row) in rows.into_iter().enumerate() {
             if let Some(row) = row {
@@ -97,6 +121,26 @@ impl Plan {
     pub(super) fn unknown(&self, own: &Slopes) -> Slopes {
         (self.forward * nalgebra::Vector4::from(*own)).into()
     }
+}
+
+impl Link {
+    fn of(arrows: &[Arrow], arrow: usize) -> Self {
+        let vector = &arrows[arrow].vector;
+        Self { arrow, length: vector.norm(), angle: vector.y.atan2(vector.x) }
+    }
+}
+
+/// A belt-coupled pair: of the two mean directions, the one in which the wafer is carried.
+fn belt([one, mut other]: [Link; 2], arrows: &[Arrow], arrow: usize) -> Pair {
+    let mut middle = 0.5 * (one.angle + other.angle);
+    let mut vector = turned(&arrows[arrow].vector, -middle);
+    if vector.x < 0.0 {
+        let turn = if other.angle > 0.0 { -TAU } else { TAU };
+        other.angle += turn;
+        middle += 0.5 * turn;
+        vector = -vector;
+    }
+    Pair::Belt([one, other], Carried { arrow, middle, vector })
 }
 
 fn is_belt(planar: &Planar, i: usize, j: usize, w: usize) -> bool {

@@ -4,7 +4,6 @@ use nalgebra::{Matrix2, Vector2};
 
 use super::super::planar::{Planar, Slopes, ahead, dot, turned};
 use super::Configuration;
-use super::closed::Found;
 use super::plan::{Pair, Plan};
 use super::turns::{Ranges, Turns};
 
@@ -16,9 +15,6 @@ const MOST_STEPS: usize = 100;
 
 /// Steps below this end the descent [rad]: near a limit the cost is so curved that longer ones would still count.
 const SMALL: f64 = 1e-9;
-
-/// Step of differences of slopes [rad].
-const DIFFERENCE: f64 = 1e-6;
 
 /// A start whose bend costs more is none: the pair moves too fast there for any free angle to lead out, within 3° of the stretched arm.
 const STRETCHED: f64 = 400.0;
@@ -64,7 +60,17 @@ struct Bend {
     cost: f64,
     slope: f64,
     curvature: f64,
-    by_pair: [f64; 2],
+    /// What the curvature has in it that may be negative.
+    of_reach: f64,
+    by_pair: Vector2<f64>,
+}
+
+/// Derivatives of the cost by the free angles.
+struct Derivatives {
+    slope: Vector2<f64>,
+    curvature: Matrix2<f64>,
+    /// The curvature without that of the constraint: never negative.
+    bowl: Matrix2<f64>,
 }
 
 impl Redundant<'_> {
@@ -92,7 +98,7 @@ impl Redundant<'_> {
             },
         };
         for _ in 0..MOST_STEPS {
-            let Some(step) = self.step(&now, free, configuration) else { break };
+            let Some(step) = self.step(&now, free) else { break };
             if step.amax() < SMALL {
                 break;
             }
@@ -149,9 +155,8 @@ impl Redundant<'_> {
                 point -= turned(&self.planar.arrows()[k].vector, turn);
             }
         }
-        let ways = self.plan.span(self.planar, &point, [0.0; 2]).ok()?;
-        let way = |found: &Found| found.configuration.agrees_with(configuration);
-        let pair = ways.into_iter().flatten().find(way)?.pair;
+        let ways = self.plan.span(self.planar, &point, configuration, [0.0; 2]).ok()?;
+        let pair = ways.into_iter().flatten().next()?.pair;
         (unknown[0], unknown[1]) = (pair[0], pair[1]);
         let own = self.turns.nearest(&self.plan.positions(&unknown), near);
         let limits = (0..self.ranges.count).map(|a| of_share(self.share(&own, a))[0]);
@@ -162,8 +167,7 @@ impl Redundant<'_> {
     /// What it costs to be near the end of a bend.
     fn bend(&self, pair: [f64; 2]) -> Bend {
         let arrows = self.planar.arrows();
-        let at = |k: usize, turn: f64| turned(&arrows[k].vector, turn);
-        // Of an angle between 0 and π.
+        // Of an angle that is no whole number of half turns.
         let of_angle = |angle: f64| {
             let (sin, cos) = angle.sin_cos();
             let cost = 1.0 / (sin * sin);
@@ -175,72 +179,47 @@ impl Redundant<'_> {
             let cost = (NEAR * last / ahead).powi(2);
             [cost, -2.0 * cost / ahead, 6.0 * cost / (ahead * ahead)]
         };
-        let ([cost, slope, curvature], by_pair) = match self.plan.pair {
+        match &self.plan.pair {
             Pair::Links([i, j]) => {
-                let (one, other) = (at(i, pair[0]), at(j, pair[1]));
-                (of_angle(one.perp(&other).atan2(one.dot(&other))), [-1.0, 1.0])
+                let [cost, slope, curvature] = of_angle(pair[1] + j.angle - pair[0] - i.angle);
+                Bend { cost, slope, curvature, of_reach: 0.0, by_pair: Vector2::new(-1.0, 1.0) }
             }
-            Pair::Belt([i, j], w) => {
-                let middle = self.plan.middle(self.planar, pair);
-                let (one, other) = (at(i, pair[0]), at(j, pair[1]));
-                let carried = at(w, 0.5 * (pair[0] + pair[1]));
-                let aside = middle.perp(&one);
-                let [cost, slope, curvature] = of_angle(aside.atan2(middle.dot(&one)));
-                let reach = of_reach(middle.dot(&(one + other + carried)));
-                let by_angle = -2.0 * aside;
-                let total = [
-                    cost + reach[0],
-                    slope + reach[1] * by_angle,
-                    curvature + reach[2] * by_angle * by_angle,
-                ];
-                (total, [0.5, -0.5])
+            Pair::Belt([i, j], carried) => {
+                let half = 0.5 * (pair[0] + i.angle - pair[1] - j.angle);
+                let [cost, slope, curvature] = of_angle(half);
+                let (sin, cos) = half.sin_cos();
+                let reach = of_reach(2.0 * i.length * cos + carried.vector.x);
+                let by_angle = -2.0 * i.length * sin;
+                Bend {
+                    cost: cost + reach[0],
+                    slope: slope + reach[1] * by_angle,
+                    curvature: curvature + reach[2] * by_angle * by_angle,
+                    of_reach: reach[1] * -2.0 * i.length * cos,
+                    by_pair: Vector2::new(0.5, -0.5),
+                }
             }
             Pair::Slide(g) => {
                 let along = self.planar.slides()[0].along.vector;
-                (of_reach(pair[1] + along.dot(&arrows[g].vector)), [0.0, 1.0])
+                let [cost, slope, curvature] = of_reach(pair[1] + along.dot(&arrows[*g].vector));
+                Bend { cost, slope, curvature, of_reach: 0.0, by_pair: Vector2::new(0.0, 1.0) }
             }
-        };
-        Bend { cost, slope, curvature, by_pair }
+        }
     }
 
     fn share(&self, own: &Slopes, axis: usize) -> f64 {
         (own[axis] - self.ranges.middle(axis)) / self.ranges.half(axis)
     }
 
-    /// Newton's step on the free angles, curvatures by differences of slopes; where they lead uphill, those without the curvature of the constraint.
-    fn step(
-        &self,
-        now: &Costed,
-        free: [f64; 2],
-        configuration: Configuration,
-    ) -> Option<Vector2<f64>> {
-        let (slope, mut bowl) = self.slope(now, free)?;
-        let is_free = self.free().map(|arrow| arrow.is_some());
-        let mut curvature = Matrix2::identity();
-        let mut is_whole = true;
-        for k in (0..2).filter(|&k| is_free[k]) {
-            let mut there = free;
-            there[k] += DIFFERENCE;
-            let beside = self.at(there, configuration, &now.own);
-            match beside.and_then(|beside| self.slope(&beside, there)) {
-                Some((changed, _)) => {
-                    let column = (changed - slope) / DIFFERENCE;
-                    for j in (0..2).filter(|&j| is_free[j]) {
-                        curvature[(j, k)] = column[j];
-                    }
-                }
-                None => is_whole = false,
+    /// Newton's step on the free angles; where it leads uphill, that without the curvature of the constraint.
+    fn step(&self, now: &Costed, free: [f64; 2]) -> Option<Vector2<f64>> {
+        let Derivatives { slope, mut curvature, mut bowl } = self.derivatives(now, free)?;
+        for (k, arrow) in self.free().into_iter().enumerate() {
+            if arrow.is_none() {
+                (curvature[(k, k)], bowl[(k, k)]) = (1.0, 1.0);
             }
         }
-        curvature = (curvature + curvature.transpose()) * 0.5;
         let is_bowl = curvature[(0, 0)] > 0.0 && curvature.determinant() > 0.0;
-        if !(is_whole && is_bowl) {
-            for k in (0..2).filter(|&k| !is_free[k]) {
-                bowl[(k, k)] = 1.0;
-            }
-            curvature = bowl;
-        }
-        Some(curvature.try_inverse()? * slope * -1.0)
+        Some(if is_bowl { curvature } else { bowl }.try_inverse()? * slope * -1.0)
     }
 
     /// Arrows whose turns are free.
@@ -248,31 +227,58 @@ impl Redundant<'_> {
         [self.plan.last.filter(|_| self.last.is_none()), self.plan.first]
     }
 
-    /// Slope of the cost by the free angles, and its curvature without that of the constraint; `None` where the arm is stretched or folded.
-    fn slope(&self, now: &Costed, free: [f64; 2]) -> Option<(Vector2<f64>, Matrix2<f64>)> {
-        let velocities = self.plan.span_velocities(self.planar, now.pair);
-        let inverse = Matrix2::from_columns(&velocities).try_inverse()?;
+    /// Derivatives of the cost by the free angles; `None` where the arm is stretched or folded.
+    ///
+    /// ```text
+    ///    S p_f  =  −w_f        S p_fg  =  −(w_fg + Σ_ij S_ij p_i,f p_j,g)
+    /// ```
+    /// with the pair p, the velocities S of its span and their derivatives S_ij, and the free arrows' velocities w_f and w_fg.
+    fn derivatives(&self, now: &Costed, free: [f64; 2]) -> Option<Derivatives> {
+        let span = self.plan.span_change(self.planar, now.pair);
+        let inverse = Matrix2::from_columns(&span.velocities).try_inverse()?;
         let bend = self.bend(now.pair);
-        let mut bending = Vector2::zeros();
+        let mut follow = [Vector2::zeros(); 2];
+        let mut arrows = [Vector2::zeros(); 2];
         let mut directions = [Slopes::default(); 2];
         for (f, arrow) in self.free().into_iter().enumerate() {
             let Some(k) = arrow else { continue };
-            let along = ahead(&turned(&self.planar.arrows()[k].vector, free[f]));
-            let follow = inverse * along * -1.0;
-            let mut unknown = [follow[0], follow[1], 0.0, 0.0];
+            arrows[f] = turned(&self.planar.arrows()[k].vector, free[f]);
+            follow[f] = inverse * ahead(&arrows[f]) * -1.0;
+            let mut unknown = [follow[f][0], follow[f][1], 0.0, 0.0];
             unknown[2 + f] = 1.0;
             directions[f] = self.plan.positions(&unknown);
-            bending[f] = bend.by_pair[0] * follow[0] + bend.by_pair[1] * follow[1];
         }
+        let bending = Vector2::from(follow.map(|follow| bend.by_pair.dot(&follow)));
         let mut slope = bending * bend.slope;
-        let mut curvature = bending * bending.transpose() * bend.curvature;
+        let outer = bending * bending.transpose();
+        let mut bowl = outer * bend.curvature;
+        // What the cost gains by the pair alone.
+        let mut by_pair = bend.by_pair * bend.slope;
         for a in 0..self.ranges.count {
             let [_, rising, curving] = of_share(self.share(&now.own, a));
             let half = self.ranges.half(a);
             let along = Vector2::from(directions.map(|direction| direction[a] / half));
             slope += along * rising;
-            curvature += along * along.transpose() * curving;
+            bowl += along * along.transpose() * curving;
+            let of_pair = Vector2::new(self.plan.inverse[(a, 0)], self.plan.inverse[(a, 1)]);
+            by_pair += of_pair * (rising / half);
         }
-        Some((slope, curvature))
+        let mut curvature = bowl + outer * bend.of_reach;
+        let by_span = inverse.transpose() * by_pair;
+        for (f, g) in [(0, 0), (0, 1), (1, 1)] {
+            let (p, q) = (follow[f], follow[g]);
+            let [first, both, second] = &span.second;
+            let mut change =
+                first * p[0] * q[0] + both * (p[0] * q[1] + p[1] * q[0]) + second * p[1] * q[1];
+            if f == g {
+                change -= arrows[f];
+            }
+            let more = -by_span.dot(&change);
+            curvature[(f, g)] += more;
+            if f != g {
+                curvature[(g, f)] += more;
+            }
+        }
+        Some(Derivatives { slope, curvature, bowl })
     }
 }

@@ -292,7 +292,8 @@ impl Solver<'_> {
             point -= turned(&planar.arrows()[k].vector, turn);
         }
         let now = plan.unknown(self.near);
-        let ways: Ways = match plan.span(planar, &point, [now[0], now[1]]) {
+        let ways: Ways = match plan.span(planar, &point, Configuration::default(), [now[0], now[1]])
+        {
             Ok(ways) => ways,
             Err(out_of_reach) => return Some(out_of_reach),
         };
