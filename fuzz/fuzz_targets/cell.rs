@@ -3,6 +3,7 @@
 #![no_main]
 
 use jointplay::format::cell::{Change, read, set_station};
+use jointplay::spatial::Tilt;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {
@@ -14,11 +15,19 @@ fuzz_target!(|text: &str| {
     match read(text, &mut files) {
         Ok(cell) => {
             for station in &cell.stations {
-                let change = [Change::Retract(0.0)];
-                let Ok(edited) = set_station(text, &station.name, &change) else { continue };
-                let again = read(&edited, &mut files).unwrap_or_else(|found| panic!("{found:?}"));
-                let found = again.stations.iter().find(|one| one.name == station.name);
-                assert_eq!(found.map(|one| one.retract_reach), Some(0.0));
+                for change in [Change::Retract(0.0), Change::Tilt(Tilt::LEVEL)] {
+                    let is_tilt = matches!(change, Change::Tilt(_));
+                    let edited = set_station(text, &station.name, &[change]).expect("it is there");
+                    let again =
+                        read(&edited, &mut files).unwrap_or_else(|found| panic!("{found:?}"));
+                    let found = again.stations.iter().find(|one| one.name == station.name);
+                    let found = found.expect("it stays there");
+                    if is_tilt {
+                        assert!(found.base_from_station.rotation[(2, 2)] > 1.0 - 1e-12);
+                    } else {
+                        assert_eq!(found.retract_reach, 0.0);
+                    }
+                }
             }
         }
         Err(problems) => {

@@ -93,6 +93,8 @@ fn kernels(criterion: &mut Criterion) {
     forward(criterion, "radial closed-form, X", &Radial, Solver::ClosedForm, &three);
     forward(criterion, "planar closed-form, X", &Planar, Solver::ClosedForm, &six);
     forward(criterion, "polar newton, X", &Polar, Solver::Newton, &six);
+    let with_residual = [&six[..], &[Quantity::Residual]].concat();
+    forward(criterion, "polar newton, X, residual", &Polar, Solver::Newton, &with_residual);
     forward(criterion, "offset newton, X", &Offset, Solver::Newton, &six);
     forward(criterion, "polar least-norm, X", &Polar, Solver::LeastNorm, &six);
     forward(criterion, "planar closed-form, centre shift", &Planar, Solver::ClosedForm, &shift);

@@ -279,14 +279,21 @@ fn fill<S: Simd, M: Model>(
 /// Largest of |L − l| = |L² − l²|/(L + l), where L + l is 2 L beyond all digits.
 #[inline(always)]
 fn residual<S: Simd>(balls: &Balls<S>, found: &Found<S>) -> Lanes<S> {
-    let [mut most, missing_2, missing_3] = found.missing.map(Lanes::squared);
-    let [mut square, square_2, square_3] = balls.squares;
+    let ([m_1, m_2, m_3], [l_1, l_2, l_3]) = (found.missing, balls.squares);
     // The largest of three fractions, with one division.
-    for (missing, of) in [(missing_2, square_2), (missing_3, square_3)] {
-        let more = (most * of).below(missing * square);
-        (most, square) = (more.select(missing, most), more.select(of, square));
-    }
+    let most = larger((m_1.squared(), l_1), (m_2.squared(), l_2));
+    let (most, square) = larger(most, (m_3.squared(), l_3));
     (most / square).sqrt() * 0.5
+}
+
+/// The larger of two fractions with positive denominators.
+#[inline(always)]
+fn larger<S: Simd>(
+    (a, below_a): (Lanes<S>, Lanes<S>),
+    (b, below_b): (Lanes<S>, Lanes<S>),
+) -> (Lanes<S>, Lanes<S>) {
+    let more = (a * below_b).below(b * below_a);
+    (more.select(b, a), more.select(below_b, below_a))
 }
 
 #[inline(always)]
