@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::math::{Mat3, Pose3, Rot3, Vector};
-use parry3d_f64::query;
+use parry3d_f64::query::{self, details::distance_support_map_support_map};
 use parry3d_f64::shape::{Shape as Queried, SharedShape};
 
 use crate::cell::Shape;
@@ -277,8 +277,14 @@ pub(super) fn distance(a: Placed<'_>, b: Placed<'_>) -> f64 {
     let (pose_a, pose_b) = (a.pose(), b.pose());
     let margin = a.solid.margin + b.solid.margin;
     let shapes: (&dyn Queried, &dyn Queried) = (&*a.solid.shape.0, &*b.solid.shape.0);
-    let apart =
-        query::distance(&pose_a, shapes.0, &pose_b, shapes.1).map_or(0.0, |found| found.distance);
+    let apart = match (shapes.0.as_cuboid(), shapes.1.as_cuboid()) {
+        // What the library does for two boxes goes to and fro between their faces once, and ends too far away where these lie parallel and crosswise.
+        (Some(first), Some(second)) => {
+            distance_support_map_support_map(&pose_a.inv_mul(&pose_b), first, second)
+        }
+        _ => query::distance(&pose_a, shapes.0, &pose_b, shapes.1)
+            .map_or(0.0, |found| found.distance),
+    };
     if apart == 0.0 {
         // An iteration that does not end also answers 0: the bound by the balls is then the honest one.
         let touching = query::intersection_test(&pose_a, shapes.0, &pose_b, shapes.1);
@@ -343,6 +349,79 @@ mod tests {
         check(&link, &link, at(0.1, 0.0, 0.03), 0.0);
         check(&link, &wall, at(0.4, 0.0, 0.0), 0.07);
         check(&hull, &wall, at(0.2, 0.0, 0.0), 0.09);
+    }
+
+    /// Of two boxes: from each corner to the other box, and from each edge to each.
+    fn by_corners_and_edges(halves: [[f64; 3]; 2], poses: [Pose3; 2]) -> f64 {
+        use parry3d_f64::query::PointQuery;
+        use parry3d_f64::query::details::distance_segment_segment;
+        use parry3d_f64::shape::{Cuboid, Segment};
+        let signed = |half: &[f64; 3], bits: usize| {
+            let sign = |k: usize| if bits >> k & 1 == 0 { -half[k] } else { half[k] };
+            Vector::new(sign(0), sign(1), sign(2))
+        };
+        let edges = |which: usize| {
+            let (half, pose) = (halves[which], poses[which]);
+            (0..8_usize).flat_map(move |bits| {
+                (0..3).filter(move |axis| bits >> axis & 1 == 0).map(move |axis| {
+                    let ends = [bits, bits | 1 << axis].map(|bits| pose * signed(&half, bits));
+                    Segment::new(ends[0], ends[1])
+                })
+            })
+        };
+        let mut least = f64::INFINITY;
+        for (one, other) in [(0, 1), (1, 0)] {
+            let cuboid = Cuboid::new(vector(&halves[other]));
+            for bits in 0..8 {
+                let corner = poses[one] * signed(&halves[one], bits);
+                least = least.min(cuboid.distance_to_point(&poses[other], corner, true));
+            }
+        }
+        for one in edges(0) {
+            for other in edges(1) {
+                least = least.min(distance_segment_segment(&Pose3::IDENTITY, &one, &other));
+            }
+        }
+        least
+    }
+
+    #[test]
+    fn boxes_that_lie_parallel_crosswise_or_anyhow() {
+        let mut state = 3_u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut crosswise = 0;
+        for round in 0..20_000 {
+            let halves = [0, 1].map(|_| [0, 1, 2].map(|_| 0.005 + 0.15 * random().powi(2)));
+            let turn = 3.0 * random();
+            // Parallel planes, by bits or to round-off, leaning a little, or anyhow.
+            let lean = [0.0, 1e-16, 1e-12, 1e-6, 1e-3, 1.0][round % 6];
+            let lean = Vector3::new(lean * random(), lean * random(), 0.0);
+            let common = Rotation3::new(Vector3::new(random(), random(), random()) * 0.01);
+            let rotation = Rotation3::new(lean) * Rotation3::new(Vector3::z() * turn);
+            let above = halves[0][2] + halves[1][2] + 0.02 * random().abs();
+            let shift = Vector3::new(0.2 * random(), 0.2 * random(), above);
+            let poses = [
+                Pose::from_parts(Vector3::new(random(), random(), random()).into(), common),
+                Pose::identity(),
+            ];
+            let poses = [poses[0], poses[0] * Pose::from_parts(shift.into(), rotation)];
+            let [a, b] =
+                halves.map(|half| Solid::new(&Shape::Box { half }, &Pose::identity()).unwrap());
+            let found = distance(
+                Placed { solid: &a, base_from_carrier: &poses[0] },
+                Placed { solid: &b, base_from_carrier: &poses[1] },
+            );
+            let expected = by_corners_and_edges(halves, poses.map(|pose| posed(&pose)));
+            crosswise +=
+                usize::from((expected - (above - halves[0][2] - halves[1][2])).abs() < 1e-9);
+            if found > 0.0 {
+                assert!((found - expected).abs() < 1e-8, "{round}: {found} for {expected}");
+            }
+        }
+        assert!(crosswise > 1000, "{crosswise}");
     }
 
     #[test]
