@@ -1,5 +1,6 @@
 //! From steps to a motion.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::axes::together;
@@ -9,7 +10,7 @@ use super::line::Task;
 use super::pace::Pace;
 use super::{Motion, Way};
 use crate::cell::Cell;
-use crate::memory::{Kept, Key, Reuse, extend};
+use crate::memory::{Kept, Key, Reuse, Run, anew, extend, one_by_one};
 use crate::program::{Path, Place, Step};
 use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
 
@@ -59,7 +60,7 @@ pub fn timed(
     steps: Vec<Step>,
     options: &MotionOptions,
 ) -> Result<Motion, MotionError> {
-    Ways::default().timed(cell, steps, options)
+    Ways::default().timed(cell, steps, options, &one_by_one)
 }
 
 /// The ways of the last motion, by what they depend on.
@@ -73,8 +74,16 @@ impl Ways {
         cell: &Cell,
         steps: Vec<Step>,
         options: &MotionOptions,
+        run: Run<'_>,
     ) -> Result<Motion, MotionError> {
         self.0.begin(&shared(cell, options));
+        let keys: Vec<(usize, Key)> = (0..steps.len())
+            .filter(|&index| fits(cell, &steps, index).is_none())
+            .filter_map(|index| Some((index, moving(&steps[index])?)))
+            .collect();
+        let unknown = keys.iter().map(|(index, key)| (*index, key));
+        let unknown = unknown.filter(|(_, key)| !self.0.knows(key));
+        let mut made = anew(unknown, run, |index| way(cell, &steps[index], options));
         let mut problems = Vec::new();
         let mut times = Vec::with_capacity(steps.len() + 1);
         let mut ways: Vec<Arc<Way>> = Vec::with_capacity(steps.len());
@@ -86,7 +95,7 @@ impl Ways {
         for (index, step) in steps.iter().enumerate() {
             let way = match fits(cell, &steps, index) {
                 Some(message) => Err(message),
-                None => self.way(cell, step, options, now, &times),
+                None => self.way((cell, step, options), &mut made, now, &times),
             };
             let way = way.unwrap_or_else(|message| {
                 let (instruction, place) = (step.instruction, step.place);
@@ -115,30 +124,25 @@ impl Ways {
 
     fn way(
         &mut self,
-        cell: &Cell,
-        step: &Step,
-        options: &MotionOptions,
+        (cell, step, options): (&Cell, &Step, &MotionOptions),
+        made: &mut BTreeMap<Key, Result<Way, String>>,
         now: f64,
         times: &[f64],
     ) -> Result<Arc<Way>, String> {
+        if let Some(key) = moving(step) {
+            // One that cannot be timed is not kept, and told of each step alike.
+            let found = made.remove(&key);
+            return self.0.get(key, || found.unwrap_or_else(|| way(cell, step, options)));
+        }
         let duration = match step.path {
-            Path::Still(duration) => duration,
             Path::Processed { since, seconds } => {
                 let left = times
                     .get(since + 1)
                     .ok_or("waits for a station that gets its wafer only later".to_string())?;
                 (left + seconds - now).max(0.0)
             }
-            Path::Axes => {
-                let limits = |axis| dynamics(&cell.robot, axis, step);
-                let make = || together(&step.from, &step.to, limits).map(Way::Axes);
-                return self.0.get(key(step, &[]), make);
-            }
-            Path::Line(effector) => {
-                let line = [effector.arm as u64, effector.effector as u64];
-                let make = || along(cell, step, effector, options);
-                return self.0.get(key(step, &line), make);
-            }
+            Path::Still(duration) => duration,
+            Path::Axes | Path::Line(_) => 0.0,
         };
         // Known by how long it is alone: where it stands is the step's.
         self.0.get(vec![duration.to_bits()], || still(duration, step))
@@ -154,7 +158,25 @@ fn shared(cell: &Cell, options: &MotionOptions) -> String {
     format!("{:?} {:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity, options.line_deviation)
 }
 
-/// What the way of a step depends on besides.
+/// What the way of a step depends on besides, unless it stands still.
+fn moving(step: &Step) -> Option<Key> {
+    match step.path {
+        Path::Axes => Some(key(step, &[])),
+        Path::Line(effector) => Some(key(step, &[effector.arm as u64, effector.effector as u64])),
+        Path::Still(_) | Path::Processed { .. } => None,
+    }
+}
+
+/// How the axes go in a step that moves.
+fn way(cell: &Cell, step: &Step, options: &MotionOptions) -> Result<Way, String> {
+    match step.path {
+        Path::Line(effector) => along(cell, step, effector, options),
+        _ => {
+            together(&step.from, &step.to, |axis| dynamics(&cell.robot, axis, step)).map(Way::Axes)
+        }
+    }
+}
+
 fn key(step: &Step, line: &[u64]) -> Key {
     let mut key = vec![line.len() as u64];
     key.extend(line);
