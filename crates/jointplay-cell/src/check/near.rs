@@ -2,11 +2,13 @@
 
 use std::ops::Range;
 
+use nalgebra::Vector3;
+
 use super::course::Course;
 use super::found::{Found, Hit, Stretch, When};
 use super::report::{Kind, Unit};
 use super::scene::{Places, Rule, Scene};
-use super::solid::{Placed, between_balls, between_centers, depth, distance, gap_along};
+use super::solid::{Placed, apart, between_balls, between_centers, depth, distance, gap_along};
 use super::travel::{Gearing, Levers, Travel};
 use crate::motion::{Motion, Sample};
 
@@ -74,8 +76,15 @@ impl Look<'_> {
                 Rule::Free | Rule::Out => 0.0,
             };
             let levers = self.levers(pair.items);
-            let mut search =
-                Search { look: self, pair, limit, levers, least: None, seen: Vec::new() };
+            let mut search = Search {
+                look: self,
+                pair,
+                limit,
+                levers,
+                least: None,
+                seen: Vec::new(),
+                along: None,
+            };
             for run in runs {
                 search.run(run);
             }
@@ -136,6 +145,8 @@ struct Search<'l, 'a> {
     /// Least distance, and when.
     least: Option<(f64, f64)>,
     seen: Vec<Seen>,
+    /// Along what the second was from the first where that was looked at last, in the frame of the second: it is about the same near by.
+    along: Option<Vector3<f64>>,
 }
 
 /// What is known of a distance at one time.
@@ -179,9 +190,7 @@ impl Search<'_, '_> {
         let last = run.end - 1;
         let Some(mut left) = self.known(run.start) else { return };
         if last == run.start {
-            if left.apart.max(left.gap) <= self.threshold() {
-                self.exact(run.start, &mut left);
-            }
+            self.matters(run.start, &mut left);
             return;
         }
         let Some(mut right) = self.known(last) else { return };
@@ -194,19 +203,30 @@ impl Search<'_, '_> {
         if bound(left, right, way) > self.threshold() {
             return;
         }
-        let neighbours = between.len() == 1;
+        self.tighten(between.start, left);
+        self.tighten(between.end, right);
+        if bound(left, right, way) > self.threshold() {
+            return;
+        }
+        if between.len() == 1 {
+            self.matters(between.start, left);
+            self.matters(between.end, right);
+            if bound(left, right, way) > self.limit {
+                return;
+            }
+            self.exact(between.start, left);
+            self.exact(between.end, right);
+            let times = [between.start, between.end].map(|k| self.look.course.samples()[k].time);
+            self.between(between.end, times, [*left, *right], way);
+            return;
+        }
         // Exact distances are worth finding where they may keep the pair apart.
-        if neighbours || left.most + right.most - way.whole > 2.0 * self.threshold() {
+        if left.most + right.most - way.whole > 2.0 * self.threshold() {
             self.exact(between.start, left);
             self.exact(between.end, right);
             if bound(left, right, way) > self.threshold() {
                 return;
             }
-        }
-        if neighbours {
-            let times = [between.start, between.end].map(|k| self.look.course.samples()[k].time);
-            self.between(between.end, times, [*left, *right], way);
-            return;
         }
         let middle = between.start.midpoint(between.end);
         let Some(mut center) = self.known(middle) else { return };
@@ -260,6 +280,25 @@ impl Search<'_, '_> {
         Some(Known::of(look, look.course.placed(sample)?, self.pair.items))
     }
 
+    /// Raises the lower bound to the gap along what the two were apart when last looked at.
+    fn tighten(&mut self, sample: usize, known: &mut Known) {
+        let (false, Some(along)) = (known.is_exact, &self.along) else { return };
+        let Some(places) = self.look.course.placed(sample) else { return };
+        let [a, b] = self.look.placed(places, self.pair.items);
+        let gap = gap_along(a, b, &(b.base_from_carrier.rotation * along));
+        known.apart = known.apart.max(gap);
+    }
+
+    /// Finds the distance at a sample, unless it is known not to matter.
+    fn matters(&mut self, sample: usize, known: &mut Known) {
+        if known.apart.max(known.gap) <= self.threshold() {
+            self.tighten(sample, known);
+        }
+        if known.apart.max(known.gap) <= self.threshold() {
+            self.exact(sample, known);
+        }
+    }
+
     /// The distance itself.
     fn exact(&mut self, sample: usize, known: &mut Known) {
         if known.is_exact {
@@ -268,7 +307,11 @@ impl Search<'_, '_> {
         let look = &mut *self.look;
         let Some(places) = look.course.placed(sample) else { return };
         let [a, b] = look.placed(places, self.pair.items);
-        let apart = distance(a, b);
+        let guess = self.along.map(|along| b.base_from_carrier.rotation * along);
+        let found = apart(a, b, guess.as_ref());
+        let apart = found.distance;
+        let in_second = |along: Vector3<f64>| b.base_from_carrier.rotation.inverse() * along;
+        self.along = found.along.map(in_second).or(self.along);
         (known.apart, known.most, known.is_exact) = (apart, apart, true);
         let time = look.course.samples()[sample].time;
         if apart <= self.limit {

@@ -23,14 +23,23 @@ const EVEN: f64 = 0.02;
 /// A path, what the axes may do on it, and the largest rate of its parameter [1/s].
 pub(crate) struct Pace<'a> {
     /// Positions over the parameter.
-    pub(crate) spline: &'a Spline,
-    /// Of each axis.
-    pub(crate) limits: &'a [Dynamics],
+    spline: &'a Spline,
+    /// Of each axis that moves.
+    limits: Vec<(usize, Dynamics)>,
     /// Largest rate of the parameter [1/s].
-    pub(crate) rate: f64,
+    rate: f64,
 }
 
-impl Pace<'_> {
+impl<'a> Pace<'a> {
+    /// # Arguments
+    /// * `limits` – of each axis
+    /// * `rate` – the largest of the parameter [1/s]
+    pub(crate) fn new(spline: &'a Spline, limits: &[Dynamics], rate: f64) -> Self {
+        let limits = limits.iter().copied().enumerate();
+        let limits = limits.filter(|(axis, _)| spline.moves(*axis)).collect();
+        Self { spline, limits, rate }
+    }
+
     /// The parameter from 0 to 1 in time.
     ///
     /// A path that gears all axes evenly is run through like a single axis.
@@ -61,7 +70,9 @@ impl Pace<'_> {
             let mut shortest = f64::INFINITY;
             for width in widths {
                 let candidate = averaged(&way, width);
-                let duration = candidate.duration() * self.glance(&candidate);
+                let Some(duration) = self.glance(&candidate, shortest.max(best.0)) else {
+                    continue;
+                };
                 if duration < shortest {
                     (shortest, about) = (duration, Some(width));
                 }
@@ -80,16 +91,17 @@ impl Pace<'_> {
     fn like_one_axis(&self) -> Result<Curve, String> {
         let mut steepest = vec![0.0_f64; self.limits.len()];
         for s in self.stages() {
-            for (axis, most) in steepest.iter_mut().enumerate() {
-                *most = most.max(self.spline.jet(self.spline.interval(s), axis, s)[1].abs());
+            let interval = self.spline.interval(s);
+            for (most, (axis, _)) in steepest.iter_mut().zip(&self.limits) {
+                *most = most.max(self.spline.jet(interval, *axis, s)[1].abs());
             }
         }
         let least = |of: &dyn Fn(&Dynamics) -> f64| {
             steepest
                 .iter()
-                .zip(self.limits)
+                .zip(&self.limits)
                 .filter(|(slope, _)| **slope > 0.0)
-                .map(|(slope, limits)| of(limits) / slope)
+                .map(|(slope, (_, limits))| of(limits) / slope)
                 .fold(f64::INFINITY, f64::min)
         };
         let limits = Dynamics {
@@ -103,11 +115,12 @@ impl Pace<'_> {
         let found = together(&[0.0], &[1.0], |_| limits)?;
         let curve = found.curves.into_iter().next().expect("one axis was asked for");
         // Where the path bends, the parameter's speed adds to what the axes do.
-        Ok(if self.excess(&curve) > 1.0 + 1e-9 { self.within(curve) } else { curve })
+        let excess = self.excess(&curve);
+        Ok(if excess > 1.0 + 1e-9 { curve.slowed(excess * (1.0 + SLACK)) } else { curve })
     }
 
     fn evenly_geared(&self) -> bool {
-        (0..self.limits.len()).all(|axis| {
+        self.limits.iter().all(|&(axis, _)| {
             let slopes =
                 self.stages().map(|s| self.spline.jet(self.spline.interval(s), axis, s)[1]);
             let (least, most) =
@@ -160,7 +173,7 @@ impl Pace<'_> {
         let interval = self.spline.interval(s);
         let mut cap = self.rate * self.rate;
         let mut rows = Vec::with_capacity(self.limits.len());
-        for (axis, limits) in self.limits.iter().enumerate() {
+        for &(axis, limits) in &self.limits {
             let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
             if slope != 0.0 {
                 cap = cap.min((limits.velocity / slope).powi(2));
@@ -171,7 +184,9 @@ impl Pace<'_> {
             if third != 0.0 {
                 cap = cap.min((limits.jerk / third.abs()).powf(2.0 / 3.0));
             }
-            rows.push((slope, curvature, share * limits.acceleration));
+            if slope.abs() > 1e-12 {
+                rows.push((curvature / slope, share * limits.acceleration / slope.abs()));
+            }
         }
         Stage { rows, cap }
     }
@@ -182,14 +197,19 @@ impl Pace<'_> {
         curve.slowed(factor)
     }
 
-    /// By how much longer it would have to take so that it just keeps every limit, at a glance.
-    fn glance(&self, curve: &Curve) -> f64 {
+    /// How long it would have to take so that it just keeps every limit, at a glance; `None` if no less than is asked for.
+    fn glance(&self, curve: &Curve, less_than: f64) -> Option<f64> {
         let mut worst = 1e-9;
         for k in 1..GLANCES {
+            // All over the way first: what is too long is so somewhere near a dozen of them.
+            let k = k * 37 % GLANCES;
             let state = curve.at(curve.duration() * k as f64 / GLANCES as f64);
             self.exceed(&mut worst, state, self.spline.interval(state[0]));
+            if curve.duration() * worst >= less_than {
+                return None;
+            }
         }
-        worst
+        Some(curve.duration() * worst)
     }
 
     /// The same, closely.
@@ -223,7 +243,7 @@ impl Pace<'_> {
     fn exceed(&self, worst: &mut f64, [s, rate, acceleration, jerk]: [f64; 4], interval: usize) {
         let mut most = rate / self.rate;
         let (mut squared, mut cubed) = (0.0_f64, 0.0_f64);
-        for (axis, limits) in self.limits.iter().enumerate() {
+        for &(axis, limits) in &self.limits {
             let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
             let v = slope * rate;
             let a = curvature * rate * rate + slope * acceleration;
@@ -255,8 +275,8 @@ fn time_at(curve: &Curve, s: f64) -> f64 {
 
 /// What the axes allow at one point of the path.
 struct Stage {
-    /// Of each axis: first and second derivative, and its acceleration limit.
-    rows: Vec<(f64, f64, f64)>,
+    /// Of each axis: its curvature and its acceleration limit, by its slope.
+    rows: Vec<(f64, f64)>,
     /// Largest square of the rate.
     cap: f64,
 }
@@ -265,12 +285,9 @@ impl Stage {
     /// Least and largest acceleration of the parameter for a square of its rate.
     fn accelerations(&self, x: f64) -> (f64, f64) {
         let (mut least, mut most) = (-1e12_f64, 1e12_f64);
-        for &(slope, curvature, limit) in &self.rows {
-            if slope.abs() > 1e-12 {
-                let (a, b) = ((-limit - curvature * x) / slope, (limit - curvature * x) / slope);
-                least = least.max(a.min(b));
-                most = most.min(a.max(b));
-            }
+        for &(curvature, limit) in &self.rows {
+            least = least.max(-curvature * x - limit);
+            most = most.min(-curvature * x + limit);
         }
         (least, most)
     }
@@ -338,9 +355,9 @@ mod tests {
     #[test]
     fn an_even_path_is_as_fast_as_one_axis() {
         let (spline, limits) = (spline(|s| vec![3.0 * s, -s]), limits(2));
-        let curve = Pace { spline: &spline, limits: &limits, rate: 1e9 }.plan().unwrap();
+        let curve = Pace::new(&spline, &limits, 1e9).plan().unwrap();
         assert!((curve.duration() - (1.5 + 0.2 + 0.05)).abs() < 1e-9, "{}", curve.duration());
-        let slow = Pace { spline: &spline, limits: &limits, rate: 0.25 }.plan().unwrap();
+        let slow = Pace::new(&spline, &limits, 0.25).plan().unwrap();
         assert!(slow.duration() > 4.0);
     }
 
@@ -349,7 +366,7 @@ mod tests {
         // A turn past an axis at a distance of a tenth: fast in the middle, as near a singular position.
         let turn = |s: f64| vec![((s - 0.5) / 0.1).atan(), 2.0 * s];
         let (spline, limits) = (spline(turn), limits(2));
-        let pace = Pace { spline: &spline, limits: &limits, rate: 1e9 };
+        let pace = Pace::new(&spline, &limits, 1e9);
         let curve = pace.plan().unwrap();
         let worst = worst(&spline, &curve, &limits);
         assert!(worst.iter().all(|&share| share < 1.0), "{worst:?}");

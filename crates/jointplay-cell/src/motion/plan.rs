@@ -271,6 +271,6 @@ fn along(
         Some(speed) if line.length > 0.0 => speed / line.length,
         _ => f64::INFINITY,
     };
-    let pace = Pace { spline: &line.spline, limits: &limits, rate }.plan()?;
+    let pace = Pace::new(&line.spline, &limits, rate).plan()?;
     Ok(Way::Line { line, pace })
 }

@@ -54,6 +54,11 @@ impl Spline {
         ]
     }
 
+    /// Whether an axis does anything along it.
+    pub(crate) fn moves(&self, axis: usize) -> bool {
+        self.jets.iter().any(|jets| jets[axis][1..] != [0.0; 3])
+    }
+
     /// Positions of all axes at `s`.
     pub(crate) fn positions(&self, s: f64) -> Vec<f64> {
         let interval = self.interval(s);
