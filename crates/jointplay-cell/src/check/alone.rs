@@ -15,7 +15,7 @@ use super::solid::{self, Placed};
 use crate::cell::Cell;
 use crate::motion::{Sample, limits_of};
 use crate::program::{Phase, Step};
-use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
+use crate::robot::{Axis, Dynamics, EffectorId, MotionKind, RODS};
 use crate::wafer::Droop;
 
 /// Relative slack of limits, so that a motion planned to lie on one is not beyond it by round-off.
@@ -77,11 +77,17 @@ impl Alone {
         let limits: Vec<Dynamics> =
             (0..axes).map(|axis| limits_of(&cell.robot, axis, step)).collect();
         let effectors: Vec<EffectorId> = cell.robot.effectors().collect();
+        // An axis that stands where it may needs no second look.
+        let from = &course.samples()[0].positions;
+        let watched = |axis: &usize| {
+            course.moving().contains(axis) || beyond(&cell.robot.axes[*axis], from[*axis]).is_some()
+        };
+        let watched: Vec<usize> = (0..axes).filter(watched).collect();
         let mut found = Found::default();
         let mut standing: Option<Standing> = None;
         for (number, sample) in course.samples().iter().enumerate() {
             let when = When { time: sample.time, sample: number };
-            alone.axes(cell, sample, &limits, when, &mut found);
+            alone.axes(cell, sample, (&watched, &limits), when, &mut found);
             let rods = &sample.positions[..RODS];
             if standing.as_ref().is_none_or(|standing| standing.platform.rods != *rods) {
                 standing = match cell.robot.platform(&sample.positions) {
@@ -134,11 +140,12 @@ impl Alone {
         &mut self,
         cell: &Cell,
         sample: &Sample,
-        limits: &[Dynamics],
+        (watched, limits): (&[usize], &[Dynamics]),
         when: When,
         found: &mut Found,
     ) {
-        for (index, (axis, limits)) in cell.robot.axes.iter().zip(limits).enumerate() {
+        for &index in watched {
+            let (axis, limits) = (&cell.robot.axes[index], &limits[index]);
             let unit = match axis.kind {
                 MotionKind::Turn => Unit::Angle,
                 MotionKind::Slide => Unit::Length,
@@ -149,10 +156,8 @@ impl Alone {
             };
             self.moved[index] |= sample.velocities[index] != 0.0;
             let position = sample.positions[index];
-            if position > axis.max + POSITION_SLACK {
-                broken(Kind::Position, position - axis.max, position, axis.max);
-            } else if position < axis.min - POSITION_SLACK {
-                broken(Kind::Position, axis.min - position, position, axis.min);
+            if let Some(limit) = beyond(axis, position) {
+                broken(Kind::Position, (position - limit).abs(), position, limit);
             }
             for (kind, value, limit, most) in [
                 (Kind::Velocity, sample.velocities[index], limits.velocity, &mut self.velocity),
@@ -230,6 +235,17 @@ impl Standing {
             Kernel::Planar => gpr.displacement(&platform, &Planar),
         };
         Self { tilt: platform.tilt().pitch, platform, play }
+    }
+}
+
+/// The limit that a position is beyond.
+fn beyond(axis: &Axis, position: f64) -> Option<f64> {
+    if position > axis.max + POSITION_SLACK {
+        Some(axis.max)
+    } else if position < axis.min - POSITION_SLACK {
+        Some(axis.min)
+    } else {
+        None
     }
 }
 

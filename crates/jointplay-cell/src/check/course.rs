@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
 
 use super::scene::{Places, Scene};
@@ -20,17 +21,22 @@ pub(super) struct Course {
     /// Which, while it is looked at.
     step: Option<usize>,
     samples: Vec<Sample>,
+    /// Axes that do anything in it, as indices.
+    moving: Vec<usize>,
     count: usize,
     /// What all axes did since the start, at most, by sample.
     moved: Vec<Moved>,
     /// Where everything is, as far as that was asked for; `None` within where it is not known.
-    places: Vec<Option<Option<Box<Places>>>>,
+    places: Vec<Option<Option<Places>>>,
+    /// Room of places that are no longer needed.
+    rooms: Vec<Vec<Pose>>,
 }
 
 impl Course {
     /// Takes up a step: its start, `rate` times a second, and its end.
     pub(super) fn take(&mut self, motion: &Motion, step: usize, rate: f64, gearing: &Gearing) {
         self.step = Some(step);
+        self.moving = motion.moving(step);
         let length = motion.length(step);
         // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
         let whole = if motion.stands(step) {
@@ -46,12 +52,13 @@ impl Course {
             let since = if k < whole { k as f64 / rate } else { length };
             motion.fill_since(step, since, sample);
         }
-        self.places.clear();
+        let left = self.places.drain(..).flatten().flatten();
+        self.rooms.extend(left.map(Places::into_room));
         self.places.resize_with(self.count, || None);
         self.moved.clear();
         self.moved.push(Moved::default());
         for (k, pair) in self.samples[..self.count].windows(2).enumerate() {
-            let moved = gearing.moved(&pair[0], &pair[1]);
+            let moved = gearing.moved(&pair[0], &pair[1], &self.moving);
             self.moved.push(self.moved[k].and(&moved));
         }
     }
@@ -70,6 +77,10 @@ impl Course {
         &self.samples[..self.count]
     }
 
+    pub(super) fn moving(&self) -> &[usize] {
+        &self.moving
+    }
+
     /// What all axes did between two samples, at most.
     pub(super) fn moved(&self, between: &Range<usize>) -> Moved {
         self.moved[between.end].beyond(&self.moved[between.start])
@@ -77,13 +88,14 @@ impl Course {
 
     /// Finds where everything is at a sample.
     pub(super) fn place(&mut self, scene: &Scene<'_>, sample: usize) {
-        let positions = &self.samples[sample].positions;
-        self.places[sample].get_or_insert_with(|| scene.places(positions).ok().map(Box::new));
+        let (positions, rooms) = (&self.samples[sample].positions, &mut self.rooms);
+        self.places[sample]
+            .get_or_insert_with(|| scene.places(positions, rooms.pop().unwrap_or_default()).ok());
     }
 
     /// Where everything is at a sample that was placed; `None` where that is not known.
     pub(super) fn placed(&self, sample: usize) -> Option<&Places> {
-        self.places[sample].as_ref()?.as_deref()
+        self.places[sample].as_ref()?.as_ref()
     }
 
     /// The room that an item takes during runs of samples; `None` where it comes to no place.

@@ -181,7 +181,7 @@ impl Known {
     fn of(look: &Look<'_>, places: &Places, items: [usize; 2]) -> Self {
         let [a, b] = look.placed(places, items);
         let (apart, most) = (between_balls(a, b), between_centers(a, b));
-        Self { apart, is_exact: false, gap: gap_along(a, b, &places.normal()), most }
+        Self { apart, is_exact: false, gap: gap_along(a, b, &places.normal), most }
     }
 }
 
@@ -257,7 +257,7 @@ impl Search<'_, '_> {
         let look = &mut *self.look;
         let mut state = Sample::default();
         look.motion.fill_since(look.step, time, &mut state);
-        let Ok(places) = look.scene.places(&state.positions) else { return false };
+        let Ok(places) = look.scene.places(&state.positions, Vec::new()) else { return false };
         let [a, b] = look.placed(&places, self.pair.items);
         let mut middle = Known::of(look, &places, self.pair.items);
         (middle.apart, middle.is_exact) = (distance(a, b), true);

@@ -9,7 +9,7 @@ use super::solid::{Placed, Solid, Solids, Span};
 use crate::cell::{Carrier, Cell, Shape, ZoneRule};
 use crate::memory::{Key, extend};
 use crate::program::{Handover, Path, Phase, Step};
-use crate::robot::{EffectorId, Planar};
+use crate::robot::{Arm, Effector, EffectorId, Planar};
 use crate::station::SlotId;
 use crate::wafer::{Droop, drooped};
 
@@ -56,17 +56,19 @@ pub(super) struct Item {
 }
 
 /// Where all that moves is at one time.
-#[derive(Debug, Clone)]
+#[derive(Debug)]
 pub(super) struct Places {
-    pub(super) platform: Forward,
-    links: Vec<Vec<Pose>>,
-    /// By arm and effector, drooping.
-    pub(super) wafers: Vec<Vec<Pose>>,
+    base_from_platform: Pose,
+    pub(super) normal: Vector3<f64>,
+    /// Links of the first arm, the wafers of its effectors, drooping, and the same of the next.
+    poses: Vec<Pose>,
 }
 
 impl Places {
-    pub(super) fn normal(&self) -> Vector3<f64> {
-        self.platform.normal()
+    /// The room that they took.
+    pub(super) fn into_room(mut self) -> Vec<Pose> {
+        self.poses.clear();
+        self.poses
     }
 }
 
@@ -81,6 +83,8 @@ pub(super) struct Scene<'a> {
     pub(super) safe: Vec<(usize, Solid)>,
     /// By arm and effector.
     arms: Vec<Vec<Planar>>,
+    /// By arm and effector: where its wafer is on the last link.
+    last_from_wafer: Vec<Vec<Pose>>,
 }
 
 impl<'a> Scene<'a> {
@@ -131,27 +135,36 @@ impl<'a> Scene<'a> {
             effectors.map(move |effector| Planar::new(&cell.robot, EffectorId { arm, effector }))
         };
         let arms = (0..cell.robot.arms.len()).map(|arm| planar(arm).collect()).collect();
-        Self { cell, items, carried, safe, arms }
+        let on_last = |arm: &Arm| arm.effectors.iter().map(Effector::link_from_wafer).collect();
+        let last_from_wafer = cell.robot.arms.iter().map(on_last).collect();
+        Self { cell, items, carried, safe, arms, last_from_wafer }
     }
 
-    /// Where all that moves is.
+    /// Where all that moves is, in the room given.
     ///
     /// # Errors
     /// What the platform or the droop says.
-    pub(super) fn places(&self, positions: &[f64]) -> Result<Places, String> {
-        let chain = self.cell.robot.forward(positions).map_err(|error| error.to_string())?;
-        let mut wafers = Vec::with_capacity(self.cell.robot.arms.len());
-        for (arm, described) in self.cell.robot.arms.iter().enumerate() {
-            let mut poses = Vec::with_capacity(described.effectors.len());
-            for effector in 0..described.effectors.len() {
+    pub(super) fn places(&self, positions: &[f64], mut room: Vec<Pose>) -> Result<Places, String> {
+        let robot = &self.cell.robot;
+        let platform = robot.platform(positions).map_err(|error| error.to_string())?;
+        let base_from_platform = platform.base_from_platform;
+        for (arm, described) in robot.arms.iter().enumerate() {
+            let first = room.len();
+            described.links(&base_from_platform, positions, &mut room);
+            let last = room[first..].last().copied().unwrap_or(base_from_platform);
+            for (effector, last_from_wafer) in self.last_from_wafer[arm].iter().enumerate() {
                 let id = EffectorId { arm, effector };
                 let loaded = self.carried_by(id).is_some();
-                let rigid = chain.base_from_wafer[arm][effector];
-                poses.push(self.lowered(&chain.platform, id, rigid, loaded)?);
+                room.push(self.lowered(&platform, id, last * last_from_wafer, loaded)?);
             }
-            wafers.push(poses);
         }
-        Ok(Places { platform: chain.platform, links: chain.base_from_link, wafers })
+        Ok(Places { base_from_platform, normal: platform.normal(), poses: room })
+    }
+
+    /// The number of an arm's first pose among the places.
+    fn first_of(&self, arm: usize) -> usize {
+        let before = &self.cell.robot.arms[..arm];
+        before.iter().map(|arm| arm.joints.len() + arm.effectors.len()).sum()
     }
 
     /// Where an effector's wafer is or would be, its arm drooping.
@@ -194,9 +207,12 @@ impl<'a> Scene<'a> {
         let item = &self.items[item];
         let base_from_carrier = match item.holder {
             Holder::World | Holder::Slot(_) => &item.standing,
-            Holder::Platform => &places.platform.base_from_platform,
-            Holder::Link { arm, link } => &places.links[arm][link],
-            Holder::Effector(id) => &places.wafers[id.arm][id.effector],
+            Holder::Platform => &places.base_from_platform,
+            Holder::Link { arm, link } => &places.poses[self.first_of(arm) + link],
+            Holder::Effector(EffectorId { arm, effector }) => {
+                let links = self.cell.robot.arms[arm].joints.len();
+                &places.poses[self.first_of(arm) + links + effector]
+            }
         };
         Placed { solid: &item.solid, base_from_carrier }
     }

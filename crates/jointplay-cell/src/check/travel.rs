@@ -97,29 +97,32 @@ impl Gearing {
     }
 
     /// What all axes did between two samples, at most.
-    pub(super) fn moved(&self, from: &Sample, to: &Sample) -> Moved {
+    ///
+    /// # Arguments
+    /// * `moving` – axes that do anything there, in growing order
+    pub(super) fn moved(&self, from: &Sample, to: &Sample, moving: &[usize]) -> Moved {
         let dt = to.time - from.time;
-        let mut axes = [0.0; MAX_AXES];
-        for (axis, moved) in axes.iter_mut().enumerate().take(from.positions.len()) {
-            let of = |s: &Sample| (s.velocities[axis], s.accelerations[axis], s.jerks[axis]);
-            *moved = path(dt, of, self.jerks[axis], from, to);
+        let mut moved = Moved::default();
+        for &axis in moving {
+            let of = |s: &Sample| [s.velocities[axis], s.accelerations[axis], s.jerks[axis]];
+            moved.axes[axis] = path(dt, of(from), of(to), self.jerks[axis]);
         }
-        let mean = |values: &[f64]| (values[0] + values[1] + values[2]) / 3.0;
-        let rods_jerk = self.jerks[..RODS].iter().copied().fold(0.0, f64::max);
-        let lean: f64 = (0..RODS)
-            .map(|rod| {
-                let off = |s: &Sample| {
-                    (
-                        s.velocities[rod] - mean(&s.velocities),
-                        s.accelerations[rod] - mean(&s.accelerations),
-                        s.jerks[rod] - mean(&s.jerks),
-                    )
+        if moving.first().is_some_and(|&axis| axis < RODS) {
+            let mean = |v: &[f64]| (v[0] + v[1] + v[2]) / 3.0;
+            let means = |s: &Sample| [mean(&s.velocities), mean(&s.accelerations), mean(&s.jerks)];
+            let (first, last) = (means(from), means(to));
+            let jerk = 2.0 * self.jerks[..RODS].iter().copied().fold(0.0, f64::max);
+            for rod in 0..RODS {
+                let off = |s: &Sample, [v, a, j]: [f64; 3]| {
+                    [s.velocities[rod] - v, s.accelerations[rod] - a, s.jerks[rod] - j]
                 };
-                path(dt, off, 2.0 * rods_jerk, from, to) / self.heights[rod]
-            })
-            .sum();
-        let rods = axes[..RODS].iter().copied().fold(0.0, f64::max);
-        Moved { axes, height: self.weights * rods, lean: SLACK * lean }
+                moved.lean += path(dt, off(from, first), off(to, last), jerk) / self.heights[rod];
+            }
+            moved.lean *= SLACK;
+            let rods = moved.axes[..RODS].iter().copied().fold(0.0, f64::max);
+            moved.height = self.weights * rods;
+        }
+        moved
     }
 
     /// How far points of an item went, at most.
@@ -131,18 +134,7 @@ impl Gearing {
 }
 
 /// Length of the way of one coordinate between two samples, at most: its largest speed for the whole time.
-fn path(
-    dt: f64,
-    of: impl Fn(&Sample) -> (f64, f64, f64),
-    jerk: f64,
-    from: &Sample,
-    to: &Sample,
-) -> f64 {
-    let ((v0, a0, j0), (v1, a1, j1)) = (of(from), of(to));
-    // What stands at both ends and is not pushed there stands between them.
-    if [v0, a0, j0, v1, a1, j1] == [0.0; 6] && from.positions == to.positions {
-        return 0.0;
-    }
+fn path(dt: f64, [v0, a0, j0]: [f64; 3], [v1, a1, j1]: [f64; 3], jerk: f64) -> f64 {
     let acceleration = a0.abs().max(a1.abs()) + dt * jerk.max(j0.abs()).max(j1.abs());
     dt * (v0.abs().max(v1.abs()) + 0.5 * dt * acceleration)
 }

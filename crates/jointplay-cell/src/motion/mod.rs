@@ -171,6 +171,22 @@ impl Motion {
         matches!(*self.ways[step], Way::Still { .. })
     }
 
+    /// The axes that do anything in a step, as indices.
+    pub(crate) fn moving(&self, index: usize) -> Vec<usize> {
+        let [lead, tail] = self.overlaps(index);
+        let moves = |index: usize, axis: usize| match &*self.ways[index] {
+            Way::Still { .. } => false,
+            Way::Axes(_) => self.steps[index].from[axis] != self.steps[index].to[axis],
+            Way::Line { line, .. } => line.spline.moves(axis),
+        };
+        let any = |axis: &usize| {
+            moves(index, *axis)
+                || (lead > 0.0 && moves(index - 1, *axis))
+                || (tail > 0.0 && moves(index + 1, *axis))
+        };
+        (0..self.steps[index].from.len()).filter(any).collect()
+    }
+
     /// How straight a step is that runs along a line; `None` for any other.
     #[must_use]
     pub fn straightness(&self, step: usize) -> Option<Straightness> {

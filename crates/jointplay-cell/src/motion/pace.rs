@@ -55,9 +55,9 @@ impl<'a> Pace<'a> {
     pub(crate) fn plan(&self) -> Result<Curve, String> {
         let single = self.like_one_axis()?;
         if single.duration() == 0.0 || self.evenly_geared() {
-            return Ok(single);
+            return Ok(self.slower_where_it_bends(single));
         }
-        let mut best = (single.duration(), None);
+        let mut best = (f64::INFINITY, None);
         let mut about = None;
         for share in SHARES {
             let way = self.fastest(share);
@@ -81,13 +81,25 @@ impl<'a> Pace<'a> {
                 }
             }
         }
-        Ok(match best.1.map(|candidate| self.within(candidate)) {
-            Some(found) if found.duration() < single.duration() => found,
-            _ => single,
+        let found = best.1.map(|candidate| self.within(candidate));
+        // At least so long, and longer where a limit is passed between two glances.
+        let least = self.glance(&single, f64::INFINITY).unwrap_or(0.0).max(single.duration());
+        Ok(match found {
+            Some(found) if found.duration() < least => found,
+            found => {
+                let single = self.slower_where_it_bends(single);
+                found.filter(|found| found.duration() < single.duration()).unwrap_or(single)
+            }
         })
     }
 
-    /// Constant limits of the parameter from the steepest axis.
+    /// What is planned like a single axis: where the path bends, the parameter's speed adds to what the axes do.
+    fn slower_where_it_bends(&self, single: Curve) -> Curve {
+        let excess = self.excess(&single);
+        if excess > 1.0 + 1e-9 { single.slowed(excess * (1.0 + SLACK)) } else { single }
+    }
+
+    /// Constant limits of the parameter from the steepest axis, as if the path were straight.
     fn like_one_axis(&self) -> Result<Curve, String> {
         let mut steepest = vec![0.0_f64; self.limits.len()];
         for s in self.stages() {
@@ -113,10 +125,7 @@ impl<'a> Pace<'a> {
             return Ok(Curve::still(1.0, 0.0));
         }
         let found = together(&[0.0], &[1.0], |_| limits)?;
-        let curve = found.curves.into_iter().next().expect("one axis was asked for");
-        // Where the path bends, the parameter's speed adds to what the axes do.
-        let excess = self.excess(&curve);
-        Ok(if excess > 1.0 + 1e-9 { curve.slowed(excess * (1.0 + SLACK)) } else { curve })
+        Ok(found.curves.into_iter().next().expect("one axis was asked for"))
     }
 
     fn evenly_geared(&self) -> bool {
@@ -371,7 +380,7 @@ mod tests {
         let worst = worst(&spline, &curve, &limits);
         assert!(worst.iter().all(|&share| share < 1.0), "{worst:?}");
         // With the middle's limits everywhere it takes much longer.
-        let even = pace.like_one_axis().unwrap();
+        let even = pace.slower_where_it_bends(pace.like_one_axis().unwrap());
         assert!(
             curve.duration() < 0.8 * even.duration(),
             "{} {}",

@@ -2,10 +2,10 @@
 
 use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
-use nalgebra::{Rotation3, Translation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 use super::planar::Planar;
-use super::{EffectorId, HybridRobot, MotionKind, RODS};
+use super::{Arm, Effector, EffectorId, HybridRobot, MotionKind, RODS};
 use crate::CellError;
 
 /// Where everything of a robot is; rigid, nothing droops.
@@ -49,6 +49,39 @@ impl Effect {
     }
 }
 
+impl Arm {
+    /// Adds where its links are, from the first on.
+    pub(crate) fn links(&self, base_from_platform: &Pose, positions: &[f64], to: &mut Vec<Pose>) {
+        let mut link = base_from_platform * Translation3::from(self.mount);
+        let mut length = Translation3::identity();
+        for joint in &self.joints {
+            let driven = joint.drives.iter().map(|&(axis, ratio)| ratio * positions[axis]);
+            let value = joint.zero + driven.sum::<f64>();
+            let rise = Translation3::new(0.0, 0.0, joint.rise);
+            link = link * length * rise;
+            match joint.kind {
+                MotionKind::Turn => link *= about_normal(value),
+                MotionKind::Slide => link *= Translation3::new(value, 0.0, 0.0),
+            }
+            length = Translation3::new(joint.length, joint.offset, 0.0);
+            to.push(link);
+        }
+    }
+}
+
+impl Effector {
+    /// Where its wafer is on the last link.
+    pub(crate) fn link_from_wafer(&self) -> Pose {
+        Pose::from_parts(self.wafer_center.into(), about_normal(self.heading))
+    }
+}
+
+/// A turn about z.
+pub(super) fn about_normal(angle: f64) -> Rotation3<f64> {
+    let (sin, cos) = angle.sin_cos();
+    Rotation3::from_matrix_unchecked(Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0))
+}
+
 impl HybridRobot {
     /// Where everything is for given positions.
     ///
@@ -65,35 +98,15 @@ impl HybridRobot {
         self.check_positions(positions)?;
         let platform = self.platform(positions)?;
         let base_from_platform = platform.base_from_platform;
-        let base_from_link = self.arms.iter().map(|arm| {
-            let mut link = base_from_platform * Translation3::from(arm.mount);
-            let mut length = Translation3::identity();
-            let link_of = |joint: &super::ArmJoint| {
-                let driven = joint.drives.iter().map(|&(axis, ratio)| ratio * positions[axis]);
-                let value = joint.zero + driven.sum::<f64>();
-                let rise = Translation3::new(0.0, 0.0, joint.rise);
-                link = link * length * rise;
-                match joint.kind {
-                    MotionKind::Turn => {
-                        link *= Rotation3::from_axis_angle(&Vector3::z_axis(), value);
-                    }
-                    MotionKind::Slide => link *= Translation3::new(value, 0.0, 0.0),
-                }
-                length = Translation3::new(joint.length, joint.offset, 0.0);
-                link
-            };
-            arm.joints.iter().map(link_of).collect()
-        });
-        let base_from_link: Vec<Vec<Pose>> = base_from_link.collect();
-        let base_from_wafer = self.arms.iter().zip(&base_from_link).map(|(arm, links)| {
+        let (mut base_from_link, mut base_from_wafer) = (Vec::new(), Vec::new());
+        for arm in &self.arms {
+            let mut links = Vec::with_capacity(arm.joints.len());
+            arm.links(&base_from_platform, positions, &mut links);
             let last = links.last().copied().unwrap_or(base_from_platform);
-            let wafer_of = |effector: &super::Effector| {
-                let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), effector.heading);
-                last * Pose::from_parts(effector.wafer_center.into(), turn)
-            };
-            arm.effectors.iter().map(wafer_of).collect()
-        });
-        let base_from_wafer = base_from_wafer.collect();
+            let wafers = arm.effectors.iter().map(|effector| last * effector.link_from_wafer());
+            base_from_wafer.push(wafers.collect());
+            base_from_link.push(links);
+        }
         Ok(ChainPose { platform, base_from_link, base_from_wafer })
     }
 

@@ -1,8 +1,9 @@
 //! An arm as arrows that turn in its plane.
 
 use jointplay_core::spatial::Pose;
-use nalgebra::{Rotation3, Translation3, Vector2, Vector3};
+use nalgebra::{Translation3, Vector2};
 
+use super::forward::about_normal;
 use super::{EffectorId, HybridRobot, MAX_JOINTS, MotionKind};
 
 /// One number for each axis of an arm, in the order of [`Planar::axes`].
@@ -189,8 +190,7 @@ impl Planar {
     pub(crate) fn wafer(&self, positions: &[f64]) -> Pose {
         let own = self.own(positions);
         let center = self.tip(&own).push(self.height);
-        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), self.heading(&own));
-        Pose::from_parts(Translation3::from(center), turn)
+        Pose::from_parts(Translation3::from(center), about_normal(self.heading(&own)))
     }
 
     /// Heading of the wafer, from the platform's x axis [rad].
