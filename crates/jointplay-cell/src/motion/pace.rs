@@ -232,7 +232,14 @@ impl Pace<'_> {
             squared = squared.max(a.abs() / limits.acceleration);
             cubed = cubed.max(j.abs() / limits.jerk);
         }
-        *worst = worst.max(most).max(squared.sqrt()).max(cubed.cbrt());
+        *worst = worst.max(most);
+        // Roots only of what is worse: there are far more states than worst ones.
+        if squared > *worst * *worst {
+            *worst = squared.sqrt();
+        }
+        if cubed > *worst * *worst * *worst {
+            *worst = cubed.cbrt();
+        }
     }
 }
 

@@ -1,5 +1,8 @@
 //! From steps to a motion.
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
 use super::axes::together;
 use super::blend::{Blend, blend};
 use super::limits::{dynamics, moves};
@@ -7,6 +10,7 @@ use super::line::Task;
 use super::pace::Pace;
 use super::{Motion, Way};
 use crate::cell::Cell;
+use crate::memory::{Kept, Key, Reuse, Run, anew, extend, one_by_one};
 use crate::program::{Path, Place, Step};
 use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
 
@@ -56,41 +60,131 @@ pub fn timed(
     steps: Vec<Step>,
     options: &MotionOptions,
 ) -> Result<Motion, MotionError> {
-    let mut problems = Vec::new();
-    let mut times = Vec::with_capacity(steps.len() + 1);
-    let mut ways: Vec<Way> = Vec::with_capacity(steps.len());
-    let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
-    // How much of a step has run by the end of the one before.
-    let mut early = 0.0;
-    let mut now = 0.0;
-    times.push(now);
-    for (index, step) in steps.iter().enumerate() {
-        let way = match fits(cell, &steps, index) {
-            Some(message) => Err(message),
-            None => way(cell, step, options, now, &times),
-        };
-        let way = way.unwrap_or_else(|message| {
-            let (instruction, place) = (step.instruction, step.place);
-            problems.push(StepProblem { step: index, instruction, place, message });
-            Way::Still { duration: 0.0 }
-        });
-        if let Some(before) = index.checked_sub(1).filter(|_| problems.is_empty()) {
-            let (pair, two) = ([&steps[before], step], [&ways[before], &way]);
-            if let Some(found) = blend(cell, pair, two, options.blend) {
-                early = found.overlap;
-                times[index] = now - 0.5 * early;
-                blends[before] = Some(found);
-            }
-        }
-        now += way.duration() - std::mem::take(&mut early);
+    Ways::default().timed(cell, steps, options, &one_by_one)
+}
+
+/// The ways of the last motion, by what they depend on.
+#[derive(Default)]
+pub(crate) struct Ways(Kept<Way>);
+
+impl Ways {
+    /// See [`timed`].
+    pub(crate) fn timed(
+        &mut self,
+        cell: &Cell,
+        steps: Vec<Step>,
+        options: &MotionOptions,
+        run: Run<'_>,
+    ) -> Result<Motion, MotionError> {
+        self.0.begin(&shared(cell, options));
+        let keys: Vec<(usize, Key)> = (0..steps.len())
+            .filter(|&index| fits(cell, &steps, index).is_none())
+            .filter_map(|index| Some((index, moving(&steps[index])?)))
+            .collect();
+        let unknown = keys.iter().map(|(index, key)| (*index, key));
+        let unknown = unknown.filter(|(_, key)| !self.0.knows(key));
+        let mut made = anew(unknown, run, |index| way(cell, &steps[index], options));
+        let mut problems = Vec::new();
+        let mut times = Vec::with_capacity(steps.len() + 1);
+        let mut ways: Vec<Arc<Way>> = Vec::with_capacity(steps.len());
+        let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
+        // How much of a step has run by the end of the one before.
+        let mut early = 0.0;
+        let mut now = 0.0;
         times.push(now);
-        ways.push(way);
+        for (index, step) in steps.iter().enumerate() {
+            let way = match fits(cell, &steps, index) {
+                Some(message) => Err(message),
+                None => self.way((cell, step, options), &mut made, now, &times),
+            };
+            let way = way.unwrap_or_else(|message| {
+                let (instruction, place) = (step.instruction, step.place);
+                problems.push(StepProblem { step: index, instruction, place, message });
+                Arc::new(Way::Still { duration: 0.0 })
+            });
+            if let Some(before) = index.checked_sub(1).filter(|_| problems.is_empty()) {
+                let (pair, two) = ([&steps[before], step], [&*ways[before], &*way]);
+                if let Some(found) = blend(cell, pair, two, options.blend) {
+                    early = found.overlap;
+                    times[index] = now - 0.5 * early;
+                    blends[before] = Some(found);
+                }
+            }
+            now += way.duration() - std::mem::take(&mut early);
+            times.push(now);
+            ways.push(way);
+        }
+        self.0.end();
+        if problems.is_empty() {
+            Ok(Motion { steps, times, ways, blends })
+        } else {
+            Err(MotionError { problems })
+        }
     }
-    if problems.is_empty() {
-        Ok(Motion { steps, times, ways, blends })
-    } else {
-        Err(MotionError { problems })
+
+    fn way(
+        &mut self,
+        (cell, step, options): (&Cell, &Step, &MotionOptions),
+        made: &mut BTreeMap<Key, Result<Way, String>>,
+        now: f64,
+        times: &[f64],
+    ) -> Result<Arc<Way>, String> {
+        if let Some(key) = moving(step) {
+            // One that cannot be timed is not kept, and told of each step alike.
+            let found = made.remove(&key);
+            return self.0.get(key, || found.unwrap_or_else(|| way(cell, step, options)));
+        }
+        let duration = match step.path {
+            Path::Processed { since, seconds } => {
+                let left = times
+                    .get(since + 1)
+                    .ok_or("waits for a station that gets its wafer only later".to_string())?;
+                (left + seconds - now).max(0.0)
+            }
+            Path::Still(duration) => duration,
+            Path::Axes | Path::Line(_) => 0.0,
+        };
+        // Known by how long it is alone: where it stands is the step's.
+        self.0.get(vec![duration.to_bits()], || still(duration, step))
     }
+
+    pub(crate) fn reuse(&self) -> Reuse {
+        self.0.reuse()
+    }
+}
+
+/// What every way depends on: numbers are printed so that no two of them look alike.
+fn shared(cell: &Cell, options: &MotionOptions) -> String {
+    format!("{:?} {:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity, options.line_deviation)
+}
+
+/// What the way of a step depends on besides, unless it stands still.
+fn moving(step: &Step) -> Option<Key> {
+    match step.path {
+        Path::Axes => Some(key(step, &[])),
+        Path::Line(effector) => Some(key(step, &[effector.arm as u64, effector.effector as u64])),
+        Path::Still(_) | Path::Processed { .. } => None,
+    }
+}
+
+/// How the axes go in a step that moves.
+fn way(cell: &Cell, step: &Step, options: &MotionOptions) -> Result<Way, String> {
+    match step.path {
+        Path::Line(effector) => along(cell, step, effector, options),
+        _ => {
+            together(&step.from, &step.to, |axis| dynamics(&cell.robot, axis, step)).map(Way::Axes)
+        }
+    }
+}
+
+fn key(step: &Step, line: &[u64]) -> Key {
+    let mut key = vec![line.len() as u64];
+    key.extend(line);
+    extend(&mut key, &step.from);
+    extend(&mut key, &step.to);
+    extend(&mut key, &[step.speed, step.line_speed.unwrap_or(f64::INFINITY)]);
+    key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
+    key
 }
 
 /// What is wrong with a step before it is looked at closely.
@@ -119,27 +213,6 @@ fn fits(cell: &Cell, steps: &[Step], index: usize) -> Option<String> {
         "axis {} starts at {}, but the step before ends at {}: steps have to join",
         cell.robot.axes[jump].name, step.from[jump], earlier[jump]
     ))
-}
-
-fn way(
-    cell: &Cell,
-    step: &Step,
-    options: &MotionOptions,
-    now: f64,
-    times: &[f64],
-) -> Result<Way, String> {
-    let limits = |axis| dynamics(&cell.robot, axis, step);
-    match step.path {
-        Path::Still(duration) => still(duration, step),
-        Path::Processed { since, seconds } => {
-            let left = times
-                .get(since + 1)
-                .ok_or("waits for a station that gets its wafer only later".to_string())?;
-            still((left + seconds - now).max(0.0), step)
-        }
-        Path::Axes => together(&step.from, &step.to, limits).map(Way::Axes),
-        Path::Line(effector) => along(cell, step, effector, options),
-    }
 }
 
 fn still(duration: f64, step: &Step) -> Result<Way, String> {
