@@ -78,6 +78,17 @@ impl Way {
         }
     }
 
+    /// Times after its start at which a jerk changes [s].
+    fn breaks(&self) -> Vec<f64> {
+        match self {
+            Self::Still { .. } => Vec::new(),
+            Self::Axes(together) => {
+                together.curves.iter().flat_map(cubic::Curve::breaks).collect()
+            }
+            Self::Line { pace, .. } => pace.breaks().collect(),
+        }
+    }
+
     /// One axis, some time after its start [s].
     fn state(&self, step: &Step, axis: usize, since: f64) -> cubic::State {
         match self {

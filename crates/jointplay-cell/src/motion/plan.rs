@@ -15,13 +15,11 @@ use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
 pub struct MotionOptions {
     /// Largest distance of a wafer's centre from a straight line that it is told to keep to [m].
     pub line_deviation: f64,
-    /// Successive moves of the axes run into each other as long as no wafer's centre strays farther than this from the way without; 0 brings them to rest between moves [m].
-    pub blend: f64,
 }
 
 impl Default for MotionOptions {
     fn default() -> Self {
-        Self { line_deviation: 1e-6, blend: 0.0 }
+        Self { line_deviation: 1e-6 }
     }
 }
 
@@ -76,7 +74,7 @@ pub fn timed(
         });
         if let Some(before) = index.checked_sub(1).filter(|_| problems.is_empty()) {
             let (pair, two) = ([&steps[before], step], [&ways[before], &way]);
-            if let Some(found) = blend(cell, pair, two, options.blend) {
+            if let Some(found) = blend(cell, pair, two) {
                 early = found.overlap;
                 times[index] = now - 0.5 * early;
                 blends[before] = Some(found);
