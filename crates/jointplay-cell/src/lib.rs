@@ -16,6 +16,7 @@
 //! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
 //! | [`jog`] | the robot moved by hand: as far as its limits let it go, and what stops it there |
+//! | [`Memory`] | both for a plan that changes, at the cost of what changes |
 //! | [`surface`] | shapes as triangles, for whoever shows them |
 //!
 //! Pure mathematics in SI: no files, no clock, no threads.
@@ -24,6 +25,7 @@ pub mod cell;
 pub mod check;
 mod error;
 pub mod jog;
+mod memory;
 pub mod motion;
 pub mod program;
 pub mod robot;
@@ -32,3 +34,4 @@ pub mod surface;
 pub mod wafer;
 
 pub use error::CellError;
+pub use memory::{Memory, Reuse};

@@ -206,7 +206,9 @@ fn a_message_shows_the_line() {
 fn what_is_fuzzed_starts_from_every_command() {
     let text = include_str!("../../../fuzz/seeds/program/all.program");
     assert_eq!(format(text).unwrap(), text);
-    for command in ["HOME", "SPEED", "MOVE", "LINE", "GOTO", "CALL", "WAIT", "BLEND", "TILT", "SWAP"] {
+    for command in
+        ["HOME", "SPEED", "MOVE", "LINE", "GOTO", "CALL", "WAIT", "BLEND", "TILT", "SWAP"]
+    {
         assert!(text.contains(command));
     }
 }

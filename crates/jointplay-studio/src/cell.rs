@@ -4,9 +4,10 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use jointplay::cell::Memory;
 use jointplay::cell::cell::Cell;
-use jointplay::cell::check::{CheckOptions, Report, check};
-use jointplay::cell::motion::{Motion, MotionError, MotionOptions, timed};
+use jointplay::cell::check::{CheckOptions, Report};
+use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, expand};
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::{cell, program, report};
@@ -151,11 +152,14 @@ pub(crate) struct Desk(Arc<Inner>);
 struct Inner {
     files: Mutex<CellFiles>,
     last: Mutex<Option<Arc<Plan>>>,
+    /// What its moves came to, for the next plan.
+    memory: Mutex<Memory>,
 }
 
 impl Desk {
     pub(crate) fn new(files: CellFiles) -> Self {
-        Self(Arc::new(Inner { files: Mutex::new(files), last: Mutex::new(None) }))
+        let (files, last) = (Mutex::new(files), Mutex::new(None));
+        Self(Arc::new(Inner { files, last, memory: Mutex::new(Memory::default()) }))
     }
 
     /// The files as they stand.
@@ -172,12 +176,24 @@ impl Desk {
     /// What a program comes to in a cell; the last question is remembered.
     pub(crate) fn plan(&self, cell: String, program: String) -> Arc<Plan> {
         let last = || self.0.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(plan) = last().as_ref().filter(|plan| plan.is_of(&cell, &program)) {
-            return Arc::clone(plan);
+        let known = || last().as_ref().filter(|plan| plan.is_of(&cell, &program)).map(Arc::clone);
+        if let Some(plan) = known() {
+            return plan;
         }
-        let plan = Arc::new(Plan::new(&self.files(), cell, program));
+        // One plan after the other: each begins with what the one before came to.
+        let mut memory = self.0.memory.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(plan) = known() {
+            return plan;
+        }
+        let plan = Arc::new(Plan::new(&self.files(), cell, program, &mut memory));
         *last() = Some(Arc::clone(&plan));
         plan
+    }
+
+    /// How much of the distances in the last plan was known from the one before.
+    #[cfg(test)]
+    pub(crate) fn reuse(&self) -> jointplay::cell::Reuse {
+        self.0.memory.lock().unwrap_or_else(PoisonError::into_inner).reuse_of_distances()
     }
 
     /// The files as they stand on the disk.
@@ -225,7 +241,12 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    fn new(files: &CellFiles, cell_text: String, program_text: String) -> Self {
+    fn new(
+        files: &CellFiles,
+        cell_text: String,
+        program_text: String,
+        memory: &mut Memory,
+    ) -> Self {
         let mut plan = Self {
             cell_text,
             program_text,
@@ -248,9 +269,9 @@ impl Plan {
             );
         }
         if let (Some(cell), Ok(program)) = (&plan.cell, program) {
-            match motion(cell, &program) {
+            match motion(cell, &program, memory) {
                 Ok(motion) => {
-                    let report = check(cell, &motion, &CheckOptions::default());
+                    let report = memory.check(cell, &motion, &CheckOptions::default());
                     plan.flaws = report::flaws(&report);
                     (plan.motion, plan.report) = (Some(motion), Some(report));
                 }
@@ -312,9 +333,9 @@ impl Stopped {
     }
 }
 
-fn motion(cell: &Cell, program: &Program) -> Result<Motion, Stopped> {
+fn motion(cell: &Cell, program: &Program, memory: &mut Memory) -> Result<Motion, Stopped> {
     let steps = expand(cell, program).map_err(Stopped::Steps)?;
-    timed(cell, steps, &MotionOptions::default()).map_err(Stopped::Times)
+    memory.timed(cell, steps, &MotionOptions::default()).map_err(Stopped::Times)
 }
 
 /// The robot standing at home in a cell, for a picture of it where there is no motion.
@@ -322,5 +343,5 @@ pub(crate) fn standing(cell: &Cell) -> Option<Motion> {
     let place = Place { line: 1, column: 1 };
     let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
     let program = Program { body: vec![wait], routines: Vec::new() };
-    motion(cell, &program).ok()
+    motion(cell, &program, &mut Memory::default()).ok()
 }

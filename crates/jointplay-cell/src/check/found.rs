@@ -1,14 +1,12 @@
-//! Violations as they are found, sample by sample, merged into stretches of time.
+//! What is broken in one step, sample by sample, merged into stretches of time.
 
-use std::collections::BTreeMap;
-
-use super::report::{Kind, Unit, Violation};
-use crate::program::Step;
+use super::report::{Kind, Unit};
 
 /// What something is about, so that it is known again at the next sample: kind, and indices of what takes part.
 pub(super) type About = (Kind, usize, usize);
 
-/// One thing that is broken at one sample.
+/// One thing that is broken at one time.
+#[derive(Debug, Clone)]
 pub(super) struct Hit {
     pub(super) about: About,
     /// What it is called: of two bodies that come too near and then touch, the worse of the two.
@@ -20,82 +18,52 @@ pub(super) struct Hit {
     pub(super) unit: Unit,
 }
 
-struct Open {
-    violation: Violation,
-    severity: f64,
-    /// Number of the last sample at which it was broken.
-    sample: usize,
+/// One thing that is broken without a break.
+#[derive(Debug, Clone)]
+pub(super) struct Stretch {
+    /// The worst of it.
+    pub(super) hit: Hit,
+    /// When that is, since the start of the step [s].
+    pub(super) worst: f64,
+    /// First and last time at which it is broken, since the start of the step [s].
+    pub(super) start: f64,
+    pub(super) end: f64,
+    /// Numbers of the samples at which, or before which, that is.
+    pub(super) first: usize,
+    pub(super) last: usize,
+    pub(super) detail: String,
 }
 
-/// All violations so far.
-#[derive(Default)]
-pub(super) struct Found {
-    open: BTreeMap<About, Open>,
-    closed: Vec<Violation>,
-}
-
-/// When something was found.
-#[derive(Clone, Copy)]
-pub(super) struct When<'a> {
+/// When something was found: since the start of the step [s], and at or before which of its samples.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct When {
     pub(super) time: f64,
     pub(super) sample: usize,
-    pub(super) index: usize,
-    pub(super) step: &'a Step,
 }
 
+/// All that is broken in a step so far.
+#[derive(Debug, Default)]
+pub(super) struct Found(Vec<Stretch>);
+
 impl Found {
-    /// Adds what is broken at a sample, to what was broken at the sample before where that is the same.
-    pub(super) fn add(
-        &mut self,
-        when: When<'_>,
-        hit: &Hit,
-        words: impl FnOnce() -> (Vec<String>, String),
-    ) {
-        if let Some(open) = self.open.get_mut(&hit.about) {
-            let violation = &mut open.violation;
-            let same = violation.instruction == when.step.instruction;
-            if same && open.sample + 1 >= when.sample {
-                open.sample = when.sample;
-                violation.end = violation.end.max(when.time);
-                violation.start = violation.start.min(when.time);
-                if hit.severity > open.severity {
-                    open.severity = hit.severity;
-                    violation.kind = hit.kind;
-                    violation.worst = hit.value;
-                    violation.limit = hit.limit;
-                    violation.worst_time = when.time;
-                    violation.step = when.index;
-                    violation.phase = when.step.phase;
-                }
-                return;
+    /// Adds what is broken, to what was broken at the sample before where that is the same; times of one thing grow.
+    pub(super) fn add(&mut self, when: When, hit: Hit, detail: impl FnOnce() -> String) {
+        let When { time, sample } = when;
+        // The last of its kind: nothing is found of it before that any more.
+        let open = self.0.iter_mut().rev().find(|open| open.hit.about == hit.about);
+        if let Some(open) = open.filter(|open| open.last + 1 >= sample) {
+            (open.end, open.last) = (time, sample);
+            if hit.severity > open.hit.severity {
+                (open.hit, open.worst) = (hit, time);
             }
+            return;
         }
-        let (names, detail) = words();
-        let violation = Violation {
-            kind: hit.kind,
-            names,
-            instruction: when.step.instruction,
-            place: when.step.place,
-            step: when.index,
-            phase: when.step.phase,
-            start: when.time,
-            end: when.time,
-            worst_time: when.time,
-            worst: hit.value,
-            limit: hit.limit,
-            unit: hit.unit,
-            detail,
-        };
-        let open = Open { violation, severity: hit.severity, sample: when.sample };
-        if let Some(over) = self.open.insert(hit.about, open) {
-            self.closed.push(over.violation);
-        }
+        let (first, last) = (sample, sample);
+        let (worst, start, end) = (time, time, time);
+        self.0.push(Stretch { hit, worst, start, end, first, last, detail: detail() });
     }
 
-    /// All of them by time, and those of one time by kind.
-    pub(super) fn finished(mut self) -> Vec<Violation> {
-        self.closed.extend(self.open.into_values().map(|open| open.violation));
-        self.closed.sort_by(|a, b| a.start.total_cmp(&b.start).then(a.kind.cmp(&b.kind)));
-        self.closed
+    pub(super) fn finished(self) -> Vec<Stretch> {
+        self.0
     }
 }

@@ -4,10 +4,12 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Point3, Vector3};
 
-use super::solid::{Placed, Solid};
+use super::course::bounds;
+use super::solid::{Placed, Solid, Solids, Span};
 use crate::cell::{Carrier, Cell, Shape, ZoneRule};
+use crate::memory::{Key, extend};
 use crate::program::{Handover, Path, Phase, Step};
-use crate::robot::EffectorId;
+use crate::robot::{EffectorId, Planar};
 use crate::station::SlotId;
 use crate::wafer::{Droop, drooped};
 
@@ -40,10 +42,14 @@ pub(super) enum Role {
 pub(super) struct Item {
     pub(super) name: String,
     pub(super) solid: Solid,
+    /// Number of its solid, which no other solid has.
+    number: u64,
     pub(super) holder: Holder,
     pub(super) role: Role,
     /// Where its holder stands, for what does not move.
     standing: Pose,
+    /// A box around it, axes those of the base, for what does not move.
+    pub(super) around: [Span; 3],
     /// Whether it was ever laid into a slot.
     pub(super) laid: bool,
 }
@@ -71,10 +77,12 @@ pub(super) struct Scene<'a> {
     carried: Vec<(EffectorId, usize)>,
     /// Zones that wafers' centres have to stay in while the robot turns, by index in the cell.
     pub(super) safe: Vec<(usize, Solid)>,
+    /// By arm and effector.
+    arms: Vec<Vec<Planar>>,
 }
 
 impl<'a> Scene<'a> {
-    pub(super) fn new(cell: &'a Cell) -> Self {
+    pub(super) fn new(cell: &'a Cell, solids: &mut Solids) -> Self {
         let (mut items, mut carried) = (Vec::new(), Vec::new());
         for (index, body) in cell.bodies.iter().enumerate() {
             let holder = match body.carrier {
@@ -82,18 +90,18 @@ impl<'a> Scene<'a> {
                 Carrier::Platform => Holder::Platform,
                 Carrier::Link { arm, link } => Holder::Link { arm, link },
             };
-            if let Some(solid) = Solid::new(&body.shape, &body.carrier_from_shape) {
+            if let Some(solid) = solids.get(&body.shape, &body.carrier_from_shape) {
                 items.push(Item::new(body.name.clone(), solid, holder, Role::Body(index)));
             }
         }
         let mut safe = Vec::new();
         for (index, zone) in cell.zones.iter().enumerate() {
-            let Some(solid) = Solid::new(&zone.shape, &zone.base_from_shape) else { continue };
+            let Some(solid) = solids.get(&zone.shape, &zone.base_from_shape) else { continue };
             match zone.rule {
                 ZoneRule::KeepOut => {
                     items.push(Item::new(zone.name.clone(), solid, Holder::World, Role::KeepOut));
                 }
-                ZoneRule::Safe => safe.push((index, solid)),
+                ZoneRule::Safe => safe.push((index, solid.1)),
             }
         }
         // A wafer lies on the plane of its frame, thickness upward.
@@ -103,11 +111,11 @@ impl<'a> Scene<'a> {
             Vector3::new(0.0, 0.0, half_height).into(),
             nalgebra::Rotation3::identity(),
         );
-        if let Some(disc) = Solid::new(&disc, &middle) {
+        if let Some(disc) = solids.get(&disc, &middle) {
             for &slot in &cell.occupied {
                 let name = format!("wafer of {}", slot_name(cell, slot));
                 let mut item = Item::new(name, disc.clone(), Holder::Slot(slot), Role::Wafer);
-                item.standing = cell.stations[slot.station].slot_frame(slot.slot);
+                item.stand(cell.stations[slot.station].slot_frame(slot.slot));
                 items.push(item);
             }
             for &id in &cell.carried {
@@ -116,15 +124,20 @@ impl<'a> Scene<'a> {
                 items.push(Item::new(name, disc.clone(), Holder::Effector(id), Role::Wafer));
             }
         }
-        Self { cell, items, carried, safe }
+        let planar = |arm: usize| {
+            let effectors = 0..cell.robot.arms[arm].effectors.len();
+            effectors.map(move |effector| Planar::new(&cell.robot, EffectorId { arm, effector }))
+        };
+        let arms = (0..cell.robot.arms.len()).map(|arm| planar(arm).collect()).collect();
+        Self { cell, items, carried, safe, arms }
     }
 
     /// Where all that moves is.
     ///
     /// # Errors
-    /// Whether the platform or the droop is the reason, and what it says.
-    pub(super) fn places(&self, positions: &[f64]) -> Result<Places, (bool, String)> {
-        let chain = self.cell.robot.forward(positions).map_err(|e| (true, e.to_string()))?;
+    /// What the platform or the droop says.
+    pub(super) fn places(&self, positions: &[f64]) -> Result<Places, String> {
+        let chain = self.cell.robot.forward(positions).map_err(|error| error.to_string())?;
         let mut wafers = Vec::with_capacity(self.cell.robot.arms.len());
         for (arm, described) in self.cell.robot.arms.iter().enumerate() {
             let mut poses = Vec::with_capacity(described.effectors.len());
@@ -132,12 +145,25 @@ impl<'a> Scene<'a> {
                 let id = EffectorId { arm, effector };
                 let loaded = self.carried_by(id).is_some();
                 let rigid = chain.base_from_wafer[arm][effector];
-                let pose = self.lowered(&chain.platform, id, rigid, loaded);
-                poses.push(pose.map_err(|why| (false, why))?);
+                poses.push(self.lowered(&chain.platform, id, rigid, loaded)?);
             }
             wafers.push(poses);
         }
         Ok(Places { platform: chain.platform, links: chain.base_from_link, wafers })
+    }
+
+    /// Where an effector's wafer is or would be, its arm drooping.
+    ///
+    /// # Errors
+    /// What the droop says.
+    pub(super) fn wafer(
+        &self,
+        platform: &Forward,
+        id: EffectorId,
+        positions: &[f64],
+    ) -> Result<Pose, String> {
+        let rigid = platform.base_from_platform * self.arms[id.arm][id.effector].wafer(positions);
+        self.lowered(platform, id, rigid, self.carried_by(id).is_some())
     }
 
     /// A wafer frame, its arm drooping.
@@ -178,13 +204,13 @@ impl<'a> Scene<'a> {
         self.carried.iter().find(|(by, _)| *by == id).map(|(_, item)| *item)
     }
 
-    /// Does what the end of a step does to wafers; the item that changed hands.
-    pub(super) fn hand_over(&mut self, handover: Handover) -> Option<usize> {
+    /// Does what the end of a step does to wafers.
+    pub(super) fn hand_over(&mut self, handover: Handover) {
         let (from, to) = match handover {
             Handover::Taken(id, slot) => (Holder::Slot(slot), Holder::Effector(id)),
             Handover::Left(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
         };
-        let index = self.items.iter().position(|item| item.holder == from)?;
+        let Some(index) = self.items.iter().position(|item| item.holder == from) else { return };
         match handover {
             Handover::Taken(id, _) => self.carried.push((id, index)),
             Handover::Left(id, _) => self.carried.retain(|(by, _)| *by != id),
@@ -192,16 +218,38 @@ impl<'a> Scene<'a> {
         let item = &mut self.items[index];
         item.holder = to;
         if let Holder::Slot(slot) = to {
-            item.standing = self.cell.stations[slot.station].slot_frame(slot.slot);
+            item.stand(self.cell.stations[slot.station].slot_frame(slot.slot));
             item.laid = true;
         }
-        Some(index)
     }
 }
 
 impl Item {
-    fn new(name: String, solid: Solid, holder: Holder, role: Role) -> Self {
-        Self { name, solid, holder, role, standing: Pose::identity(), laid: false }
+    fn new(name: String, (number, solid): (u64, Solid), holder: Holder, role: Role) -> Self {
+        let around = [Span { least: 0.0, most: 0.0 }; 3];
+        let standing = Pose::identity();
+        let mut item = Self { name, solid, number, holder, role, standing, around, laid: false };
+        item.stand(standing);
+        item
+    }
+
+    fn stand(&mut self, standing: Pose) {
+        self.standing = standing;
+        self.around = bounds(Placed { solid: &self.solid, base_from_carrier: &self.standing });
+    }
+
+    /// Adds what it is and what holds it to inputs.
+    pub(super) fn key(&self, key: &mut Key) {
+        key.push(self.number);
+        match self.holder {
+            Holder::Platform => key.push(0),
+            Holder::Link { arm, link } => key.extend([1, arm as u64, link as u64]),
+            Holder::Effector(id) => key.extend([2, id.arm as u64, id.effector as u64]),
+            Holder::World | Holder::Slot(_) => {
+                extend(key, self.standing.rotation.matrix().as_slice());
+                extend(key, self.standing.translation.vector.as_slice());
+            }
+        }
     }
 }
 
@@ -235,6 +283,19 @@ pub(super) fn acting(step: &Step) -> Option<EffectorId> {
         (Path::Line(id), _) => Some(id),
         (_, Some(Handover::Taken(id, _) | Handover::Left(id, _))) => Some(id),
         _ => None,
+    }
+}
+
+impl Rule {
+    /// Adds what is asked to inputs.
+    pub(super) fn key(self, key: &mut Key) {
+        let (kind, limit) = match self {
+            Self::Free => (0, 0.0),
+            Self::Apart(limit) => (1, limit),
+            Self::Slots(limit) => (2, limit),
+            Self::Out => (3, 0.0),
+        };
+        key.extend([kind, f64::to_bits(limit)]);
     }
 }
 

@@ -1,12 +1,13 @@
 //! Whether friction holds a wafer.
 
+use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
-use crate::cell::Cell;
+use super::scene::Scene;
 use crate::motion::Sample;
-use crate::robot::{EffectorId, Positions};
-use crate::wafer::{Support, Unreachable, Wafer};
+use crate::robot::{EffectorId, Positions, RODS};
+use crate::wafer::{Support, Wafer};
 
 /// What a wafer's effector has to hold it with, and what friction can, by mass.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,10 +42,10 @@ struct Burden {
 /// b: radius of the three points, or of the wafer on its edge, or half the distance of the rails.
 ///
 /// # Errors
-/// As [`Cell::wafer_pose`].
+/// Those of the platform and of the droop.
 ///
 /// # Numerics
-/// `now` is the pose of the wafer at the sample; its accelerations are second differences over the parabola of velocities and accelerations through the sample: off by the square of the step.
+/// `platform` and `now` are its pose and that of the wafer at the sample; its accelerations are second differences over the parabola of velocities and accelerations through the sample: off by the square of the step.
 ///
 /// # Assumptions
 /// Coulomb friction at the pads, a rigid flat wafer.
@@ -53,11 +54,13 @@ struct Burden {
 /// # Source
 /// own derivation, docs/theory.md
 pub(super) fn push(
-    cell: &Cell,
+    scene: &Scene<'_>,
     sample: &Sample,
     effector: EffectorId,
+    platform: &Forward,
     now: &Pose,
-) -> Result<Push, Unreachable> {
+) -> Result<Push, String> {
+    let cell = scene.cell;
     let still = |values: &[f64]| values.iter().all(|value| *value == 0.0);
     let around = if still(&sample.velocities) && still(&sample.accelerations) {
         [*now; 3]
@@ -67,7 +70,12 @@ pub(super) fn push(
             for (k, position) in moved.iter_mut().enumerate() {
                 *position += t * (sample.velocities[k] + 0.5 * t * sample.accelerations[k]);
             }
-            cell.wafer_pose(effector, &moved, true)
+            // While the rods stand, so does the platform.
+            if moved[..RODS] == platform.rods {
+                return scene.wafer(platform, effector, &moved);
+            }
+            let moving = cell.robot.platform(&moved).map_err(|error| error.to_string())?;
+            scene.wafer(&moving, effector, &moved)
         };
         [on_parabola(-STEP)?, *now, on_parabola(STEP)?]
     };

@@ -1,12 +1,15 @@
 //! Shapes as the collision library knows them, and distances between them.
 
+use std::convert::Infallible;
+
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Vector3};
 use parry3d_f64::math::{Mat3, Pose3, Rot3, Vector};
-use parry3d_f64::query;
+use parry3d_f64::query::{self, details::distance_support_map_support_map};
 use parry3d_f64::shape::{Shape as Queried, SharedShape};
 
 use crate::cell::Shape;
+use crate::memory::{Kept, Key, extend};
 
 /// A shape in its carrier's frame.
 #[derive(Clone)]
@@ -115,8 +118,7 @@ impl Solid {
         self.center.norm() + self.radius
     }
 
-    /// Least and largest coordinate along a direction through the base origin [m], or wider.
-    fn span(&self, base_from_carrier: &Pose, direction: &Vector3<f64>) -> (f64, f64) {
+    fn span(&self, base_from_carrier: &Pose, direction: &Vector3<f64>) -> Span {
         let base_from_shape = base_from_carrier * self.carrier_from_shape;
         let d = base_from_shape.rotation.inverse() * direction;
         let origin = direction.dot(&base_from_shape.translation.vector);
@@ -133,8 +135,91 @@ impl Solid {
                 (0.5 * (a + b), 0.5 * (a - b).abs())
             }
         };
-        (origin + middle - half - self.margin, origin + middle + half + self.margin)
+        let half = half + self.margin;
+        Span { least: origin + middle - half, most: origin + middle + half }
     }
+}
+
+/// Least and largest coordinate along a direction [m], or wider.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Span {
+    pub(super) least: f64,
+    pub(super) most: f64,
+}
+
+impl Span {
+    /// What is between two spans; below zero where they overlap.
+    pub(super) fn gap(self, other: Self) -> f64 {
+        (self.least - other.most).max(other.least - self.most)
+    }
+
+    /// The least span that holds both.
+    pub(super) fn with(self, other: Self) -> Self {
+        Self { least: self.least.min(other.least), most: self.most.max(other.most) }
+    }
+
+    /// With so much more at either end.
+    pub(super) fn wider(self, by: f64) -> Self {
+        Self { least: self.least - by, most: self.most + by }
+    }
+}
+
+/// The solids of the last check, each with a number of its own.
+#[derive(Default)]
+pub(super) struct Solids {
+    kept: Kept<(u64, Option<Solid>)>,
+    count: u64,
+}
+
+impl Solids {
+    pub(super) fn begin(&mut self) {
+        self.kept.begin("");
+    }
+
+    /// As [`Solid::new`].
+    pub(super) fn get(&mut self, shape: &Shape, carrier_from_shape: &Pose) -> Option<(u64, Solid)> {
+        let make = || {
+            self.count += 1;
+            Ok::<_, Infallible>((self.count, Solid::new(shape, carrier_from_shape)))
+        };
+        let Ok(found) = self.kept.get(inputs(shape, carrier_from_shape), make);
+        Some((found.0, found.1.clone()?))
+    }
+
+    pub(super) fn end(&mut self) {
+        self.kept.end();
+    }
+}
+
+fn inputs(shape: &Shape, carrier_from_shape: &Pose) -> Key {
+    let mut key = Key::new();
+    extend(&mut key, carrier_from_shape.rotation.matrix().as_slice());
+    extend(&mut key, carrier_from_shape.translation.vector.as_slice());
+    match shape {
+        Shape::Box { half } => {
+            key.push(0);
+            extend(&mut key, half);
+        }
+        Shape::Cylinder { radius, half_height } => {
+            key.push(1);
+            extend(&mut key, &[*radius, *half_height]);
+        }
+        Shape::Capsule { ends, radius } => {
+            key.push(2);
+            extend(&mut key, ends.as_flattened());
+            extend(&mut key, &[*radius]);
+        }
+        Shape::Convex { points } => {
+            key.push(3);
+            extend(&mut key, points.as_flattened());
+        }
+        Shape::Mesh { vertices, triangles } => {
+            key.extend([4, vertices.len() as u64]);
+            extend(&mut key, vertices.as_flattened());
+            key.extend(triangles.as_flattened().iter().map(|&corner| u64::from(corner)));
+        }
+    }
+    key
 }
 
 fn bounds(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
@@ -159,24 +244,32 @@ pub(super) struct Placed<'a> {
 }
 
 impl Placed<'_> {
+    /// Least and largest coordinate along a direction through the base origin.
+    pub(super) fn span(&self, direction: &Vector3<f64>) -> Span {
+        self.solid.span(self.base_from_carrier, direction)
+    }
+
     fn pose(&self) -> Pose3 {
         posed(&(self.base_from_carrier * self.solid.carrier_from_shape))
     }
 }
 
-/// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
-pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
+/// Distance of the middles of two solids [m].
+pub(super) fn between_centers(a: Placed<'_>, b: Placed<'_>) -> f64 {
     let center = |p: &Placed<'_>| {
         p.base_from_carrier.rotation * p.solid.center + p.base_from_carrier.translation.vector
     };
-    (center(&a) - center(&b)).norm() - a.solid.radius - b.solid.radius
+    (center(&a) - center(&b)).norm()
+}
+
+/// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
+pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
+    between_centers(a, b) - a.solid.radius - b.solid.radius
 }
 
 /// A lower bound of the distance: the gap between two solids along a direction [m]; below zero where they overlap there.
 pub(super) fn gap_along(a: Placed<'_>, b: Placed<'_>, direction: &Vector3<f64>) -> f64 {
-    let (a_least, a_most) = a.solid.span(a.base_from_carrier, direction);
-    let (b_least, b_most) = b.solid.span(b.base_from_carrier, direction);
-    (a_least - b_most).max(b_least - a_most)
+    a.span(direction).gap(b.span(direction))
 }
 
 /// Distance between two solids [m], 0 where they overlap.
@@ -184,8 +277,14 @@ pub(super) fn distance(a: Placed<'_>, b: Placed<'_>) -> f64 {
     let (pose_a, pose_b) = (a.pose(), b.pose());
     let margin = a.solid.margin + b.solid.margin;
     let shapes: (&dyn Queried, &dyn Queried) = (&*a.solid.shape.0, &*b.solid.shape.0);
-    let apart =
-        query::distance(&pose_a, shapes.0, &pose_b, shapes.1).map_or(0.0, |found| found.distance);
+    let apart = match (shapes.0.as_cuboid(), shapes.1.as_cuboid()) {
+        // What the library does for two boxes goes to and fro between their faces once, and ends too far away where these lie parallel and crosswise.
+        (Some(first), Some(second)) => {
+            distance_support_map_support_map(&pose_a.inv_mul(&pose_b), first, second)
+        }
+        _ => query::distance(&pose_a, shapes.0, &pose_b, shapes.1)
+            .map_or(0.0, |found| found.distance),
+    };
     if apart == 0.0 {
         // An iteration that does not end also answers 0: the bound by the balls is then the honest one.
         let touching = query::intersection_test(&pose_a, shapes.0, &pose_b, shapes.1);
@@ -250,6 +349,79 @@ mod tests {
         check(&link, &link, at(0.1, 0.0, 0.03), 0.0);
         check(&link, &wall, at(0.4, 0.0, 0.0), 0.07);
         check(&hull, &wall, at(0.2, 0.0, 0.0), 0.09);
+    }
+
+    /// Of two boxes: from each corner to the other box, and from each edge to each.
+    fn by_corners_and_edges(halves: [[f64; 3]; 2], poses: [Pose3; 2]) -> f64 {
+        use parry3d_f64::query::PointQuery;
+        use parry3d_f64::query::details::distance_segment_segment;
+        use parry3d_f64::shape::{Cuboid, Segment};
+        let signed = |half: &[f64; 3], bits: usize| {
+            let sign = |k: usize| if bits >> k & 1 == 0 { -half[k] } else { half[k] };
+            Vector::new(sign(0), sign(1), sign(2))
+        };
+        let edges = |which: usize| {
+            let (half, pose) = (halves[which], poses[which]);
+            (0..8_usize).flat_map(move |bits| {
+                (0..3).filter(move |axis| bits >> axis & 1 == 0).map(move |axis| {
+                    let ends = [bits, bits | 1 << axis].map(|bits| pose * signed(&half, bits));
+                    Segment::new(ends[0], ends[1])
+                })
+            })
+        };
+        let mut least = f64::INFINITY;
+        for (one, other) in [(0, 1), (1, 0)] {
+            let cuboid = Cuboid::new(vector(&halves[other]));
+            for bits in 0..8 {
+                let corner = poses[one] * signed(&halves[one], bits);
+                least = least.min(cuboid.distance_to_point(&poses[other], corner, true));
+            }
+        }
+        for one in edges(0) {
+            for other in edges(1) {
+                least = least.min(distance_segment_segment(&Pose3::IDENTITY, &one, &other));
+            }
+        }
+        least
+    }
+
+    #[test]
+    fn boxes_that_lie_parallel_crosswise_or_anyhow() {
+        let mut state = 3_u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let mut crosswise = 0;
+        for round in 0..20_000 {
+            let halves = [0, 1].map(|_| [0, 1, 2].map(|_| 0.005 + 0.15 * random().powi(2)));
+            let turn = 3.0 * random();
+            // Parallel planes, by bits or to round-off, leaning a little, or anyhow.
+            let lean = [0.0, 1e-16, 1e-12, 1e-6, 1e-3, 1.0][round % 6];
+            let lean = Vector3::new(lean * random(), lean * random(), 0.0);
+            let common = Rotation3::new(Vector3::new(random(), random(), random()) * 0.01);
+            let rotation = Rotation3::new(lean) * Rotation3::new(Vector3::z() * turn);
+            let above = halves[0][2] + halves[1][2] + 0.02 * random().abs();
+            let shift = Vector3::new(0.2 * random(), 0.2 * random(), above);
+            let poses = [
+                Pose::from_parts(Vector3::new(random(), random(), random()).into(), common),
+                Pose::identity(),
+            ];
+            let poses = [poses[0], poses[0] * Pose::from_parts(shift.into(), rotation)];
+            let [a, b] =
+                halves.map(|half| Solid::new(&Shape::Box { half }, &Pose::identity()).unwrap());
+            let found = distance(
+                Placed { solid: &a, base_from_carrier: &poses[0] },
+                Placed { solid: &b, base_from_carrier: &poses[1] },
+            );
+            let expected = by_corners_and_edges(halves, poses.map(|pose| posed(&pose)));
+            crosswise +=
+                usize::from((expected - (above - halves[0][2] - halves[1][2])).abs() < 1e-9);
+            if found > 0.0 {
+                assert!((found - expected).abs() < 1e-8, "{round}: {found} for {expected}");
+            }
+        }
+        assert!(crosswise > 1000, "{crosswise}");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::scene::{Holder, Item};
 use crate::motion::Sample;
-use crate::robot::{HybridRobot, MAX_AXES, MotionKind, RODS};
+use crate::robot::{Arm, HybridRobot, MAX_AXES, MotionKind, RODS};
 
 /// Slack for what the bounds leave out: the platform's shift and twist by its tilt, of the size of the tilt, and the droop's change by reach.
 const SLACK: f64 = 1.1;
@@ -32,7 +32,7 @@ impl Travel {
 }
 
 /// What all axes did between two samples, at most.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Moved {
     /// Path of each axis [m or rad].
     axes: [f64; MAX_AXES],
@@ -42,6 +42,26 @@ pub(super) struct Moved {
     pub(super) lean: f64,
 }
 
+impl Moved {
+    /// What they did in two intervals, one after the other.
+    pub(super) fn and(&self, more: &Self) -> Self {
+        self.with(more, |one, other| one + other)
+    }
+
+    /// What they did beyond the first of two intervals.
+    pub(super) fn beyond(&self, first: &Self) -> Self {
+        self.with(first, |one, other| one - other)
+    }
+
+    fn with(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        Self {
+            axes: std::array::from_fn(|axis| of(self.axes[axis], other.axes[axis])),
+            height: of(self.height, other.height),
+            lean: of(self.lean, other.lean),
+        }
+    }
+}
+
 /// The base triangle, as far as it gears rods to the platform.
 pub(super) struct Gearing {
     /// Sum of the absolute weights by which the rods lift the platform's origin.
@@ -49,6 +69,8 @@ pub(super) struct Gearing {
     /// Heights of the base triangle over each side [m], at the corner of each rod.
     heights: [f64; RODS],
     radius: f64,
+    /// Largest jerk that the limits of each axis allow: samples do not show what it is between them [m/s³ or rad/s³].
+    jerks: [f64; MAX_AXES],
 }
 
 impl Gearing {
@@ -62,7 +84,12 @@ impl Gearing {
         let origin = [0.0, 0.0];
         let weight = |k: usize| area(corner((k + 1) % 3), corner((k + 2) % 3), origin) / whole;
         let side = |k: usize| (b[(k + 1) % 3] - b[(k + 2) % 3]).norm();
+        let mut jerks = [0.0; MAX_AXES];
+        for (jerk, axis) in jerks.iter_mut().zip(&robot.axes) {
+            *jerk = axis.empty.jerk.max(axis.loaded.jerk);
+        }
         Self {
+            jerks,
             weights: (0..RODS).map(|k| weight(k).abs()).sum(),
             heights: [0, 1, 2].map(|k| whole.abs() / side(k)),
             radius: b.iter().map(|point| point.norm()).fold(0.0, f64::max),
@@ -74,10 +101,11 @@ impl Gearing {
         let dt = to.time - from.time;
         let mut axes = [0.0; MAX_AXES];
         for (axis, moved) in axes.iter_mut().enumerate().take(from.positions.len()) {
-            *moved =
-                path(dt, |s| (s.velocities[axis], s.accelerations[axis], s.jerks[axis]), from, to);
+            let of = |s: &Sample| (s.velocities[axis], s.accelerations[axis], s.jerks[axis]);
+            *moved = path(dt, of, self.jerks[axis], from, to);
         }
         let mean = |values: &[f64]| (values[0] + values[1] + values[2]) / 3.0;
+        let rods_jerk = self.jerks[..RODS].iter().copied().fold(0.0, f64::max);
         let lean: f64 = (0..RODS)
             .map(|rod| {
                 let off = |s: &Sample| {
@@ -87,7 +115,7 @@ impl Gearing {
                         s.jerks[rod] - mean(&s.jerks),
                     )
                 };
-                path(dt, off, from, to) / self.heights[rod]
+                path(dt, off, 2.0 * rods_jerk, from, to) / self.heights[rod]
             })
             .sum();
         let rods = axes[..RODS].iter().copied().fold(0.0, f64::max);
@@ -103,49 +131,105 @@ impl Gearing {
 }
 
 /// Length of the way of one coordinate between two samples, at most: its largest speed for the whole time.
-fn path(dt: f64, of: impl Fn(&Sample) -> (f64, f64, f64), from: &Sample, to: &Sample) -> f64 {
+fn path(
+    dt: f64,
+    of: impl Fn(&Sample) -> (f64, f64, f64),
+    jerk: f64,
+    from: &Sample,
+    to: &Sample,
+) -> f64 {
     let ((v0, a0, j0), (v1, a1, j1)) = (of(from), of(to));
-    let acceleration = a0.abs().max(a1.abs()) + dt * j0.abs().max(j1.abs());
+    // What stands at both ends and is not pushed there stands between them.
+    if [v0, a0, j0, v1, a1, j1] == [0.0; 6] && from.positions == to.positions {
+        return 0.0;
+    }
+    let acceleration = a0.abs().max(a1.abs()) + dt * jerk.max(j0.abs()).max(j1.abs());
     dt * (v0.abs().max(v1.abs()) + 0.5 * dt * acceleration)
 }
 
 impl Levers {
     /// Of an item that moves.
     pub(super) fn new(robot: &HybridRobot, item: &Item) -> Self {
+        Self::beyond(robot, item, 0)
+    }
+
+    /// Of two items that move, against each other: what carries both alike counts for neither.
+    pub(super) fn between(robot: &HybridRobot, one: &Item, other: &Item) -> Self {
+        let common = match (joints_of(robot, one), joints_of(robot, other)) {
+            (Some((a, m)), Some((b, n))) if a == b => m.min(n),
+            (Some((a, _)), Some((b, _))) => {
+                usize::from(begin_alike(&robot.arms[a], &robot.arms[b]))
+            }
+            _ => 0,
+        };
+        let (one, other) = (Self::beyond(robot, one, common), Self::beyond(robot, other, common));
+        let arms = std::array::from_fn(|axis| one.arms[axis] + other.arms[axis]);
+        Self { arms, far: one.far + other.far }
+    }
+
+    /// By joints from a place on.
+    ///
+    /// ```text
+    ///    |v|  ≤  Σ_a |ȧ| Σ_g |m_ga| |v_g|        m_ga: turning of link g by axis a, |v_g|: its length
+    /// ```
+    /// so that a wafer that a belt keeps from turning has none of the levers that it would have about each joint.
+    fn beyond(robot: &HybridRobot, item: &Item, common: usize) -> Self {
         let mut arms = [0.0; MAX_AXES];
-        let (arm, links, own) = match item.holder {
-            Holder::Link { arm, link } => (arm, link + 1, item.solid.reach()),
-            Holder::Effector(id) => {
-                let effector = &robot.arms[id.arm].effectors[id.effector];
-                let [x, y, z] = effector.wafer_center;
-                let out = x.hypot(y).hypot(z) + item.solid.reach();
-                (id.arm, robot.arms[id.arm].joints.len(), out)
-            }
-            Holder::Platform | Holder::World | Holder::Slot(_) => {
-                return Self { arms, far: item.solid.reach() };
-            }
+        let reach = item.solid.reach();
+        let Some((arm, joints)) = joints_of(robot, item) else {
+            return Self { arms, far: reach };
         };
         let described = &robot.arms[arm];
-        // From the item inward, the farthest that it can be from each joint.
-        let mut out = own;
-        for (place, joint) in described.joints[..links].iter().enumerate().rev() {
-            if place + 1 < links {
-                out += joint.length.hypot(joint.offset);
+        let own = match item.holder {
+            Holder::Effector(id) => {
+                let [x, y, z] = described.effectors[id.effector].wafer_center;
+                x.hypot(y).hypot(z) + reach
             }
-            for &(axis, ratio) in &joint.drives {
-                arms[axis] += ratio.abs()
-                    * match joint.kind {
-                        MotionKind::Turn => out,
-                        MotionKind::Slide => 1.0,
-                    };
-            }
-            if joint.kind == MotionKind::Slide {
-                out += slide(robot, joint);
-            }
-            out += joint.rise.abs();
-        }
+            _ => reach,
+        };
         let [x, y, z] = described.mount;
-        Self { arms, far: out + x.hypot(y).hypot(z) }
+        let mut far = x.hypot(y).hypot(z);
+        let mut turning = [0.0_f64; MAX_AXES];
+        for (place, joint) in described.joints[..joints].iter().enumerate() {
+            let mut length =
+                if place + 1 < joints { joint.length.hypot(joint.offset) } else { own };
+            if joint.kind == MotionKind::Slide {
+                length += slide(robot, joint);
+            }
+            far += length + joint.rise.abs();
+            for &(axis, ratio) in joint.drives.iter().filter(|_| place >= common) {
+                match joint.kind {
+                    MotionKind::Turn => turning[axis] += ratio,
+                    MotionKind::Slide => arms[axis] += ratio.abs(),
+                }
+            }
+            for (lever, turning) in arms.iter_mut().zip(&turning) {
+                *lever += turning.abs() * length;
+            }
+        }
+        Self { arms, far }
+    }
+}
+
+/// The arm that holds an item, and how many of its joints come before it.
+fn joints_of(robot: &HybridRobot, item: &Item) -> Option<(usize, usize)> {
+    match item.holder {
+        Holder::Link { arm, link } => Some((arm, link + 1)),
+        Holder::Effector(id) => Some((id.arm, robot.arms[id.arm].joints.len())),
+        Holder::Platform | Holder::World | Holder::Slot(_) => None,
+    }
+}
+
+/// Whether the first joints of two arms turn about one axis, and alike.
+fn begin_alike(one: &Arm, other: &Arm) -> bool {
+    match (one.joints.first(), other.joints.first()) {
+        (Some(first), Some(second)) => {
+            one.mount[..2] == other.mount[..2]
+                && first.kind == MotionKind::Turn
+                && second.kind == MotionKind::Turn
+                && first.drives == second.drives
+        }
+        _ => false,
     }
 }
 

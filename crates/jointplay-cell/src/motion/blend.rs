@@ -18,96 +18,132 @@ pub struct Blend {
 
 /// Halvings by which the longest overlap is found.
 const HALVINGS: usize = 12;
-/// Times within an overlap that are held against limits and radius, beside those at which a jerk changes.
-const PROBES: usize = 60;
+/// Even stretches of an overlap, an even number, that are held against limits and radius, beside those between jumps of a jerk.
+const PROBES: usize = 30;
+/// How much of the time to a jump has passed just before it.
+const BEFORE: f64 = 1.0 - 1e-6;
 /// Slack left below each limit for what lies between the probes, as a share.
 const SLACK: f64 = 5e-3;
 /// The same where only one of both moves, which has its limits as they are.
 const ROUND_OFF: f64 = 1e-12;
 
-/// The longest overlap of two steps that keeps every limit and stays within the radius of both of the way without it; `None` where they are not to be blended.
-///
-/// ```text
-///    q(t)  =  q_1(t) + q_2(t) − corner
-/// ```
-/// Where a wafer changes hands, and up and down in a slot, the robot comes to rest.
-pub(super) fn blend(cell: &Cell, steps: [&Step; 2], ways: [&Way; 2]) -> Option<Blend> {
-    let radius = steps[0].blend.min(steps[1].blend);
-    let runs_on = |step: &Step, way: &Way| {
-        step.handover.is_none()
-            && !matches!(step.phase, Phase::Lift | Phase::Lower | Phase::Wait)
-            && !matches!(way, Way::Still { .. })
-    };
-    if radius <= 0.0
-        || !runs_on(steps[0], ways[0])
-        || !runs_on(steps[1], ways[1])
-        || steps[0].loaded != steps[1].loaded
-    {
-        return None;
-    }
-    let corner = Corner {
-        cell,
-        steps,
-        ways,
-        radius,
-        limits: steps.map(|step| {
-            (0..cell.robot.axes.len()).map(|axis| dynamics(&cell.robot, axis, step)).collect()
-        }),
-        effectors: cell.robot.effectors().collect(),
-    };
-    let most = 0.5 * ways[0].duration().min(ways[1].duration());
-    if let Some(deviation) = corner.strays(most) {
-        return Some(Blend { overlap: most, deviation });
-    }
-    let (mut low, mut high, mut deviation) = (0.0, most, 0.0);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        match corner.strays(middle) {
-            Some(found) => (low, deviation) = (middle, found),
-            None => high = middle,
-        }
-    }
-    (low > 0.0).then_some(Blend { overlap: low, deviation })
-}
+/// How much slower two steps may be so that they run into each other for longer: where both keep an axis busy, its limits leave room only so.
+const SLOWER: [f64; 5] = [1.0, 1.01, 1.03, 1.08, 1.2];
 
 /// Two steps where they meet.
-struct Corner<'a> {
+pub(super) struct Corner<'a> {
     cell: &'a Cell,
     steps: [&'a Step; 2],
     ways: [&'a Way; 2],
+    /// How far a wafer may stray [m].
     radius: f64,
     /// Of each axis in either step.
     limits: [Vec<Dynamics>; 2],
     effectors: Vec<EffectorId>,
+    /// Times after the start of either way at which a jerk jumps [s].
+    breaks: [Vec<f64>; 2],
 }
 
-impl Corner<'_> {
+impl<'a> Corner<'a> {
+    /// `None` where two steps are not to be blended: where a wafer changes hands, and up and down in a slot, the robot comes to rest.
+    pub(super) fn new(cell: &'a Cell, steps: [&'a Step; 2], ways: [&'a Way; 2]) -> Option<Self> {
+        let radius = steps[0].blend.min(steps[1].blend);
+        let runs_on = |step: &Step, way: &Way| {
+            step.handover.is_none()
+                && !matches!(step.phase, Phase::Lift | Phase::Lower | Phase::Wait)
+                && !matches!(way, Way::Still { .. })
+        };
+        let both = runs_on(steps[0], ways[0]) && runs_on(steps[1], ways[1]);
+        if !(both && radius > 0.0 && steps[0].loaded == steps[1].loaded) {
+            return None;
+        }
+        let axes = 0..cell.robot.axes.len();
+        let limits =
+            steps.map(|step| axes.clone().map(|axis| dynamics(&cell.robot, axis, step)).collect());
+        let effectors = cell.robot.effectors().collect();
+        let breaks = ways.map(Way::breaks);
+        Some(Self { cell, steps, ways, radius, limits, effectors, breaks })
+    }
+
+    /// By how much to slow both steps: so that what the overlap saves is more than what that costs.
+    pub(super) fn slower(&self) -> f64 {
+        let both: f64 = self.ways.iter().map(|way| way.duration()).sum();
+        let saves = |factor: f64| {
+            let ways = self.ways.map(|way| way.slowed(factor));
+            let slowed = self.slowed([&ways[0], &ways[1]], factor);
+            slowed.blend().map_or(0.0, |blend| blend.overlap) - (factor - 1.0) * both
+        };
+        let all = SLOWER.map(|factor| (factor, saves(factor)));
+        let better = |best: (f64, f64), one: (f64, f64)| if one.1 > best.1 { one } else { best };
+        all.into_iter().fold((1.0, 0.0), better).0
+    }
+
+    /// The longest overlap that keeps every limit, and stays within the radius of the way without it.
+    ///
+    /// ```text
+    ///    q(t)  =  q_1(t) + q_2(t) − corner
+    /// ```
+    pub(super) fn blend(&self) -> Option<Blend> {
+        let most = 0.5 * self.ways[0].duration().min(self.ways[1].duration());
+        if let Some(deviation) = self.strays(most) {
+            return Some(Blend { overlap: most, deviation });
+        }
+        let (mut low, mut high, mut deviation) = (0.0, most, 0.0);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            match self.strays(middle) {
+                Some(found) => (low, deviation) = (middle, found),
+                None => high = middle,
+            }
+        }
+        (low > 0.0).then_some(Blend { overlap: low, deviation })
+    }
+
+    /// The same corner with its ways at a slower pace.
+    fn slowed<'b>(&'b self, ways: [&'b Way; 2], factor: f64) -> Corner<'b> {
+        let breaks = |k: usize| self.breaks[k].iter().map(|time| time * factor).collect();
+        Corner {
+            cell: self.cell,
+            steps: self.steps,
+            ways,
+            radius: self.radius,
+            limits: self.limits.clone(),
+            effectors: self.effectors.clone(),
+            breaks: [breaks(0), breaks(1)],
+        }
+    }
+
     /// How far wafers' centres stray with an overlap; `None` where a limit or the radius is exceeded.
     fn strays(&self, overlap: f64) -> Option<f64> {
-        let at = &self.steps[1].from;
-        let mut positions = [at.clone(), at.clone(), at.clone()];
-        let mut deviation = 0.0_f64;
-        for since in self.times(overlap) {
-            // Half of the overlap belongs to either step, and is held against its limits.
-            let owner = usize::from(since >= 0.5 * overlap);
-            for (axis, corner) in at.iter().enumerate() {
+        let times = self.times(overlap);
+        let axes = 0..self.limits[0].len();
+        for &since in &times {
+            // Half of the overlap belongs to either step, its middle to both.
+            let owners = usize::from(since > 0.5 * overlap)..=usize::from(since >= 0.5 * overlap);
+            for axis in axes.clone() {
                 let states = self.states(axis, overlap, since);
-                if !within(&self.limits[owner][axis], states, owner) {
+                if !owners.clone().all(|owner| self.within(axis, states, owner)) {
                     return None;
                 }
-                let [first, second] = states.map(|state| state[0]);
-                positions[0][axis] = first;
-                positions[1][axis] = second;
-                positions[2][axis] = first + second - corner;
+            }
+        }
+        let corner = &self.steps[1].from;
+        let [mut first, mut second, mut both] = [corner.clone(), corner.clone(), corner.clone()];
+        let mut deviation = 0.0_f64;
+        for &since in &times {
+            for axis in axes.clone() {
+                let [one, other] = self.states(axis, overlap, since).map(|state| state[0]);
+                (first[axis], second[axis]) = (one, other);
+                both[axis] = one + other - corner[axis];
             }
             for &id in &self.effectors {
                 let center = |positions: &[f64]| {
                     let pose = self.cell.robot.effector_pose(positions, id).ok()?;
                     Some(pose.translation.vector)
                 };
-                let blended = center(&positions[2])?;
-                let [first, second] = [center(&positions[0])?, center(&positions[1])?];
-                deviation = deviation.max((blended - first).norm().min((blended - second).norm()));
+                let blended = center(&both)?;
+                let [one, other] = [center(&first)?, center(&second)?];
+                deviation = deviation.max((blended - one).norm().min((blended - other).norm()));
             }
             if deviation > self.radius {
                 return None;
@@ -120,30 +156,37 @@ impl Corner<'_> {
     fn times(&self, overlap: f64) -> Vec<f64> {
         let begin = self.ways[0].duration() - overlap;
         let mut times: Vec<f64> =
-            (0..PROBES).map(|probe| overlap * probe as f64 / PROBES as f64).collect();
-        times.extend(self.ways[0].breaks().iter().map(|time| time - begin));
-        times.extend(self.ways[1].breaks());
-        times.retain(|time| (0.0..overlap).contains(time));
+            (0..=PROBES).map(|probe| overlap * (probe as f64 / PROBES as f64)).collect();
+        times.extend(self.breaks[0].iter().map(|time| time - begin));
+        times.extend(&self.breaks[1]);
+        times.retain(|time| (0.0..=overlap).contains(time));
+        times.sort_by(f64::total_cmp);
+        // Behind each jump, in the middle to the next, and before that.
+        let between =
+            |pair: &[f64]| [0.5, BEFORE].map(|share| pair[0] + share * (pair[1] - pair[0]));
+        let more: Vec<f64> = times.windows(2).flat_map(between).collect();
+        times.extend(more);
         times
     }
 
     fn states(&self, axis: usize, overlap: f64, since: f64) -> [State; 2] {
         let begin = self.ways[0].duration() - overlap;
         let [first, second] = self.steps;
-        [
-            self.ways[0].state(first, axis, begin + since),
-            self.ways[1].state(second, axis, since),
-        ]
+        [self.ways[0].state(first, axis, begin + since), self.ways[1].state(second, axis, since)]
     }
-}
 
-/// Whether two motions at once keep to the limits of one of them.
-fn within(limits: &Dynamics, states: [State; 2], owner: usize) -> bool {
-    let most = [limits.velocity, limits.acceleration, limits.jerk];
-    most.iter().zip(1..).all(|(most, order)| {
-        let [own, other] = [owner, 1 - owner].map(|which| states[which][order]);
-        // What one does alone was planned for, by the owner for these limits.
-        let slack = if own == 0.0 { -ROUND_OFF } else { SLACK };
-        other == 0.0 || (own + other).abs() <= (1.0 - slack) * most
-    })
+    /// Whether both motions of an axis at once keep to the limits of one of the steps.
+    fn within(&self, axis: usize, states: [State; 2], owner: usize) -> bool {
+        let most = [0, 1].map(|step| {
+            let limits = &self.limits[step][axis];
+            [limits.velocity, limits.acceleration, limits.jerk]
+        });
+        (0..3).all(|order| {
+            let [own, other] = [owner, 1 - owner].map(|step| states[step][order + 1]);
+            let [limit, planned] = [owner, 1 - owner].map(|step| most[step][order]);
+            // What one does alone was planned for.
+            let slack = if own == 0.0 && planned <= limit { -ROUND_OFF } else { SLACK };
+            other == 0.0 || (own + other).abs() <= (1.0 - slack) * limit
+        })
+    }
 }

@@ -16,8 +16,12 @@ mod spline;
 
 pub use blend::Blend;
 pub use limits::{dynamics, limits_of, moves};
+pub(crate) use plan::Ways;
 pub use plan::{MotionError, MotionOptions, StepProblem, timed};
 
+use std::sync::Arc;
+
+use crate::memory::{Key, extend};
 use crate::program::Step;
 
 /// All axes at one time.
@@ -45,7 +49,7 @@ pub struct Motion {
     /// Start of each step, and the end of the last; where a step runs into the next, the middle of their overlap [s].
     pub times: Vec<f64>,
     /// How the axes go in each step.
-    ways: Vec<Way>,
+    ways: Vec<Arc<Way>>,
     /// How each step runs into the next.
     blends: Vec<Option<Blend>>,
 }
@@ -63,10 +67,10 @@ pub struct Straightness {
 
 /// How all axes go in one step.
 #[derive(Debug, Clone)]
-enum Way {
+pub(crate) enum Way {
     Still { duration: f64 },
     Axes(axes::Together),
-    Line { line: line::Line, pace: cubic::Curve },
+    Line { line: Arc<line::Line>, pace: cubic::Curve },
 }
 
 impl Way {
@@ -78,14 +82,30 @@ impl Way {
         }
     }
 
-    /// Times after its start at which a jerk changes [s].
+    /// The same way, `factor` times as long.
+    fn slowed(&self, factor: f64) -> Self {
+        match self {
+            Self::Still { duration } => Self::Still { duration: *duration },
+            Self::Axes(together) => Self::Axes(axes::Together {
+                curves: together.curves.iter().map(|curve| curve.slowed(factor)).collect(),
+                duration: together.duration * factor,
+                slowest: together.slowest,
+            }),
+            Self::Line { line, pace } => {
+                Self::Line { line: Arc::clone(line), pace: pace.slowed(factor) }
+            }
+        }
+    }
+
+    /// Times after its start at which a jerk jumps [s].
     fn breaks(&self) -> Vec<f64> {
         match self {
             Self::Still { .. } => Vec::new(),
-            Self::Axes(together) => {
-                together.curves.iter().flat_map(cubic::Curve::breaks).collect()
+            Self::Axes(together) => together.curves.iter().flat_map(cubic::Curve::breaks).collect(),
+            Self::Line { line, pace } => {
+                let knots = line.spline.knots().iter().map(|&knot| pace.when(knot));
+                pace.breaks().chain(knots).collect()
             }
-            Self::Line { pace, .. } => pace.breaks().collect(),
         }
     }
 
@@ -175,13 +195,13 @@ impl Motion {
     /// Whether no axis moves in a step.
     #[must_use]
     pub fn stands(&self, step: usize) -> bool {
-        matches!(self.ways[step], Way::Still { .. })
+        matches!(*self.ways[step], Way::Still { .. })
     }
 
     /// How straight a step is that runs along a line; `None` for any other.
     #[must_use]
     pub fn straightness(&self, step: usize) -> Option<Straightness> {
-        match &self.ways[step] {
+        match &*self.ways[step] {
             Way::Line { line, .. } => Some(Straightness {
                 length: line.length,
                 deviation: line.deviation,
@@ -194,7 +214,7 @@ impl Motion {
     /// The axis that would be last in a step if each went as fast as it may; `None` where none moves or a line binds them.
     #[must_use]
     pub fn slowest_axis(&self, step: usize) -> Option<usize> {
-        match &self.ways[step] {
+        match &*self.ways[step] {
             Way::Axes(together) => together.slowest,
             _ => None,
         }
@@ -222,8 +242,16 @@ impl Motion {
     }
 
     /// All axes at a time [s] of a step, both its ends included.
-    pub(crate) fn fill_in(&self, index: usize, time: f64, sample: &mut Sample) {
+    fn fill_in(&self, index: usize, time: f64, sample: &mut Sample) {
+        let last = index + 1 == self.steps.len() && time >= self.duration();
+        let since = self.times.get(index).map_or(0.0, |start| time - start);
+        self.fill_since(index, if last { f64::INFINITY } else { since }, sample);
         sample.time = time;
+    }
+
+    /// All axes some time after a step's start [s].
+    pub(crate) fn fill_since(&self, index: usize, since: f64, sample: &mut Sample) {
+        sample.time = since;
         sample.step = index;
         let Some(step) = self.steps.get(index) else { return };
         let count = step.from.len();
@@ -236,22 +264,55 @@ impl Motion {
             values.clear();
             values.resize(count, 0.0);
         }
-        // Half of each overlap belongs to either step.
-        let half = |step: usize| self.blend(step).map_or(0.0, |blend| 0.5 * blend.overlap);
-        let lead = index.checked_sub(1).map_or(0.0, half);
-        let since = (time - self.times[index] + lead).max(0.0);
-        let last = index + 1 == self.steps.len() && time >= self.duration();
-        self.ways[index].fill(step, if last { f64::INFINITY } else { since }, sample);
-        if lead > 0.0 && time < self.times[index] + lead {
+        let [lead, tail] = self.overlaps(index);
+        let own = (since + lead).max(0.0);
+        self.ways[index].fill(step, own, sample);
+        if since < lead {
             let before = &self.ways[index - 1];
-            let since = before.duration() + time - self.times[index] - lead;
+            let since = before.duration() + since - lead;
             before.add(&self.steps[index - 1], since, &step.from, sample);
         }
-        let tail = half(index);
-        if tail > 0.0 && time > self.times[index + 1] - tail {
-            let since = time - self.times[index + 1] + tail;
-            self.ways[index + 1].add(&self.steps[index + 1], since, &step.to, sample);
+        let next = own - (self.ways[index].duration() - 2.0 * tail);
+        if tail > 0.0 && next > 0.0 && index + 1 < self.steps.len() {
+            self.ways[index + 1].add(&self.steps[index + 1], next, &step.to, sample);
         }
+    }
+
+    /// Half of the overlaps with the step before and the step after [s]: half of each belongs to either step.
+    fn overlaps(&self, index: usize) -> [f64; 2] {
+        let half = |step: usize| self.blend(step).map_or(0.0, |blend| 0.5 * blend.overlap);
+        [index.checked_sub(1).map_or(0.0, half), half(index)]
+    }
+
+    /// How long a step takes, by itself and not as a difference of times [s].
+    pub(crate) fn length(&self, index: usize) -> f64 {
+        let [lead, tail] = self.overlaps(index);
+        self.ways[index].duration() - lead - tail
+    }
+
+    /// What all axes do in a step, as inputs of what is found of it; the ways are those in [`Self::way_of`].
+    pub(crate) fn key(&self, index: usize) -> Key {
+        let step = &self.steps[index];
+        let mut key = Key::new();
+        let overlaps = self.overlaps(index);
+        for (way, overlap) in self.way_of(index).iter().zip([0.0, overlaps[0], overlaps[1]]) {
+            key.push(way.as_ref().map_or(0, |way| Arc::as_ptr(way) as u64));
+            key.push(overlap.to_bits());
+        }
+        extend(&mut key, &step.from);
+        extend(&mut key, &step.to);
+        key
+    }
+
+    /// The way of a step, and those of its neighbours where they run into it; whoever keeps a [`Self::key`] keeps them, so that no other way comes to be in their place.
+    pub(crate) fn way_of(&self, index: usize) -> [Option<Arc<Way>>; 3] {
+        let [lead, tail] = self.overlaps(index);
+        let way = |index: usize| Some(Arc::clone(&self.ways[index]));
+        [
+            way(index),
+            if lead > 0.0 { way(index - 1) } else { None },
+            if tail > 0.0 { way(index + 1) } else { None },
+        ]
     }
 
     /// All axes at even times from the start, `rate` a second, and at the end [Hz].

@@ -1,12 +1,16 @@
 //! From steps to a motion.
 
+use std::convert::Infallible;
+use std::sync::Arc;
+
 use super::axes::together;
-use super::blend::{Blend, blend};
+use super::blend::{Blend, Corner};
 use super::limits::{dynamics, moves};
 use super::line::Task;
 use super::pace::Pace;
 use super::{Motion, Way};
 use crate::cell::Cell;
+use crate::memory::{Kept, Key, Reuse, extend};
 use crate::program::{Path, Place, Step};
 use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
 
@@ -54,41 +58,216 @@ pub fn timed(
     steps: Vec<Step>,
     options: &MotionOptions,
 ) -> Result<Motion, MotionError> {
-    let mut problems = Vec::new();
-    let mut times = Vec::with_capacity(steps.len() + 1);
-    let mut ways: Vec<Way> = Vec::with_capacity(steps.len());
-    let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
-    // How much of a step has run by the end of the one before.
-    let mut early = 0.0;
-    let mut now = 0.0;
-    times.push(now);
-    for (index, step) in steps.iter().enumerate() {
-        let way = match fits(cell, &steps, index) {
-            Some(message) => Err(message),
-            None => way(cell, step, options, now, &times),
-        };
-        let way = way.unwrap_or_else(|message| {
-            let (instruction, place) = (step.instruction, step.place);
+    Ways::default().timed(cell, steps, options)
+}
+
+/// The ways of the last motion, by what they depend on.
+#[derive(Default)]
+pub(crate) struct Ways {
+    ways: Kept<Way>,
+    /// By how much the steps at a corner are slowed.
+    slower: Kept<f64>,
+    slowed: Kept<Way>,
+    blends: Kept<Option<Blend>>,
+}
+
+impl Ways {
+    /// See [`timed`].
+    pub(crate) fn timed(
+        &mut self,
+        cell: &Cell,
+        steps: Vec<Step>,
+        options: &MotionOptions,
+    ) -> Result<Motion, MotionError> {
+        let shared = shared(cell, options);
+        self.ways.begin(&shared);
+        self.slower.begin(&shared);
+        self.slowed.begin(&shared);
+        self.blends.begin(&shared);
+        let mut problems = Vec::new();
+        let mut failed = |index: usize, message| {
+            let Step { instruction, place, .. } = steps[index];
             problems.push(StepProblem { step: index, instruction, place, message });
-            Way::Still { duration: 0.0 }
-        });
-        if let Some(before) = index.checked_sub(1).filter(|_| problems.is_empty()) {
-            let (pair, two) = ([&steps[before], step], [&ways[before], &way]);
-            if let Some(found) = blend(cell, pair, two) {
-                early = found.overlap;
-                times[index] = now - 0.5 * early;
-                blends[before] = Some(found);
+            Arc::new(Way::Still { duration: 0.0 })
+        };
+        let mut ways: Vec<Arc<Way>> = Vec::with_capacity(steps.len());
+        for (index, step) in steps.iter().enumerate() {
+            let way = match fits(cell, &steps, index) {
+                Some(message) => Err(message),
+                None => self.way(cell, step, options),
+            };
+            ways.push(way.unwrap_or_else(|message| failed(index, message)));
+        }
+        let factors = self.slow(cell, &steps, &mut ways);
+        let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
+        let mut times = Vec::with_capacity(steps.len() + 1);
+        let mut now = 0.0;
+        times.push(now);
+        for (index, step) in steps.iter().enumerate() {
+            if let Path::Processed { since, seconds } = step.path {
+                // Known only now that it is known when the wafer was left.
+                let way = if since < index {
+                    self.still((times[since + 1] + seconds - now).max(0.0), step)
+                } else {
+                    Err("waits for a station that gets its wafer only later".into())
+                };
+                ways[index] = way.unwrap_or_else(|message| failed(index, message));
+            }
+            let blended = match index.checked_sub(1) {
+                Some(before) => self.blend(cell, &steps, &ways, &factors, before),
+                None => None,
+            };
+            if let Some(blend) = blended {
+                // Half of the overlap belongs to either.
+                times[index] -= 0.5 * blend.overlap;
+                now -= blend.overlap;
+                blends[index - 1] = blended;
+            }
+            now += ways[index].duration();
+            times.push(now);
+        }
+        self.ways.end();
+        self.slower.end();
+        self.slowed.end();
+        self.blends.end();
+        problems.sort_by_key(|problem| problem.step);
+        if problems.is_empty() {
+            Ok(Motion { steps, times, ways, blends })
+        } else {
+            Err(MotionError { problems })
+        }
+    }
+
+    /// Slows the steps that then gain more by running into each other; by how much each.
+    fn slow(&mut self, cell: &Cell, steps: &[Step], ways: &mut [Arc<Way>]) -> Vec<f64> {
+        let mut factors = vec![1.0_f64; steps.len()];
+        let mut meets = vec![false; steps.len()];
+        for (before, pair) in steps.windows(2).enumerate() {
+            let two = [&pair[0], &pair[1]];
+            let Some(corner) = Corner::new(cell, two, [&ways[before], &ways[before + 1]]) else {
+                continue;
+            };
+            meets[before] = true;
+            let key = corner_key(two, [1.0; 2]);
+            let Ok(factor) = self.slower.get::<Infallible>(key, || Ok(corner.slower()));
+            for factor_of in &mut factors[before..before + 2] {
+                *factor_of = factor_of.max(*factor);
             }
         }
-        now += way.duration() - std::mem::take(&mut early);
-        times.push(now);
-        ways.push(way);
+        // Each corner gains by its own factor; whether all do together is seen from rest to rest.
+        let mut start = 0;
+        for end in 0..steps.len() {
+            if meets[end] {
+                continue;
+            }
+            let run = start..end + 1;
+            start = run.end;
+            if factors[run.clone()].iter().all(|&factor| factor == 1.0) {
+                continue;
+            }
+            let slowed: Vec<Arc<Way>> =
+                run.clone().map(|k| self.slowed(&steps[k], &ways[k], factors[k])).collect();
+            let (steps, plain) = (&steps[run.clone()], vec![1.0; run.len()]);
+            let fast = self.duration(cell, steps, &ways[run.clone()], &plain);
+            if self.duration(cell, steps, &slowed, &factors[run.clone()]) < fast {
+                ways[run].clone_from_slice(&slowed);
+            } else {
+                factors[run].fill(1.0);
+            }
+        }
+        factors
     }
-    if problems.is_empty() {
-        Ok(Motion { steps, times, ways, blends })
-    } else {
-        Err(MotionError { problems })
+
+    fn slowed(&mut self, step: &Step, way: &Arc<Way>, factor: f64) -> Arc<Way> {
+        if factor == 1.0 {
+            return Arc::clone(way);
+        }
+        let mut key = key(step);
+        extend(&mut key, &[factor]);
+        let Ok(slowed) = self.slowed.get::<Infallible>(key, || Ok(way.slowed(factor)));
+        slowed
     }
+
+    /// How long steps take that run into each other [s].
+    fn duration(&mut self, cell: &Cell, steps: &[Step], ways: &[Arc<Way>], factors: &[f64]) -> f64 {
+        let corners = 0..steps.len() - 1;
+        let blends: Vec<Option<Blend>> =
+            corners.map(|before| self.blend(cell, steps, ways, factors, before)).collect();
+        let overlaps: f64 = blends.iter().flatten().map(|blend| blend.overlap).sum();
+        ways.iter().map(|way| way.duration()).sum::<f64>() - overlaps
+    }
+
+    fn blend(
+        &mut self,
+        cell: &Cell,
+        steps: &[Step],
+        ways: &[Arc<Way>],
+        factors: &[f64],
+        before: usize,
+    ) -> Option<Blend> {
+        let two = [&steps[before], &steps[before + 1]];
+        let corner = Corner::new(cell, two, [&ways[before], &ways[before + 1]])?;
+        let key = corner_key(two, [factors[before], factors[before + 1]]);
+        let Ok(blend) = self.blends.get::<Infallible>(key, || Ok(corner.blend()));
+        *blend
+    }
+
+    fn way(
+        &mut self,
+        cell: &Cell,
+        step: &Step,
+        options: &MotionOptions,
+    ) -> Result<Arc<Way>, String> {
+        match step.path {
+            Path::Still(duration) => self.still(duration, step),
+            // How long is known only when all before it is.
+            Path::Processed { .. } => Ok(Arc::new(Way::Still { duration: 0.0 })),
+            Path::Axes => {
+                let limits = |axis| dynamics(&cell.robot, axis, step);
+                let make = || together(&step.from, &step.to, limits).map(Way::Axes);
+                self.ways.get(key(step), make)
+            }
+            Path::Line(effector) => {
+                self.ways.get(key(step), || along(cell, step, effector, options))
+            }
+        }
+    }
+
+    /// Known by how long it is alone: where it stands is the step's.
+    fn still(&mut self, duration: f64, step: &Step) -> Result<Arc<Way>, String> {
+        self.ways.get(vec![duration.to_bits()], || still(duration, step))
+    }
+
+    pub(crate) fn reuse(&self) -> Reuse {
+        self.ways.reuse()
+    }
+}
+
+/// What every way depends on: numbers are printed so that no two of them look alike.
+fn shared(cell: &Cell, options: &MotionOptions) -> String {
+    format!("{:?} {:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity, options.line_deviation)
+}
+
+/// What the way of a step depends on besides.
+fn key(step: &Step) -> Key {
+    let mut key = match step.path {
+        Path::Line(effector) => vec![1, effector.arm as u64, effector.effector as u64],
+        _ => vec![0],
+    };
+    extend(&mut key, &step.from);
+    extend(&mut key, &step.to);
+    extend(&mut key, &[step.speed, step.line_speed.unwrap_or(f64::INFINITY)]);
+    key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
+    key
+}
+
+/// What two steps, slowed by so much, come to at the corner where they meet.
+fn corner_key(steps: [&Step; 2], factors: [f64; 2]) -> Key {
+    let mut corner = key(steps[0]);
+    corner.extend(key(steps[1]));
+    extend(&mut corner, &factors);
+    extend(&mut corner, &steps.map(|step| step.blend));
+    corner
 }
 
 /// What is wrong with a step before it is looked at closely.
@@ -117,27 +296,6 @@ fn fits(cell: &Cell, steps: &[Step], index: usize) -> Option<String> {
         "axis {} starts at {}, but the step before ends at {}: steps have to join",
         cell.robot.axes[jump].name, step.from[jump], earlier[jump]
     ))
-}
-
-fn way(
-    cell: &Cell,
-    step: &Step,
-    options: &MotionOptions,
-    now: f64,
-    times: &[f64],
-) -> Result<Way, String> {
-    let limits = |axis| dynamics(&cell.robot, axis, step);
-    match step.path {
-        Path::Still(duration) => still(duration, step),
-        Path::Processed { since, seconds } => {
-            let left = times
-                .get(since + 1)
-                .ok_or("waits for a station that gets its wafer only later".to_string())?;
-            still((left + seconds - now).max(0.0), step)
-        }
-        Path::Axes => together(&step.from, &step.to, limits).map(Way::Axes),
-        Path::Line(effector) => along(cell, step, effector, options),
-    }
 }
 
 fn still(duration: f64, step: &Step) -> Result<Way, String> {
@@ -197,5 +355,5 @@ fn along(
         _ => f64::INFINITY,
     };
     let pace = Pace { spline: &line.spline, limits: &limits, rate }.plan()?;
-    Ok(Way::Line { line, pace })
+    Ok(Way::Line { line: Arc::new(line), pace })
 }

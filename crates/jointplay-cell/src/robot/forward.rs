@@ -84,17 +84,17 @@ impl HybridRobot {
             };
             arm.joints.iter().map(link_of).collect()
         });
-        let base_from_wafer = (0..self.arms.len()).map(|arm| {
-            let effectors = 0..self.arms[arm].effectors.len();
-            let wafer_of =
-                |effector| base_from_platform * self.wafer(EffectorId { arm, effector }, positions);
-            effectors.map(wafer_of).collect()
+        let base_from_link: Vec<Vec<Pose>> = base_from_link.collect();
+        let base_from_wafer = self.arms.iter().zip(&base_from_link).map(|(arm, links)| {
+            let last = links.last().copied().unwrap_or(base_from_platform);
+            let wafer_of = |effector: &super::Effector| {
+                let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), effector.heading);
+                last * Pose::from_parts(effector.wafer_center.into(), turn)
+            };
+            arm.effectors.iter().map(wafer_of).collect()
         });
-        Ok(ChainPose {
-            platform,
-            base_from_link: base_from_link.collect(),
-            base_from_wafer: base_from_wafer.collect(),
-        })
+        let base_from_wafer = base_from_wafer.collect();
+        Ok(ChainPose { platform, base_from_link, base_from_wafer })
     }
 
     /// Where the wafer of one effector is: its centre on the resting plane, x along its heading.
@@ -167,18 +167,15 @@ impl HybridRobot {
         Ok(axes)
     }
 
-    pub(super) fn platform(&self, positions: &[f64]) -> Result<Forward, CellError> {
+    /// Where the platform is over its rods.
+    pub(crate) fn platform(&self, positions: &[f64]) -> Result<Forward, CellError> {
         let rods = [positions[0], positions[1], positions[2]];
         Ok(self.model.forward(&self.gpr, rods)?)
     }
 
     /// platform_from_wafer.
     fn wafer(&self, id: EffectorId, positions: &[f64]) -> Pose {
-        let planar = Planar::new(self, id);
-        let own = planar.own(positions);
-        let center = planar.tip(&own).push(planar.height);
-        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), planar.heading(&own));
-        Pose::from_parts(Translation3::from(center), turn)
+        Planar::new(self, id).wafer(positions)
     }
 
     pub(super) fn check_positions(&self, positions: &[f64]) -> Result<(), CellError> {

@@ -25,6 +25,7 @@ pub use inverse::{
 };
 pub use jacobian::EffectorJacobian;
 pub use model::PlatformModel;
+pub(crate) use planar::Planar;
 pub use positions::Positions;
 
 use jointplay_core::gpr::Gpr;

@@ -1,6 +1,7 @@
 //! An arm as arrows that turn in its plane.
 
-use nalgebra::Vector2;
+use jointplay_core::spatial::Pose;
+use nalgebra::{Rotation3, Translation3, Vector2, Vector3};
 
 use super::{EffectorId, HybridRobot, MAX_JOINTS, MotionKind};
 
@@ -32,7 +33,7 @@ pub(super) struct Slide {
 /// ```
 /// a: positions of the arm's axes, m and σ: slopes. Constants of joints are turned into the arrows, and arrows that turn alike are one.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Planar {
+pub(crate) struct Planar {
     /// Axes that move it, as indices into those of the robot; the first `count` count.
     axes: [usize; MAX_JOINTS],
     count: usize,
@@ -70,7 +71,7 @@ pub(super) fn ahead(vector: &Vector2<f64>) -> Vector2<f64> {
 
 impl Planar {
     /// Of an effector that exists, on an arm of at most [`MAX_JOINTS`] joints and axes.
-    pub(super) fn new(robot: &HybridRobot, id: EffectorId) -> Self {
+    pub(crate) fn new(robot: &HybridRobot, id: EffectorId) -> Self {
         let arm = &robot.arms[id.arm];
         let effector = &arm.effectors[id.effector];
         let still = Arrow { vector: Vector2::zeros(), turn: [0.0; MAX_JOINTS] };
@@ -182,6 +183,14 @@ impl Planar {
             tip += along * dot(&slide.growth, own);
         }
         tip
+    }
+
+    /// platform_from_wafer at positions of all axes.
+    pub(crate) fn wafer(&self, positions: &[f64]) -> Pose {
+        let own = self.own(positions);
+        let center = self.tip(&own).push(self.height);
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), self.heading(&own));
+        Pose::from_parts(Translation3::from(center), turn)
     }
 
     /// Heading of the wafer, from the platform's x axis [rad].

@@ -2,8 +2,8 @@
 
 /// Words that lines begin with, in the order of the documents.
 pub(super) const COMMANDS: [&str; 15] = [
-    "HOME", "MOVE", "GET", "PUT", "TRANSFER", "SWAP", "GOTO", "WAIT", "SPEED", "BLEND", "TILT", "CALL",
-    "REPEAT", "ROUTINE", "END",
+    "HOME", "MOVE", "GET", "PUT", "TRANSFER", "SWAP", "GOTO", "WAIT", "SPEED", "BLEND", "TILT",
+    "CALL", "REPEAT", "ROUTINE", "END",
 ];
 
 /// Words within lines.

@@ -1,0 +1,311 @@
+//! Distances of bodies in one step, looked at only as often as they can matter.
+
+use std::ops::Range;
+
+use super::course::Course;
+use super::found::{Found, Hit, Stretch, When};
+use super::report::{Kind, Unit};
+use super::scene::{Places, Rule, Scene};
+use super::solid::{Placed, between_balls, between_centers, depth, distance, gap_along};
+use super::travel::{Gearing, Levers, Travel};
+use crate::motion::{Motion, Sample};
+
+/// By how much a least distance may be passed over, as a share of it.
+const PASSED_SHARE: f64 = 0.02;
+/// And at least [m].
+const PASSED: f64 = 2e-5;
+/// Travel between two looks below which nothing is looked for between them [m].
+const FINEST: f64 = 2e-6;
+/// How much of an arm's travel may go across its plane as the droop changes with reach.
+const DROOPING: f64 = 0.02;
+
+/// How much less than a least distance another one may have been that was passed over [m].
+pub(super) fn passed(distance: f64) -> f64 {
+    (PASSED_SHARE * distance).max(PASSED)
+}
+
+/// What is found of the distances in a step; items are indices into those that were looked at, times are since its start.
+pub(super) struct Near {
+    pub(super) least: Vec<Least>,
+    pub(super) found: Vec<Stretch>,
+}
+
+/// The least distance of a pair at the samples, where it is followed.
+pub(super) struct Least {
+    pub(super) items: [usize; 2],
+    pub(super) distance: f64,
+    pub(super) time: f64,
+}
+
+/// Two items, the first of which moves, and what is asked of them.
+pub(super) struct Pair {
+    pub(super) items: [usize; 2],
+    pub(super) rule: Rule,
+}
+
+/// One step, and what is near its way.
+pub(super) struct Look<'a> {
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) motion: &'a Motion,
+    pub(super) step: usize,
+    pub(super) course: &'a mut Course,
+    /// Items of the scene, those that move first, as in the course.
+    pub(super) items: &'a [usize],
+    pub(super) gearing: &'a Gearing,
+    /// Of those that move.
+    pub(super) levers: &'a [Levers],
+    /// Distance from which on none is followed [m].
+    pub(super) near: f64,
+}
+
+impl Look<'_> {
+    /// Looks at pairs during runs of samples.
+    ///
+    /// ```text
+    ///    min d  ≥  (d_0 + d_1 − way) / 2
+    /// ```
+    /// over an interval with the distances d_0 and d_1 at its ends, or lower bounds of them, where no point goes farther than the way:
+    /// as long as this does not keep a pair apart, the interval is halved, down to the samples, and between them where they do not rule out that the pair comes too near.
+    pub(super) fn at(&mut self, pairs: &[Pair], runs: &[Range<usize>]) -> Near {
+        let (mut least, mut found) = (Vec::new(), Found::default());
+        for pair in pairs {
+            let limit = match pair.rule {
+                Rule::Apart(limit) | Rule::Slots(limit) => limit,
+                Rule::Free | Rule::Out => 0.0,
+            };
+            let levers = self.levers(pair.items);
+            let mut search =
+                Search { look: self, pair, limit, levers, least: None, seen: Vec::new() };
+            for run in runs {
+                search.run(run);
+            }
+            let Search { least: nearest, mut seen, .. } = search;
+            if let Some((distance, time)) = nearest {
+                least.push(Least { items: pair.items, distance, time });
+            }
+            seen.sort_by(|one, other| one.when.time.total_cmp(&other.when.time));
+            for Seen { when, apart, deep } in seen {
+                found.add(when, pair.hit(apart, deep, limit), String::new);
+            }
+        }
+        Near { least, found: found.finished() }
+    }
+
+    /// Of a pair, and whether both move: then against each other, on the platform that carries both.
+    fn levers(&self, [a, b]: [usize; 2]) -> (Levers, bool) {
+        if b < self.levers.len() {
+            let [one, other] = [a, b].map(|item| &self.scene.items[self.items[item]]);
+            (Levers::between(&self.scene.cell.robot, one, other), true)
+        } else {
+            (self.levers[a], false)
+        }
+    }
+
+    fn placed<'b>(&'b self, places: &'b Places, [a, b]: [usize; 2]) -> [Placed<'b>; 2] {
+        [a, b].map(|item| self.scene.placed(self.items[item], places))
+    }
+}
+
+impl Pair {
+    fn hit(&self, apart: f64, deep: f64, limit: f64) -> Hit {
+        let (kind, value, limit) = match self.rule {
+            Rule::Out => (Kind::KeepOut, 0.0, 0.0),
+            _ if apart == 0.0 => (Kind::Collision, -deep, 0.0),
+            Rule::Slots(_) => (Kind::SlotClearance, apart, limit),
+            _ => (Kind::Clearance, apart, limit),
+        };
+        let [a, b] = self.items;
+        let about = (Kind::Collision, a, b);
+        Hit { about, kind, severity: -value, value, limit, unit: Unit::Length }
+    }
+}
+
+/// A pair too near.
+struct Seen {
+    when: When,
+    apart: f64,
+    deep: f64,
+}
+
+/// One pair.
+struct Search<'l, 'a> {
+    look: &'l mut Look<'a>,
+    pair: &'l Pair,
+    limit: f64,
+    levers: (Levers, bool),
+    /// Least distance, and when.
+    least: Option<(f64, f64)>,
+    seen: Vec<Seen>,
+}
+
+/// What is known of a distance at one time.
+#[derive(Clone, Copy)]
+struct Known {
+    /// The distance, or a lower bound of it [m].
+    apart: f64,
+    is_exact: bool,
+    /// Its part along the platform's normal, at least: where arms do not go [m].
+    gap: f64,
+    /// What it is at most, about: that of the middles, or what the nearest look leaves [m].
+    most: f64,
+}
+
+/// How far both came in an interval, at most.
+#[derive(Clone, Copy)]
+struct Way {
+    /// In any direction [m].
+    whole: f64,
+    /// Along the platform's normal [m].
+    along: f64,
+}
+
+/// A lower bound of the distance in an interval.
+fn bound(left: &Known, right: &Known, way: Way) -> f64 {
+    let plain = left.apart + right.apart - way.whole;
+    let gap = left.gap + right.gap - way.along;
+    0.5 * plain.max(gap)
+}
+
+impl Known {
+    fn of(look: &Look<'_>, places: &Places, items: [usize; 2]) -> Self {
+        let [a, b] = look.placed(places, items);
+        let (apart, most) = (between_balls(a, b), between_centers(a, b));
+        Self { apart, is_exact: false, gap: gap_along(a, b, &places.normal()), most }
+    }
+}
+
+impl Search<'_, '_> {
+    fn run(&mut self, run: &Range<usize>) {
+        let last = run.end - 1;
+        let Some(mut left) = self.known(run.start) else { return };
+        if last == run.start {
+            if left.apart.max(left.gap) <= self.threshold() {
+                self.exact(run.start, &mut left);
+            }
+            return;
+        }
+        let Some(mut right) = self.known(last) else { return };
+        self.search(run.start..last, &mut left, &mut right);
+    }
+
+    /// Between two samples.
+    fn search(&mut self, between: Range<usize>, left: &mut Known, right: &mut Known) {
+        let way = self.way(&between);
+        if bound(left, right, way) > self.threshold() {
+            return;
+        }
+        let neighbours = between.len() == 1;
+        // Exact distances are worth finding where they may keep the pair apart.
+        if neighbours || left.most + right.most - way.whole > 2.0 * self.threshold() {
+            self.exact(between.start, left);
+            self.exact(between.end, right);
+            if bound(left, right, way) > self.threshold() {
+                return;
+            }
+        }
+        if neighbours {
+            let times = [between.start, between.end].map(|k| self.look.course.samples()[k].time);
+            self.between(between.end, times, [*left, *right], way);
+            return;
+        }
+        let middle = between.start.midpoint(between.end);
+        let Some(mut center) = self.known(middle) else { return };
+        let most = left.most.min(right.most) + way.whole;
+        center.most = center.most.min(most);
+        // The nearer half first: what it comes to spares looks at the other.
+        if left.apart <= right.apart {
+            self.search(between.start..middle, left, &mut center);
+            self.search(middle..between.end, &mut center, right);
+        } else {
+            self.search(middle..between.end, &mut center, right);
+            self.search(between.start..middle, left, &mut center);
+        }
+    }
+
+    /// Between two neighbouring samples, where they do not rule out that the pair comes too near; whether it was found to touch.
+    fn between(&mut self, sample: usize, times: [f64; 2], ends: [Known; 2], way: Way) -> bool {
+        let [left, right] = &ends;
+        if left.apart == 0.0 || right.apart == 0.0 {
+            return false;
+        }
+        // Where it is too near already, only a contact is worse.
+        let level = if left.apart.min(right.apart) <= self.limit { 0.0 } else { self.limit };
+        if bound(left, right, way) > level || way.whole < FINEST {
+            return false;
+        }
+        let time = 0.5 * (times[0] + times[1]);
+        let look = &mut *self.look;
+        let mut state = Sample::default();
+        look.motion.fill_since(look.step, time, &mut state);
+        let Ok(places) = look.scene.places(&state.positions) else { return false };
+        let [a, b] = look.placed(&places, self.pair.items);
+        let mut middle = Known::of(look, &places, self.pair.items);
+        (middle.apart, middle.is_exact) = (distance(a, b), true);
+        if middle.apart <= self.limit {
+            let when = When { time, sample };
+            self.seen.push(Seen { when, apart: middle.apart, deep: 0.0 });
+        }
+        if middle.apart == 0.0 {
+            self.note(0.0, time);
+            return true;
+        }
+        let half = Way { whole: 0.5 * way.whole, along: 0.5 * way.along };
+        self.between(sample, [times[0], time], [*left, middle], half)
+            || self.between(sample, [time, times[1]], [middle, *right], half)
+    }
+
+    fn known(&mut self, sample: usize) -> Option<Known> {
+        let look = &mut *self.look;
+        look.course.place(look.scene, sample);
+        Some(Known::of(look, look.course.placed(sample)?, self.pair.items))
+    }
+
+    /// The distance itself.
+    fn exact(&mut self, sample: usize, known: &mut Known) {
+        if known.is_exact {
+            return;
+        }
+        let look = &mut *self.look;
+        let Some(places) = look.course.placed(sample) else { return };
+        let [a, b] = look.placed(places, self.pair.items);
+        let apart = distance(a, b);
+        (known.apart, known.most, known.is_exact) = (apart, apart, true);
+        let time = look.course.samples()[sample].time;
+        if apart <= self.limit {
+            let deep = if apart == 0.0 && self.pair.rule != Rule::Out { depth(a, b) } else { 0.0 };
+            self.seen.push(Seen { when: When { time, sample }, apart, deep });
+        }
+        self.note(apart, time);
+    }
+
+    fn note(&mut self, apart: f64, time: f64) {
+        let nearer = match self.least {
+            Some((least, earlier)) => apart < least || (apart == least && time < earlier),
+            None => apart < self.look.near,
+        };
+        if nearer && self.pair.rule != Rule::Out {
+            self.least = Some((apart, time));
+        }
+    }
+
+    /// Distance above which nothing matters [m].
+    fn threshold(&self) -> f64 {
+        if self.pair.rule == Rule::Out {
+            return 0.0;
+        }
+        let known = self.least.map_or(self.look.near, |(least, _)| least);
+        self.limit.max(known - passed(known))
+    }
+
+    fn way(&self, between: &Range<usize>) -> Way {
+        let moved = self.look.course.moved(between);
+        let (levers, both) = &self.levers;
+        let Travel { plane, arm } = self.look.gearing.travel(levers, &moved);
+        if *both {
+            // The platform carries both, and changes no more than how they droop.
+            let plane = DROOPING * plane;
+            return Way { whole: plane + arm, along: plane + DROOPING * arm };
+        }
+        Way { whole: plane + arm, along: plane + (DROOPING + moved.lean).min(1.0) * arm }
+    }
+}

@@ -1,0 +1,249 @@
+//! Plans of the example cell: against a look at every sample, and after changes against planning from scratch.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use jointplay_cell::cell::Cell;
+use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
+use jointplay_cell::motion::{Motion, MotionOptions, timed};
+use jointplay_cell::program::{Handover, Path, Step, expand};
+use jointplay_cell::robot::EffectorId;
+use jointplay_cell::station::SlotId;
+use jointplay_cell::{Memory, Reuse};
+use jointplay_format::{cell, program};
+use proptest::prelude::*;
+
+const SHORT: &str = "HOME\nTRANSFER LP1 SLOT 3 TO ALIGN WITH A\nGET ALIGN WITH A\nSWAP PM1 GET B PUT A\nPUT LP2 SLOT 7 WITH B\n";
+
+/// The example, with a wafer in the process station.
+fn example() -> Cell {
+    let mut cell = cell::read(cell::EXAMPLE, &mut |_| Err(String::new())).unwrap();
+    let station = cell.stations.iter().position(|station| station.name == "PM1").unwrap();
+    cell.occupied.push(SlotId { station, slot: 1 });
+    cell
+}
+
+fn steps(cell: &Cell, text: &str) -> Vec<Step> {
+    expand(cell, &program::parse(text).unwrap()).unwrap()
+}
+
+fn distances(kind: Kind) -> bool {
+    matches!(kind, Kind::Collision | Kind::Clearance | Kind::SlotClearance | Kind::KeepOut)
+}
+
+/// Who is where: the label of a wafer by its present place, and by the one that it came from.
+struct Labels<'c> {
+    cell: &'c Cell,
+    came_from: BTreeMap<String, String>,
+}
+
+impl Labels<'_> {
+    fn slot(&self, slot: SlotId) -> String {
+        let station = &self.cell.stations[slot.station];
+        match station.slots {
+            1 => format!("wafer of {}", station.name),
+            _ => format!("wafer of {} {}", station.name, slot.slot),
+        }
+    }
+
+    fn effector(&self, id: EffectorId) -> String {
+        format!("wafer from {}", self.cell.robot.arms[id.arm].effectors[id.effector].name)
+    }
+
+    fn hand_over(&mut self, from: String, to: String) {
+        let first = self.came_from.remove(&from).unwrap_or(from);
+        self.came_from.insert(to, first);
+    }
+}
+
+/// Least distances and what is too near, from each sample by itself as a motion that stands there.
+fn sample_by_sample(
+    cell: &Cell,
+    motion: &Motion,
+    options: &CheckOptions,
+) -> (BTreeMap<BTreeSet<String>, f64>, Vec<(BTreeSet<String>, Kind, f64, f64)>) {
+    let mut standing = cell.clone();
+    let mut labels = Labels { cell, came_from: BTreeMap::new() };
+    let (mut least, mut broken) = (BTreeMap::new(), Vec::new());
+    for (index, step) in motion.steps.iter().enumerate() {
+        let (start, end) = (motion.times[index], motion.times[index + 1]);
+        let count = ((end - start) * options.rate - 1e-3).ceil().max(0.0) as usize;
+        let times = (0..count).map(|k| start + k as f64 / options.rate).chain([end]);
+        for (k, time) in times.enumerate() {
+            let positions = match k {
+                0 => step.from.clone(),
+                k if k == count => step.to.clone(),
+                _ => motion.at(time).positions,
+            };
+            let (from, to) = (positions.clone(), positions);
+            let path = Path::Still(0.0);
+            // Rules of the step hold, whose path says which effector it is about.
+            let acting = match (step.path, step.handover) {
+                (Path::Line(id), None) => Some(Path::Line(id)),
+                _ => None,
+            };
+            let still = Step { from, to, path: acting.unwrap_or(path), ..step.clone() };
+            let found = timed(&standing, vec![still], &MotionOptions::default()).unwrap();
+            let report = check(&standing, &found, options);
+            let named = |names: &[String]| -> BTreeSet<String> {
+                let first = |name: &String| labels.came_from.get(name).unwrap_or(name).clone();
+                names.iter().map(first).collect()
+            };
+            for row in &report.distances {
+                let known = least.entry(named(&row.names)).or_insert(f64::INFINITY);
+                *known = row.distance.min(*known);
+            }
+            for one in report.violations.iter().filter(|one| distances(one.kind)) {
+                broken.push((named(&one.names), one.kind, time, one.worst));
+            }
+        }
+        match step.handover {
+            Some(Handover::Taken(id, slot)) => {
+                standing.occupied.retain(|&at| at != slot);
+                standing.carried.push(id);
+                labels.hand_over(labels.slot(slot), labels.effector(id));
+            }
+            Some(Handover::Left(id, slot)) => {
+                standing.carried.retain(|&at| at != id);
+                standing.occupied.push(slot);
+                labels.hand_over(labels.effector(id), labels.slot(slot));
+            }
+            None => {}
+        }
+    }
+    (least, broken)
+}
+
+#[test]
+fn nothing_is_passed_over_that_a_sample_shows() {
+    let options = CheckOptions { rate: 20.0, ..CheckOptions::default() };
+    for (clearance, verdict) in [(1e-3, Verdict::Sound), (6e-3, Verdict::Broken)] {
+        let mut cell = example();
+        (cell.clearance, cell.slot_clearance) = (clearance, clearance);
+        let motion = timed(&cell, steps(&cell, SHORT), &MotionOptions::default()).unwrap();
+        let report = check(&cell, &motion, &options);
+        let (least, broken) = sample_by_sample(&cell, &motion, &options);
+        assert_eq!(report.verdict, verdict, "{:#?}", report.violations);
+        assert_eq!(broken.is_empty(), verdict == Verdict::Sound);
+        let mut found: BTreeMap<BTreeSet<String>, f64> = BTreeMap::new();
+        for row in &report.distances {
+            let names: BTreeSet<String> = row.names.iter().cloned().collect();
+            let truth = least.get(&names).copied().unwrap_or(options.near);
+            assert!(row.distance >= truth - 1e-6, "{names:?}: {} {truth}", row.distance);
+            assert!(row.distance <= truth + row.within + 1e-6, "{names:?}: {row:?} {truth}");
+            found.insert(names, row.distance);
+        }
+        assert!(found.len() > 20, "{}", found.len());
+        for (names, distance) in &least {
+            let close = *distance < 0.97 * options.near;
+            assert!(!close || found.contains_key(names), "{names:?} at {distance}");
+        }
+        for (names, kind, time, value) in &broken {
+            let told = report.violations.iter().any(|one| {
+                one.names.iter().cloned().collect::<BTreeSet<_>>() == *names
+                    && (one.start - 1e-9..one.end + 1e-9).contains(time)
+                    && one.worst <= value + 1e-6
+            });
+            let of_pair = |one: &&Violation| names.iter().all(|name| one.names.contains(name));
+            let others: Vec<&Violation> = report.violations.iter().filter(of_pair).collect();
+            assert!(told, "{kind} of {names:?} at {time}: {value}, not in {others:#?}");
+        }
+    }
+}
+
+/// One change of a cell or its program.
+#[derive(Debug, Clone)]
+enum Change {
+    Station(usize, f64),
+    Limit(usize, f64),
+    Body(usize, f64),
+    Clearance(f64),
+    Line(usize, usize),
+}
+
+fn change() -> impl Strategy<Value = Change> {
+    prop_oneof![
+        (0..4_usize, -4e-4..4e-4_f64).prop_map(|(station, by)| Change::Station(station, by)),
+        (0..6_usize, 0.8..1.0_f64).prop_map(|(axis, by)| Change::Limit(axis, by)),
+        (0..40_usize, -0.02..0.02_f64).prop_map(|(body, by)| Change::Body(body, by)),
+        (5e-4..6e-3_f64).prop_map(Change::Clearance),
+        (3..5_usize, 4..25_usize).prop_map(|(line, slot)| Change::Line(line, slot)),
+    ]
+}
+
+impl Change {
+    fn make(&self, cell: &mut Cell, lines: &mut [String]) {
+        match *self {
+            Self::Station(station, by) => {
+                cell.stations[station].base_from_station.translation.vector.x += by;
+            }
+            Self::Limit(axis, by) => cell.robot.axes[axis].loaded.velocity *= by,
+            Self::Body(body, by) => {
+                let body = body % cell.bodies.len();
+                cell.bodies[body].carrier_from_shape.translation.vector.z += by;
+            }
+            Self::Clearance(clearance) => cell.clearance = clearance,
+            Self::Line(line, slot) => {
+                lines[line] = format!("GET LP1 SLOT {slot} WITH A\nPUT LP1 SLOT {slot} WITH A");
+            }
+        }
+    }
+}
+
+fn planned(memory: &mut Memory, cell: &Cell, text: &str) -> (Motion, Report) {
+    let motion = memory.timed(cell, steps(cell, text), &MotionOptions::default()).unwrap();
+    let report = memory.check(cell, &motion, &CheckOptions { rate: 100.0, near: 0.05 });
+    (motion, report)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(6))]
+
+    /// Whatever changes, with a memory the answer is that of planning from scratch, to the bit.
+    #[test]
+    fn a_plan_with_a_memory_is_the_plan_without(changes in prop::collection::vec(change(), 1..4)) {
+        let mut cell = example();
+        let mut lines = ["HOME", "GET LP1 SLOT 3 WITH A", "PUT ALIGN WITH A", "", ""].map(String::from);
+        let mut memory = Memory::default();
+        planned(&mut memory, &cell, &lines.join("\n"));
+        for change in &changes {
+            change.make(&mut cell, &mut lines);
+            let text = lines.join("\n");
+            // Numbers are printed in full: no two of them look alike.
+            let (motion, report) = planned(&mut memory, &cell, &text);
+            let (same_motion, same_report) = planned(&mut Memory::default(), &cell, &text);
+            prop_assert!(format!("{motion:?}") == format!("{same_motion:?}"), "{change:?}");
+            prop_assert_eq!(format!("{report:?}"), format!("{same_report:?}"), "{:?}", change);
+        }
+    }
+}
+
+#[test]
+fn only_what_a_change_touches_is_made_anew() {
+    let mut cell = example();
+    let mut memory = Memory::default();
+    let none = |reuse: Reuse| reuse.known == 0 && reuse.anew > 0;
+    planned(&mut memory, &cell, SHORT);
+    assert!(none(memory.reuse_of_ways()) && none(memory.reuse_of_distances()));
+    planned(&mut memory, &cell, SHORT);
+    for reuse in [memory.reuse_of_ways(), memory.reuse_of_moves(), memory.reuse_of_distances()] {
+        assert!(reuse.anew == 0 && reuse.known > 20, "{reuse:?}");
+    }
+    // Another place of the last station: what leads to it and from it.
+    let port = cell.stations.iter().position(|station| station.name == "LP2").unwrap();
+    cell.stations[port].base_from_station.translation.vector.z += 1e-4;
+    planned(&mut memory, &cell, SHORT);
+    for reuse in [memory.reuse_of_ways(), memory.reuse_of_moves(), memory.reuse_of_distances()] {
+        assert!(reuse.known > 2 * reuse.anew && reuse.anew > 0, "{reuse:?}");
+    }
+    // A body that stands in nobody's reach: nothing.
+    cell.bodies[0].carrier_from_shape.translation.vector.z -= 5.0;
+    planned(&mut memory, &cell, SHORT);
+    assert_eq!(memory.reuse_of_ways().anew, 0);
+    assert_eq!(memory.reuse_of_moves().anew, 0);
+    // A limit: everything.
+    cell.robot.axes[3].empty.velocity *= 0.5;
+    planned(&mut memory, &cell, SHORT);
+    assert!(none(memory.reuse_of_ways()) && none(memory.reuse_of_moves()));
+}
