@@ -34,4 +34,4 @@ pub mod surface;
 pub mod wafer;
 
 pub use error::CellError;
-pub use memory::{Memory, Reuse};
+pub use memory::{Job, Memory, Reuse};

@@ -1,7 +1,7 @@
 //! What was found of the last plan, so that a change costs what it changes.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, OnceLock};
 
 use crate::cell::Cell;
 use crate::check::{CheckOptions, Checks, Report};
@@ -14,10 +14,27 @@ use crate::program::Step;
 /// What comes out is the same as without a memory, to the bit: [`timed`](crate::motion::timed) and [`check`](crate::check::check) are these functions of an empty one.
 ///
 /// It holds what the last plan came to, and no more.
-#[derive(Default)]
 pub struct Memory {
     ways: Ways,
     checks: Checks,
+    run: Box<dyn Fn(usize, Job<'_>) + Send>,
+}
+
+/// What is to be done for each number.
+pub type Job<'j> = &'j (dyn Fn(usize) + Sync);
+
+/// Does a job for all numbers below one, in any order or at the same time.
+pub(crate) type Run<'r> = &'r dyn Fn(usize, Job<'_>);
+
+/// Does a job for one number after the other.
+pub(crate) fn one_by_one(count: usize, job: Job<'_>) {
+    (0..count).for_each(job);
+}
+
+impl Default for Memory {
+    fn default() -> Self {
+        Self::run_by(one_by_one)
+    }
 }
 
 /// How many moves of the last plan were made anew, and how many were known.
@@ -32,6 +49,29 @@ pub struct Reuse {
 }
 
 impl Memory {
+    /// An empty one, whose moves somebody runs who may have threads for it.
+    ///
+    /// # Arguments
+    /// * `run` – does a job for all numbers below the one given, in any order or at the same time: what comes out is the same
+    ///
+    /// # Example
+    /// ```
+    /// use jointplay_cell::Memory;
+    ///
+    /// let memory = Memory::run_by(|count, job| {
+    ///     std::thread::scope(|scope| {
+    ///         for first in 0..2 {
+    ///             scope.spawn(move || (first..count).step_by(2).for_each(job));
+    ///         }
+    ///     });
+    /// });
+    /// assert_eq!(memory.reuse_of_moves().anew, 0);
+    /// ```
+    #[must_use]
+    pub fn run_by(run: impl Fn(usize, Job<'_>) + Send + 'static) -> Self {
+        Self { ways: Ways::default(), checks: Checks::default(), run: Box::new(run) }
+    }
+
     /// As [`timed`](crate::motion::timed).
     ///
     /// # Errors
@@ -42,13 +82,13 @@ impl Memory {
         steps: Vec<Step>,
         options: &MotionOptions,
     ) -> Result<Motion, MotionError> {
-        self.ways.timed(cell, steps, options)
+        self.ways.timed(cell, steps, options, &*self.run)
     }
 
     /// As [`check`](crate::check::check).
     #[must_use]
     pub fn check(&mut self, cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
-        self.checks.check(cell, motion, options)
+        self.checks.check(cell, motion, options, &*self.run)
     }
 
     /// Of the ways of the axes in the last motion.
@@ -76,6 +116,28 @@ pub(crate) type Key = Vec<u64>;
 /// Adds numbers to a key.
 pub(crate) fn extend(key: &mut Key, numbers: &[f64]) {
     key.extend(numbers.iter().map(|number| number.to_bits()));
+}
+
+/// Makes something for each of some keys, with their numbers; once for those that are alike.
+pub(crate) fn anew<'k, T: Send + Sync>(
+    keys: impl Iterator<Item = (usize, &'k Key)>,
+    run: Run<'_>,
+    make: impl Fn(usize) -> T + Sync,
+) -> BTreeMap<Key, T> {
+    let mut seen = BTreeSet::new();
+    let jobs: Vec<(usize, &Key)> = keys.filter(|(_, key)| seen.insert(*key)).collect();
+    let made: Vec<OnceLock<T>> = jobs.iter().map(|_| OnceLock::new()).collect();
+    let job = |place: usize| {
+        if let Some(&(number, _)) = jobs.get(place) {
+            made[place].get_or_init(|| make(number));
+        }
+    };
+    run(jobs.len(), &job);
+    // Whoever runs the jobs may have left some.
+    let of = |((number, key), made): ((usize, &Key), OnceLock<T>)| {
+        (key.clone(), made.into_inner().unwrap_or_else(|| make(number)))
+    };
+    jobs.iter().copied().zip(made).map(of).collect()
 }
 
 /// Results by their inputs: those of the last round, and those of this one.
@@ -127,6 +189,11 @@ impl<T> Kept<T> {
         };
         self.now.insert(key, Arc::clone(&found));
         Ok(found)
+    }
+
+    /// Whether [`Self::get`] would not have to make it.
+    pub(crate) fn knows(&self, key: &Key) -> bool {
+        self.now.contains_key(key) || self.last.contains_key(key)
     }
 
     /// A round ends: what it did not ask for is forgotten.

@@ -152,6 +152,16 @@ fn nothing_is_passed_over_that_a_sample_shows() {
     }
 }
 
+/// A memory whose moves run at the same time, from both ends.
+fn by_two_threads() -> Memory {
+    Memory::run_by(|count, job| {
+        std::thread::scope(|scope| {
+            scope.spawn(|| (0..count).step_by(2).for_each(job));
+            (0..count).rev().filter(|number| number % 2 == 1).for_each(job);
+        });
+    })
+}
+
 /// One change of a cell or its program.
 #[derive(Debug, Clone)]
 enum Change {
@@ -200,12 +210,12 @@ fn planned(memory: &mut Memory, cell: &Cell, text: &str) -> (Motion, Report) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(6))]
 
-    /// Whatever changes, with a memory the answer is that of planning from scratch, to the bit.
+    /// Whatever changes, with a memory and threads the answer is that of planning from scratch without, to the bit.
     #[test]
     fn a_plan_with_a_memory_is_the_plan_without(changes in prop::collection::vec(change(), 1..4)) {
         let mut cell = example();
         let mut lines = ["HOME", "GET LP1 SLOT 3 WITH A", "PUT ALIGN WITH A", "", ""].map(String::from);
-        let mut memory = Memory::default();
+        let mut memory = by_two_threads();
         planned(&mut memory, &cell, &lines.join("\n"));
         for change in &changes {
             change.make(&mut cell, &mut lines);

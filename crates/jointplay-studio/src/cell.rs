@@ -4,13 +4,14 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use jointplay::cell::Memory;
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report};
 use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, expand};
+use jointplay::cell::{Job, Memory};
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::{cell, program, report};
+use rayon::prelude::*;
 
 use crate::meshes::within;
 use crate::wire::cell::{Of, ProblemAt};
@@ -159,7 +160,8 @@ struct Inner {
 impl Desk {
     pub(crate) fn new(files: CellFiles) -> Self {
         let (files, last) = (Mutex::new(files), Mutex::new(None));
-        Self(Arc::new(Inner { files, last, memory: Mutex::new(Memory::default()) }))
+        let all_cores = |count, job: Job<'_>| (0..count).into_par_iter().for_each(job);
+        Self(Arc::new(Inner { files, last, memory: Mutex::new(Memory::run_by(all_cores)) }))
     }
 
     /// The files as they stand.

@@ -17,6 +17,8 @@ const STRIDE: usize = 32;
 /// It is used for one step after the other, so that its room is taken once.
 #[derive(Default)]
 pub(super) struct Course {
+    /// Which, while it is looked at.
+    step: Option<usize>,
     samples: Vec<Sample>,
     count: usize,
     /// What all axes did since the start, at most, by sample.
@@ -28,6 +30,7 @@ pub(super) struct Course {
 impl Course {
     /// Takes up a step: its start, `rate` times a second, and its end.
     pub(super) fn take(&mut self, motion: &Motion, step: usize, rate: f64, gearing: &Gearing) {
+        self.step = Some(step);
         let length = motion.length(step);
         // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
         let whole = if motion.stands(step) {
@@ -51,6 +54,16 @@ impl Course {
             let moved = gearing.moved(&pair[0], &pair[1]);
             self.moved.push(self.moved[k].and(&moved));
         }
+    }
+
+    /// Whether it has taken up a step.
+    pub(super) fn is_of(&self, step: usize) -> bool {
+        self.step == Some(step)
+    }
+
+    /// Done with its step, for the next who needs the room.
+    pub(super) fn leave(&mut self) {
+        self.step = None;
     }
 
     pub(super) fn samples(&self) -> &[Sample] {

@@ -5,6 +5,7 @@
 //! | `report` | what a check finds |
 //! | `scene` | bodies, wafers and zones, and where they are |
 //! | `solid` | shapes, and distances between them |
+//! | `steps` | what each step depends on, and how it is looked at |
 //! | `course`, `travel` | a step sample by sample, and how far things can have gone between samples |
 //! | `alone`, `slip` | a step by itself: axes, tilt, play and slip against their limits |
 //! | `near` | a step among all bodies: distances, looked at only as often as they can matter |
@@ -19,25 +20,24 @@ mod report;
 mod scene;
 mod slip;
 mod solid;
+mod steps;
 mod summary;
 mod travel;
 
 pub use report::{InstructionRow, Kind, PairDistance, Report, Share, Unit, Verdict, Violation};
 
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::Arc;
 
 use crate::cell::{Cell, ZoneRule};
-use crate::memory::{Kept, Reuse};
+use crate::memory::{Kept, Key, Reuse, Run, anew, one_by_one};
 use crate::motion::{Motion, Way};
-use crate::program::{Phase, Step};
 use alone::Alone;
-use course::Course;
-use near::{Look, Near, Pair};
-use scene::{Rule, Scene};
+use near::Near;
 use solid::Solids;
+use steps::Steps;
 use summary::Summary;
-use travel::{Gearing, Levers};
 
 /// How closely a motion is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,7 +72,7 @@ impl Default for CheckOptions {
 /// Links and wafers are rigid where distances are concerned; wafers lie as flat discs, lowered and turned by the droop of their arm.
 #[must_use]
 pub fn check(cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
-    Checks::default().check(cell, motion, options)
+    Checks::default().check(cell, motion, options, &one_by_one)
 }
 
 /// What was found of the steps of the last motion, by what it depends on.
@@ -86,71 +86,64 @@ pub(crate) struct Checks {
 
 impl Checks {
     /// See [`check`].
-    pub(crate) fn check(&mut self, cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
+    pub(crate) fn check(
+        &mut self,
+        cell: &Cell,
+        motion: &Motion,
+        options: &CheckOptions,
+        run: Run<'_>,
+    ) -> Report {
         let shared = shared(cell, options);
         self.solids.begin();
         self.moves.begin(&shared);
         self.distances.begin(&shared);
-        let mut scene = Scene::new(cell, &mut self.solids);
-        let gearing = Gearing::new(&cell.robot);
-        let mut course = Course::default();
-        let mut summary = Summary::new(cell, motion);
-        for (index, step) in motion.steps.iter().enumerate() {
-            let (mut items, others): (Vec<usize>, Vec<usize>) =
-                (0..scene.items.len()).partition(|&item| scene.items[item].holder.moves());
-            let movers = items.len();
-            let mut key = motion.key(index);
-            key.push(u64::from(step.phase == Phase::Turn));
-            key.push(step.loaded.len() as u64);
-            key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
-            items.iter().for_each(|&item| scene.items[item].key(&mut key));
-            let levers = |&item: &usize| Levers::new(&cell.robot, &scene.items[item]);
-            let levers: Vec<Levers> = items.iter().map(levers).collect();
-            let mut is_taken = false;
-            let mut take = |course: &mut Course| {
-                if !std::mem::replace(&mut is_taken, true) {
-                    course.take(motion, index, options.rate, &gearing);
-                }
-            };
-            let Ok(alone) = self.moves.get::<Infallible>(key.clone(), || {
-                take(&mut course);
-                let mut alone = Alone::new(&scene, step, &mut course);
-                let around =
-                    |(&item, levers)| course.around(&scene, item, (&gearing, levers), &alone.runs);
-                alone.around = items.iter().zip(&levers).map(around).collect();
+        let (steps, starts) = Steps::new(cell, motion, options, &mut self.solids);
+        // By themselves, and among what is near them while their samples are at hand.
+        let unknown = starts.iter().map(|start| &start.key).enumerate();
+        let unknown = unknown.filter(|(_, key)| !self.moves.knows(key));
+        let mut by_themselves = anew(unknown, run, |index| {
+            steps.with_course(|course| {
+                let alone = steps.alone(&starts[index], index, course);
+                let among = steps.among(&starts[index], index, &alone);
+                let near = (!self.distances.knows(&among.key))
+                    .then(|| steps.near(&starts[index], index, (&alone, &among), course));
+                (alone, among, near)
+            })
+        });
+        let mut nears: BTreeMap<Key, Near> = BTreeMap::new();
+        let mut found = Vec::with_capacity(starts.len());
+        for (index, start) in starts.iter().enumerate() {
+            let mut near_it = None;
+            let Ok(alone) = self.moves.get::<Infallible>(start.key.clone(), || {
+                let (alone, among, near) =
+                    by_themselves.remove(&start.key).expect("what is not known was looked at");
+                nears.extend(near.map(|near| (among.key.clone(), near)));
+                near_it = Some(among);
                 Ok((alone, motion.way_of(index)))
             });
-            let reach = options.near.max(cell.clearance).max(cell.slot_clearance);
-            let pairs = pairs(&scene, step, &alone.0, &mut items, others, reach);
-            items[movers..].iter().for_each(|&item| scene.items[item].key(&mut key));
-            for Pair { items: [a, b], rule } in &pairs {
-                key.extend([*a as u64, *b as u64]);
-                rule.key(&mut key);
-            }
-            let near = self.distances.get::<Infallible>(key, || {
-                take(&mut course);
-                let mut look = Look {
-                    scene: &scene,
-                    motion,
-                    step: index,
-                    course: &mut course,
-                    items: &items,
-                    gearing: &gearing,
-                    levers: &levers,
-                    near: options.near,
-                };
-                Ok(look.at(&pairs, &alone.0.runs))
+            let among = near_it.unwrap_or_else(|| steps.among(start, index, &alone.0));
+            found.push((alone, among));
+        }
+        // Moves that are known, among other things than before.
+        let unknown = found.iter().map(|(_, among)| &among.key).enumerate();
+        let unknown =
+            unknown.filter(|(_, key)| !(self.distances.knows(key) || nears.contains_key(*key)));
+        let others = anew(unknown, run, |index| {
+            let (alone, among) = &found[index];
+            steps.with_course(|course| steps.near(&starts[index], index, (&alone.0, among), course))
+        });
+        nears.extend(others);
+        let mut summary = Summary::new(cell, motion);
+        for (index, (alone, among)) in found.iter().enumerate() {
+            let Ok(near) = self.distances.get::<Infallible>(among.key.clone(), || {
+                Ok(nears.remove(&among.key).expect("what is not known was looked at"))
             });
-            let Ok(near) = near;
-            summary.add(&scene, index, &alone.0, &near, &items);
-            if let Some(handover) = step.handover {
-                scene.hand_over(handover);
-            }
+            summary.add(steps.scene(&starts[index]), index, &alone.0, &near, &among.items);
         }
         self.solids.end();
         self.moves.end();
         self.distances.end();
-        summary.finished(&scene)
+        summary.finished(steps.last())
     }
 
     pub(crate) fn reuse_of_moves(&self) -> Reuse {
@@ -169,45 +162,4 @@ fn shared(cell: &Cell, options: &CheckOptions) -> String {
         "{:?} {:?} {:?} {:?} {safe:?} {options:?}",
         cell.robot, cell.wafer, cell.gravity, cell.play_budget
     )
-}
-
-/// Pairs that something is asked of in a step and that may come near each other; what of the others takes part is added to the items that move.
-fn pairs(
-    scene: &Scene<'_>,
-    step: &Step,
-    alone: &Alone,
-    items: &mut Vec<usize>,
-    others: Vec<usize>,
-    reach: f64,
-) -> Vec<Pair> {
-    let movers = items.len();
-    let mut pairs = Vec::new();
-    for a in 0..movers {
-        for b in a + 1..movers {
-            let rule = scene.rule(items[a], items[b], step);
-            if rule != Rule::Free {
-                pairs.push(Pair { items: [a, b], rule });
-            }
-        }
-    }
-    for other in others {
-        let standing = &scene.items[other].around;
-        let mut place = None;
-        for mover in 0..movers {
-            let Some(around) = &alone.around[mover] else { continue };
-            if !around.comes_near(standing, reach) {
-                continue;
-            }
-            let rule = scene.rule(items[mover], other, step);
-            if rule == Rule::Free {
-                continue;
-            }
-            let place = *place.get_or_insert_with(|| {
-                items.push(other);
-                items.len() - 1
-            });
-            pairs.push(Pair { items: [mover, place], rule });
-        }
-    }
-    pairs
 }

@@ -39,6 +39,7 @@ pub(super) enum Role {
 }
 
 /// Something that takes room.
+#[derive(Clone)]
 pub(super) struct Item {
     pub(super) name: String,
     pub(super) solid: Solid,
@@ -70,6 +71,7 @@ impl Places {
 }
 
 /// Everything that takes room in a cell.
+#[derive(Clone)]
 pub(super) struct Scene<'a> {
     pub(super) cell: &'a Cell,
     pub(super) items: Vec<Item>,

@@ -417,7 +417,7 @@ mod tests {
             let expected = by_corners_and_edges(halves, poses.map(|pose| posed(&pose)));
             crosswise +=
                 usize::from((expected - (above - halves[0][2] - halves[1][2])).abs() < 1e-9);
-            if found > 0.0 {
+            if found > 0.0 || round % 6 < 4 {
                 assert!((found - expected).abs() < 1e-8, "{round}: {found} for {expected}");
             }
         }

@@ -1,9 +1,14 @@
 //! Successive moves run into each other, so that the axes do not come to rest between them.
 
+use std::convert::Infallible;
+use std::sync::Arc;
+
 use super::Way;
 use super::cubic::State;
 use super::limits::dynamics;
+use super::plan::key;
 use crate::cell::Cell;
+use crate::memory::{Kept, Key, extend};
 use crate::program::{Phase, Step};
 use crate::robot::{Dynamics, EffectorId};
 
@@ -29,6 +34,113 @@ const ROUND_OFF: f64 = 1e-12;
 
 /// How much slower two steps may be so that they run into each other for longer: where both keep an axis busy, its limits leave room only so.
 const SLOWER: [f64; 5] = [1.0, 1.01, 1.03, 1.08, 1.2];
+
+/// How the steps of the last motion run into each other, by what that depends on.
+#[derive(Default)]
+pub(super) struct Blends {
+    /// By how much the steps at a corner are slowed.
+    slower: Kept<f64>,
+    slowed: Kept<Way>,
+    blends: Kept<Option<Blend>>,
+}
+
+impl Blends {
+    pub(super) fn begin(&mut self, shared: &str) {
+        self.slower.begin(shared);
+        self.slowed.begin(shared);
+        self.blends.begin(shared);
+    }
+
+    pub(super) fn end(&mut self) {
+        self.slower.end();
+        self.slowed.end();
+        self.blends.end();
+    }
+
+    /// Slows the steps that then gain more by running into each other; by how much each.
+    pub(super) fn slow(&mut self, cell: &Cell, steps: &[Step], ways: &mut [Arc<Way>]) -> Vec<f64> {
+        let mut factors = vec![1.0_f64; steps.len()];
+        let mut meets = vec![false; steps.len()];
+        for (before, pair) in steps.windows(2).enumerate() {
+            let two = [&pair[0], &pair[1]];
+            let Some(corner) = Corner::new(cell, two, [&ways[before], &ways[before + 1]]) else {
+                continue;
+            };
+            meets[before] = true;
+            let key = corner_key(two, [1.0; 2]);
+            let Ok(factor) = self.slower.get::<Infallible>(key, || Ok(corner.slower()));
+            for factor_of in &mut factors[before..before + 2] {
+                *factor_of = factor_of.max(*factor);
+            }
+        }
+        // Each corner gains by its own factor; whether all do together is seen from rest to rest.
+        let mut start = 0;
+        for end in 0..steps.len() {
+            if meets[end] {
+                continue;
+            }
+            let run = start..end + 1;
+            start = run.end;
+            if factors[run.clone()].iter().all(|&factor| factor == 1.0) {
+                continue;
+            }
+            let slowed: Vec<Arc<Way>> =
+                run.clone().map(|k| self.slowed(&steps[k], &ways[k], factors[k])).collect();
+            let (steps, plain) = (&steps[run.clone()], vec![1.0; run.len()]);
+            let fast = self.duration(cell, steps, &ways[run.clone()], &plain);
+            if self.duration(cell, steps, &slowed, &factors[run.clone()]) < fast {
+                ways[run].clone_from_slice(&slowed);
+            } else {
+                factors[run].fill(1.0);
+            }
+        }
+        factors
+    }
+
+    fn slowed(&mut self, step: &Step, way: &Arc<Way>, factor: f64) -> Arc<Way> {
+        if factor == 1.0 {
+            return Arc::clone(way);
+        }
+        let mut key = key(step);
+        extend(&mut key, &[factor]);
+        let Ok(slowed) = self.slowed.get::<Infallible>(key, || Ok(way.slowed(factor)));
+        slowed
+    }
+
+    /// How long steps take that run into each other [s].
+    fn duration(&mut self, cell: &Cell, steps: &[Step], ways: &[Arc<Way>], factors: &[f64]) -> f64 {
+        let corners = 0..steps.len() - 1;
+        let blends: Vec<Option<Blend>> =
+            corners.map(|before| self.at(cell, steps, ways, factors, before)).collect();
+        let overlaps: f64 = blends.iter().flatten().map(|blend| blend.overlap).sum();
+        ways.iter().map(|way| way.duration()).sum::<f64>() - overlaps
+    }
+
+    /// How a step runs into the next.
+    pub(super) fn at(
+        &mut self,
+        cell: &Cell,
+        steps: &[Step],
+        ways: &[Arc<Way>],
+        factors: &[f64],
+        before: usize,
+    ) -> Option<Blend> {
+        let two = [&steps[before], &steps[before + 1]];
+        let corner = Corner::new(cell, two, [&ways[before], &ways[before + 1]])?;
+        let key = corner_key(two, [factors[before], factors[before + 1]]);
+        let Ok(blend) = self.blends.get::<Infallible>(key, || Ok(corner.blend()));
+        *blend
+    }
+}
+
+/// What two steps, slowed by so much, come to at the corner where they meet.
+fn corner_key(steps: [&Step; 2], factors: [f64; 2]) -> Key {
+    let mut corner = key(steps[0]);
+    corner.extend(key(steps[1]));
+    extend(&mut corner, &factors);
+    extend(&mut corner, &steps.map(|step| step.blend));
+    corner
+}
 
 /// Two steps where they meet.
 pub(super) struct Corner<'a> {

@@ -1,16 +1,16 @@
 //! From steps to a motion.
 
-use std::convert::Infallible;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::axes::together;
-use super::blend::{Blend, Corner};
+use super::blend::{Blend, Blends};
 use super::limits::{dynamics, moves};
 use super::line::Task;
 use super::pace::Pace;
 use super::{Motion, Way};
 use crate::cell::Cell;
-use crate::memory::{Kept, Key, Reuse, extend};
+use crate::memory::{Kept, Key, Reuse, Run, anew, extend, one_by_one};
 use crate::program::{Path, Place, Step};
 use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
 
@@ -58,17 +58,14 @@ pub fn timed(
     steps: Vec<Step>,
     options: &MotionOptions,
 ) -> Result<Motion, MotionError> {
-    Ways::default().timed(cell, steps, options)
+    Ways::default().timed(cell, steps, options, &one_by_one)
 }
 
 /// The ways of the last motion, by what they depend on.
 #[derive(Default)]
 pub(crate) struct Ways {
     ways: Kept<Way>,
-    /// By how much the steps at a corner are slowed.
-    slower: Kept<f64>,
-    slowed: Kept<Way>,
-    blends: Kept<Option<Blend>>,
+    blends: Blends,
 }
 
 impl Ways {
@@ -78,12 +75,18 @@ impl Ways {
         cell: &Cell,
         steps: Vec<Step>,
         options: &MotionOptions,
+        run: Run<'_>,
     ) -> Result<Motion, MotionError> {
         let shared = shared(cell, options);
         self.ways.begin(&shared);
-        self.slower.begin(&shared);
-        self.slowed.begin(&shared);
         self.blends.begin(&shared);
+        let keys: Vec<(usize, Key)> = (0..steps.len())
+            .filter(|&index| fits(cell, &steps, index).is_none())
+            .filter_map(|index| Some((index, moving(&steps[index])?)))
+            .collect();
+        let unknown = keys.iter().map(|(index, key)| (*index, key));
+        let unknown = unknown.filter(|(_, key)| !self.ways.knows(key));
+        let mut made = anew(unknown, run, |index| way(cell, &steps[index], options));
         let mut problems = Vec::new();
         let mut failed = |index: usize, message| {
             let Step { instruction, place, .. } = steps[index];
@@ -94,11 +97,11 @@ impl Ways {
         for (index, step) in steps.iter().enumerate() {
             let way = match fits(cell, &steps, index) {
                 Some(message) => Err(message),
-                None => self.way(cell, step, options),
+                None => self.way((cell, step, options), &mut made),
             };
             ways.push(way.unwrap_or_else(|message| failed(index, message)));
         }
-        let factors = self.slow(cell, &steps, &mut ways);
+        let factors = self.blends.slow(cell, &steps, &mut ways);
         let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
         let mut times = Vec::with_capacity(steps.len() + 1);
         let mut now = 0.0;
@@ -113,22 +116,18 @@ impl Ways {
                 };
                 ways[index] = way.unwrap_or_else(|message| failed(index, message));
             }
-            let blended = match index.checked_sub(1) {
-                Some(before) => self.blend(cell, &steps, &ways, &factors, before),
-                None => None,
-            };
-            if let Some(blend) = blended {
+            if let Some(before) = index.checked_sub(1)
+                && let Some(blend) = self.blends.at(cell, &steps, &ways, &factors, before)
+            {
                 // Half of the overlap belongs to either.
                 times[index] -= 0.5 * blend.overlap;
                 now -= blend.overlap;
-                blends[index - 1] = blended;
+                blends[before] = Some(blend);
             }
             now += ways[index].duration();
             times.push(now);
         }
         self.ways.end();
-        self.slower.end();
-        self.slowed.end();
         self.blends.end();
         problems.sort_by_key(|problem| problem.step);
         if problems.is_empty() {
@@ -138,98 +137,20 @@ impl Ways {
         }
     }
 
-    /// Slows the steps that then gain more by running into each other; by how much each.
-    fn slow(&mut self, cell: &Cell, steps: &[Step], ways: &mut [Arc<Way>]) -> Vec<f64> {
-        let mut factors = vec![1.0_f64; steps.len()];
-        let mut meets = vec![false; steps.len()];
-        for (before, pair) in steps.windows(2).enumerate() {
-            let two = [&pair[0], &pair[1]];
-            let Some(corner) = Corner::new(cell, two, [&ways[before], &ways[before + 1]]) else {
-                continue;
-            };
-            meets[before] = true;
-            let key = corner_key(two, [1.0; 2]);
-            let Ok(factor) = self.slower.get::<Infallible>(key, || Ok(corner.slower()));
-            for factor_of in &mut factors[before..before + 2] {
-                *factor_of = factor_of.max(*factor);
-            }
-        }
-        // Each corner gains by its own factor; whether all do together is seen from rest to rest.
-        let mut start = 0;
-        for end in 0..steps.len() {
-            if meets[end] {
-                continue;
-            }
-            let run = start..end + 1;
-            start = run.end;
-            if factors[run.clone()].iter().all(|&factor| factor == 1.0) {
-                continue;
-            }
-            let slowed: Vec<Arc<Way>> =
-                run.clone().map(|k| self.slowed(&steps[k], &ways[k], factors[k])).collect();
-            let (steps, plain) = (&steps[run.clone()], vec![1.0; run.len()]);
-            let fast = self.duration(cell, steps, &ways[run.clone()], &plain);
-            if self.duration(cell, steps, &slowed, &factors[run.clone()]) < fast {
-                ways[run].clone_from_slice(&slowed);
-            } else {
-                factors[run].fill(1.0);
-            }
-        }
-        factors
-    }
-
-    fn slowed(&mut self, step: &Step, way: &Arc<Way>, factor: f64) -> Arc<Way> {
-        if factor == 1.0 {
-            return Arc::clone(way);
-        }
-        let mut key = key(step);
-        extend(&mut key, &[factor]);
-        let Ok(slowed) = self.slowed.get::<Infallible>(key, || Ok(way.slowed(factor)));
-        slowed
-    }
-
-    /// How long steps take that run into each other [s].
-    fn duration(&mut self, cell: &Cell, steps: &[Step], ways: &[Arc<Way>], factors: &[f64]) -> f64 {
-        let corners = 0..steps.len() - 1;
-        let blends: Vec<Option<Blend>> =
-            corners.map(|before| self.blend(cell, steps, ways, factors, before)).collect();
-        let overlaps: f64 = blends.iter().flatten().map(|blend| blend.overlap).sum();
-        ways.iter().map(|way| way.duration()).sum::<f64>() - overlaps
-    }
-
-    fn blend(
-        &mut self,
-        cell: &Cell,
-        steps: &[Step],
-        ways: &[Arc<Way>],
-        factors: &[f64],
-        before: usize,
-    ) -> Option<Blend> {
-        let two = [&steps[before], &steps[before + 1]];
-        let corner = Corner::new(cell, two, [&ways[before], &ways[before + 1]])?;
-        let key = corner_key(two, [factors[before], factors[before + 1]]);
-        let Ok(blend) = self.blends.get::<Infallible>(key, || Ok(corner.blend()));
-        *blend
-    }
-
     fn way(
         &mut self,
-        cell: &Cell,
-        step: &Step,
-        options: &MotionOptions,
+        (cell, step, options): (&Cell, &Step, &MotionOptions),
+        made: &mut BTreeMap<Key, Result<Way, String>>,
     ) -> Result<Arc<Way>, String> {
+        if let Some(key) = moving(step) {
+            // One that cannot be timed is not kept, and told of each step alike.
+            let found = made.remove(&key);
+            return self.ways.get(key, || found.unwrap_or_else(|| way(cell, step, options)));
+        }
         match step.path {
             Path::Still(duration) => self.still(duration, step),
             // How long is known only when all before it is.
-            Path::Processed { .. } => Ok(Arc::new(Way::Still { duration: 0.0 })),
-            Path::Axes => {
-                let limits = |axis| dynamics(&cell.robot, axis, step);
-                let make = || together(&step.from, &step.to, limits).map(Way::Axes);
-                self.ways.get(key(step), make)
-            }
-            Path::Line(effector) => {
-                self.ways.get(key(step), || along(cell, step, effector, options))
-            }
+            _ => Ok(Arc::new(Way::Still { duration: 0.0 })),
         }
     }
 
@@ -248,8 +169,23 @@ fn shared(cell: &Cell, options: &MotionOptions) -> String {
     format!("{:?} {:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity, options.line_deviation)
 }
 
-/// What the way of a step depends on besides.
-fn key(step: &Step) -> Key {
+/// What the way of a step depends on besides, unless it stands still.
+fn moving(step: &Step) -> Option<Key> {
+    matches!(step.path, Path::Axes | Path::Line(_)).then(|| key(step))
+}
+
+/// How the axes go in a step that moves.
+fn way(cell: &Cell, step: &Step, options: &MotionOptions) -> Result<Way, String> {
+    match step.path {
+        Path::Line(effector) => along(cell, step, effector, options),
+        _ => {
+            together(&step.from, &step.to, |axis| dynamics(&cell.robot, axis, step)).map(Way::Axes)
+        }
+    }
+}
+
+/// What the way of a step that moves depends on.
+pub(super) fn key(step: &Step) -> Key {
     let mut key = match step.path {
         Path::Line(effector) => vec![1, effector.arm as u64, effector.effector as u64],
         _ => vec![0],
@@ -259,15 +195,6 @@ fn key(step: &Step) -> Key {
     extend(&mut key, &[step.speed, step.line_speed.unwrap_or(f64::INFINITY)]);
     key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
     key
-}
-
-/// What two steps, slowed by so much, come to at the corner where they meet.
-fn corner_key(steps: [&Step; 2], factors: [f64; 2]) -> Key {
-    let mut corner = key(steps[0]);
-    corner.extend(key(steps[1]));
-    extend(&mut corner, &factors);
-    extend(&mut corner, &steps.map(|step| step.blend));
-    corner
 }
 
 /// What is wrong with a step before it is looked at closely.
