@@ -75,8 +75,8 @@ impl Blends {
         }
         // Each corner gains by its own factor; whether all do together is seen from rest to rest.
         let mut start = 0;
-        for end in 0..steps.len() {
-            if meets[end] {
+        for (end, runs_on) in meets.into_iter().enumerate() {
+            if runs_on {
                 continue;
             }
             let run = start..end + 1;
