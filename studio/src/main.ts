@@ -1,5 +1,5 @@
-import { mount } from 'svelte';
-import App from './App.svelte';
-import './style.css';
+import { readyGraphics } from './lib/graphics';
 
-mount(App, { target: document.getElementById('app') as HTMLElement });
+const page = import('./page');
+readyGraphics();
+await page;

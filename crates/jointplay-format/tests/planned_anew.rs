@@ -57,12 +57,15 @@ impl Labels<'_> {
     }
 }
 
+/// Who, what it is called, when, and the value.
+type TooNear = (BTreeSet<String>, Kind, f64, f64);
+
 /// Least distances and what is too near, from each sample by itself as a motion that stands there.
 fn sample_by_sample(
     cell: &Cell,
     motion: &Motion,
     options: &CheckOptions,
-) -> (BTreeMap<BTreeSet<String>, f64>, Vec<(BTreeSet<String>, Kind, f64, f64)>) {
+) -> (BTreeMap<BTreeSet<String>, f64>, Vec<TooNear>) {
     let mut standing = cell.clone();
     let mut labels = Labels { cell, came_from: BTreeMap::new() };
     let (mut least, mut broken) = (BTreeMap::new(), Vec::new());

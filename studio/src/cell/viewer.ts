@@ -25,6 +25,7 @@ import {
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import type { JogDocument } from '../api/client';
+import { ATTRIBUTES, takeGraphics } from '../lib/graphics';
 import { Handles, SAYS, type Freedom } from '../scene/handles';
 import { paintLabels, type Label } from '../scene/labels';
 import { SCENE, type Theme } from '../scene/palette';
@@ -50,7 +51,7 @@ const GIZMO = { radius: 40, seen: 130 } as const;
 export class CellViewer {
   readonly #host: HTMLElement;
   readonly #events: CellViewerEvents;
-  readonly #renderer = new WebGLRenderer({ antialias: true, alpha: true });
+  readonly #renderer = new WebGLRenderer({ ...ATTRIBUTES, ...takeGraphics() });
   readonly #labelCanvas = document.createElement('canvas');
   readonly #scene = new Scene();
   readonly #camera = new PerspectiveCamera(32, 1, 0.02, 60);

@@ -24,6 +24,7 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Point } from '../lib/geometry';
+import { ATTRIBUTES, takeGraphics } from '../lib/graphics';
 import type { View } from '../lib/link';
 import { Handles, SAYS, type Freedom } from './handles';
 import { paintLabels, type Label } from './labels';
@@ -94,7 +95,7 @@ export class Viewer {
   constructor(host: HTMLElement, events: ViewerEvents) {
     this.#host = host;
     this.#events = events;
-    this.#renderer = new WebGLRenderer({ antialias: true, alpha: true });
+    this.#renderer = new WebGLRenderer({ ...ATTRIBUTES, ...takeGraphics() });
     this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = PCFShadowMap;
@@ -376,7 +377,7 @@ export class Viewer {
 
   #resize(): void {
     const { width, height } = this.#host.getBoundingClientRect();
-    if (width < 2 || height < 2) return;
+    if (width < 2 || height < 2 || (width === this.#size.width && height === this.#size.height)) return;
     this.#size = { width, height };
     this.#renderer.setSize(width, height);
     const ratio = this.#renderer.getPixelRatio();
@@ -386,7 +387,7 @@ export class Viewer {
     if (this.#untouched && this.#picture) this.begin();
     // A canvas that was resized is empty until it is drawn.
     cancelAnimationFrame(this.#asked);
-    this.#render();
+    if (this.#picture) this.#render();
   }
 
   #render(): void {
