@@ -122,6 +122,7 @@ fn motion(cell: &Cell) -> Motion {
         to: to.to_vec(),
         path,
         speed: 1.0,
+        blend: 0.0,
         line_speed: None,
         loaded: vec![],
         handover: None,
@@ -355,6 +356,25 @@ fn durations_of_controller_text_add_up_to_the_motion() {
         assert!(text.contains("# line 2: GET port WITH A\nMOVE "), "{text}");
         assert_eq!(text.starts_with("# NOT SAFE TO RUN: 1 violation"), !recording.flaws.is_empty());
     });
+}
+
+#[test]
+fn controller_text_says_how_motions_run_into_each_other() {
+    let cell = cell();
+    let [out, back] = [0, 1].map(|k| motion(&cell).steps[k].clone());
+    let mut steps = vec![Step { handover: None, ..out }, Step { loaded: vec![], ..back }];
+    steps.iter_mut().for_each(|step| step.blend = 0.05);
+    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    let overlap = motion.blend(0).unwrap().overlap;
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    let text = Dialect::neutral().write(&recording, 100.0).unwrap();
+    let words: Vec<Vec<&str>> = text.lines().map(|line| line.split(' ').collect()).collect();
+    let told: Vec<_> = words.iter().filter(|words| !words[0].starts_with('#')).collect();
+    assert_eq!(told[2][0], "MOVE", "{text}");
+    assert_eq!(told[3], &["BLEND", &format!("{overlap:.6}")], "{text}");
+    assert_eq!(told[4][0], "MOVE", "{text}");
+    let lasts = |k: usize| told[k][1].parse::<f64>().unwrap();
+    assert!((lasts(2) + lasts(4) - motion.duration()).abs() < 2e-6);
 }
 
 #[test]

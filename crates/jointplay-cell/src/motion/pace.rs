@@ -15,6 +15,8 @@ const GLANCES: usize = 100;
 const PROBES: usize = 1200;
 /// Slack left below each limit for what lies between the probes, as a share.
 const SLACK: f64 = 2e-3;
+/// By how much a path may exceed its limits and count as keeping them, as a share: round-off.
+const EXACT: f64 = 3e-10;
 /// Shares of the acceleration limits that the fastest way is looked for with: what is left is for the jerk.
 const SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.42, 0.28];
 /// Difference of the axes' speeds along the path up to which it counts as evenly geared, as a share.
@@ -78,12 +80,8 @@ impl Pace<'_> {
 
     /// Constant limits of the parameter from the steepest axis.
     fn like_one_axis(&self) -> Result<Curve, String> {
-        let mut steepest = vec![0.0_f64; self.limits.len()];
-        for s in self.stages() {
-            for (axis, most) in steepest.iter_mut().enumerate() {
-                *most = most.max(self.spline.jet(self.spline.interval(s), axis, s)[1].abs());
-            }
-        }
+        let steepest: Vec<f64> =
+            (0..self.limits.len()).map(|axis| self.spline.steepest(axis)).collect();
         let least = |of: &dyn Fn(&Dynamics) -> f64| {
             steepest
                 .iter()
@@ -103,7 +101,7 @@ impl Pace<'_> {
         let found = together(&[0.0], &[1.0], |_| limits)?;
         let curve = found.curves.into_iter().next().expect("one axis was asked for");
         // Where the path bends, the parameter's speed adds to what the axes do.
-        Ok(if self.excess(&curve) > 1.0 + 1e-9 { self.within(curve) } else { curve })
+        Ok(if self.excess(&curve) > 1.0 + EXACT { self.within(curve) } else { curve })
     }
 
     fn evenly_geared(&self) -> bool {
@@ -212,7 +210,7 @@ impl Pace<'_> {
         // So does the third derivative of the path at its knots.
         let knots = self.spline.knots();
         for (interval, &knot) in knots.iter().enumerate().take(knots.len() - 1).skip(1) {
-            let state = curve.at(time_at(curve, knot));
+            let state = curve.at(curve.when(knot));
             self.exceed(&mut worst, state, interval - 1);
             self.exceed(&mut worst, state, interval);
         }
@@ -241,16 +239,6 @@ impl Pace<'_> {
             *worst = cubed.cbrt();
         }
     }
-}
-
-/// When the parameter comes to a value.
-fn time_at(curve: &Curve, s: f64) -> f64 {
-    let (mut low, mut high) = (0.0, curve.duration());
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if curve.at(middle)[0] < s { low = middle } else { high = middle }
-    }
-    high
 }
 
 /// What the axes allow at one point of the path.
@@ -361,7 +349,7 @@ mod tests {
             curve.duration(),
             even.duration()
         );
-        let rate = |s: f64| curve.at(time_at(&curve, s))[1];
+        let rate = |s: f64| curve.at(curve.when(s))[1];
         assert!(rate(0.25) > 1.2 * rate(0.5), "{} {}", rate(0.25), rate(0.5));
         assert_eq!(curve.at(curve.duration()), [1.0, 0.0, 0.0, 0.0]);
     }
