@@ -217,27 +217,102 @@ test('a station is taught where the wafer is, and by points of its plane, and un
   await page.getByTestId('jog-release').click();
 });
 
-test('a station is dragged by the handles of its freedoms, in one step of undo', async () => {
+const grip = (freedom: string) => page.evaluate((of) => window.jointplay.measure.cell!.grip(of as never), freedom);
+const choose = async (name: string) => {
   await page.getByRole('tab', { name: 'Parts' }).click();
-  await page.getByTestId('parts').getByRole('button', { name: /^PM1/ }).click();
-  const grip = (freedom: string) => page.evaluate((of) => window.jointplay.measure.cell!.grip(of as never), freedom);
-  await until('the handles are there', async () => (await grip('x')) !== null);
-  expect(await grip('height'), 'its height comes from taught points').toBe(null);
-  await page.getByTestId('parts').getByRole('button', { name: /^ALIGN/ }).click();
-  await until('it can go up', async () => (await grip('height')) !== null);
-  const z = async () => Number(await page.getByTestId('station-ALIGN-z').inputValue());
-  expect(await z()).toBe(600);
-  const from = (await grip('height'))!;
+  await page.getByTestId('parts').getByRole('button', { name: new RegExp(`^${name}`) }).click();
+};
+/** Drags a handle, and says what there is to say before it is let go. */
+async function drag(freedom: string, up: number, held: () => Promise<void> = async () => undefined): Promise<void> {
+  await until(`there is a handle for ${freedom}`, async () => (await grip(freedom)) !== null);
+  const from = (await grip(freedom))!;
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
-  await page.mouse.move(from.x, from.y - 6);
-  await page.mouse.move(from.x, from.y - 12);
-  expect(await z(), 'the field follows').toBeGreaterThan(601);
+  await page.mouse.move(from.x, from.y - up / 2);
+  await page.mouse.move(from.x, from.y - up);
+  await held();
   await page.mouse.up();
+}
+
+test('a station is dragged by the handles of its freedoms, in one step of undo', async () => {
+  await choose('PM1');
+  await until('the handles are there', async () => (await grip('x')) !== null);
+  expect(await grip('height'), 'its height comes from taught points').toBe(null);
+  await choose('ALIGN');
+  const z = async () => Number(await page.getByTestId('station-ALIGN-z').inputValue());
+  expect(await z()).toBe(600);
+  await drag('height', 12, async () => expect(await z(), 'the field follows').toBeGreaterThan(601));
   await until('it is planned anew', async () => (await page.getByTestId('planned').textContent())!.startsWith('Planned') && (await z()) > 601);
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('one step takes it back', async () => (await z()) === 600);
   await verdict('sound');
+});
+
+test('what lies in a station goes with it while it is dragged, and is there when it is planned anew', async () => {
+  await page.getByTestId('cell-time').fill('0');
+  await choose('LP1');
+  const field = (name: string) => page.getByTestId(`station-LP1-${name}`).inputValue().then(Number);
+  const [slot, wafer, high] = ['LP1 3', 'wafer of LP1 3', 'wafer of LP1 25'];
+  const places = async () => Promise.all([slot, wafer, high].map(origin));
+  const [before, z] = [await places(), await field('z')];
+  const off = (to: number[][]) => to.map((place, k) => place.map((value, i) => (value - before[k]![i]!) * 1000));
+  let shown: number[][] = [];
+  await drag('height', 14, async () => {
+    await until('the field follows', async () => (await field('z')) > z + 0.5);
+    shown = await places();
+    const moved = (await field('z')) - z;
+    for (const by of off(shown)) [0, 0, moved].forEach((value, i) => expect(by[i]).toBeCloseTo(value, 6));
+  });
+  await verdict('sound');
+  // Single precision is what the file of the picture has.
+  await until('the server says the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until('it is back', async () => off(await places()).every((by) => by.every((value) => Math.abs(value) < 1e-3)));
+  const pitch = await field('pitch');
+  await drag('about_y', 20, async () => {
+    await until('it leans', async () => Math.abs((await field('pitch')) - pitch) > 0.05);
+    shown = await places();
+    // The slot on top goes far as the station leans about its lowest.
+    expect(Math.hypot(...off(shown)[2]!)).toBeGreaterThan(0.2);
+  });
+  await verdict('sound');
+  await until('the server says the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until('it is back', async () => off(await places()).every((by) => by.every((value) => Math.abs(value) < 1e-3)));
+});
+
+test('a station placed by its first and last slot is moved and leans with both, and its file keeps its words', async () => {
+  const drift = 'drift = { first_mm = [-495.0, -495.0, 500.0], last_mm = [-495.5, -492.0, 740.0] } # as measured';
+  const text = CELL.replace('position_mm = [-495.0, -495.0, 500.0]', drift).replace('tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }\n', '');
+  await write('cell', text);
+  await until('it is planned so', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) > 0);
+  await verdict('sound');
+  await choose('LP2');
+  for (const freedom of ['x', 'y', 'height', 'yaw', 'about_x', 'about_y']) await until(`it has ${freedom}`, async () => (await grip(freedom)) !== null);
+  await drag('height', 14);
+  const kept = async () => {
+    await verdict('sound');
+    await page.getByTestId('save').click();
+    await until('it is kept', () => page.getByTestId('save').isDisabled());
+    const [, first, last] = /drift = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(folder, 'mine.toml'), 'utf8'))!;
+    return [first!, last!].map((words) => words.split(',').map(Number));
+  };
+  await until('it is higher', async () => Number(await page.getByTestId('station-LP2-z').inputValue()) > 500.5);
+  const [first, last] = await kept();
+  expect(first![2]).toBeGreaterThan(500.5);
+  expect(last![2]! - first![2]!).toBeCloseTo(240, 9);
+  expect(last!.slice(0, 2)).toEqual([-495.5, -492]);
+  await drag('about_x', 8);
+  await until('it leans otherwise', async () => Math.abs(Number(await page.getByTestId('station-LP2-pitch').inputValue()) - 0.726) > 0.02);
+  const [still, turned] = await kept();
+  expect(still).toEqual(first);
+  expect(turned).not.toEqual(last);
+  const long = (to: number[]) => Math.hypot(...to.map((value, k) => value - first![k]!));
+  expect(long(turned!)).toBeCloseTo(long(last!), 6);
+  for (let k = 0; k < 3; k += 1) await page.getByRole('button', { name: 'Undo' }).click();
+  await until('it is as drawn', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) === 0);
+  await verdict('sound');
+  await page.getByTestId('save').click();
 });
 
 test('parts are found by name, marked in the picture, and told', async () => {

@@ -57,6 +57,7 @@ fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
         to: to.to_vec(),
         path: Path::Axes,
         speed: 1.0,
+        blend: 0.0,
         line_speed: None,
         loaded: vec![A],
         handover: None,

@@ -58,6 +58,7 @@ fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step 
         to: to.to_vec(),
         path,
         speed,
+        blend: 0.0,
         line_speed: None,
         loaded: if loaded { vec![A] } else { Vec::new() },
         handover: None,
@@ -213,6 +214,47 @@ proptest! {
         }
         prop_assert!(worst <= straight.deviation * 1.3 + 1e-11, "{worst} {}", straight.deviation);
     }
+
+    #[test]
+    fn corners_keep_the_limits_of_both_sides(
+        kind in 0..common::KINDS,
+        shares in [shares(), shares(), shares()],
+        tilts in [tilt(), tilt(), tilt()],
+        way in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
+        speeds in prop::array::uniform4(0.2..1.0),
+        radii in prop::array::uniform4(0.0..0.03),
+        loaded: bool,
+    ) {
+        let cell = cell(kind, Droop::Rigid);
+        let [a, b, c] = [0, 1, 2].map(|k| positions(&cell, tilts[k], 0.5, shares[k]));
+        let start = cell.wafer_pose(A, &b, loaded).unwrap();
+        let target = WaferTarget {
+            center: start.translation.vector + Vector3::from(way),
+            normal: tilts[2].normal(),
+            heading: None,
+        };
+        let reached = cell.reach(A, &target, loaded, &b);
+        prop_assume!(reached.is_ok());
+        let out = reached.unwrap().positions;
+        let mut steps = vec![
+            step(&a, &b, Path::Axes, speeds[0], loaded),
+            step(&b, &out, Path::Line(A), speeds[1], loaded),
+            step(&out, &c, Path::Axes, speeds[2], loaded),
+            step(&c, &a, Path::Axes, speeds[3], loaded),
+        ];
+        let Ok(apart) = timed(&cell, steps.clone(), &MotionOptions::default()) else {
+            return Ok(());
+        };
+        steps.iter_mut().zip(radii).for_each(|(step, radius)| step.blend = radius);
+        let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+        keeps(&cell, &motion);
+        for k in 0..3 {
+            let Some(blend) = motion.blend(k) else { continue };
+            prop_assert!(blend.deviation <= radii[k].min(radii[k + 1]));
+        }
+        prop_assert!(motion.blend(3).is_none());
+        prop_assert!(motion.duration() <= apart.duration() + 1e-12);
+    }
 }
 
 #[test]
@@ -227,15 +269,18 @@ fn moves_run_into_each_other_within_a_radius() {
     }
     let mut back = up.clone();
     back[3] -= 0.8;
-    let steps = || {
-        vec![
+    let steps = |radius: f64| {
+        let mut steps = vec![
             step(&from, &turned, Path::Axes, 1.0, true),
             step(&turned, &up, Path::Axes, 1.0, true),
             step(&up, &back, Path::Axes, 1.0, true),
             step(&back, &back, Path::Still(0.1), 1.0, true),
-        ]
+        ];
+        steps.iter_mut().for_each(|step| step.blend = radius);
+        steps
     };
-    let apart = timed(&cell, steps(), &MotionOptions::default()).unwrap();
+    let options = MotionOptions::default();
+    let apart = timed(&cell, steps(0.0), &options).unwrap();
     let centers = |motion: &Motion| -> Vec<Vector3<f64>> {
         motion
             .samples(2000.0)
@@ -245,8 +290,7 @@ fn moves_run_into_each_other_within_a_radius() {
     let way = centers(&apart);
     let mut before = apart.duration();
     for radius in [0.002, 0.02] {
-        let options = MotionOptions { blend: radius, ..MotionOptions::default() };
-        let motion = timed(&cell, steps(), &options).unwrap();
+        let motion = timed(&cell, steps(radius), &options).unwrap();
         keeps(&cell, &motion);
         assert!(motion.duration() < before - 1e-3, "{} {before}", motion.duration());
         before = motion.duration();

@@ -418,6 +418,39 @@ fn an_edit_leaves_one_way_of_placing() {
 }
 
 #[test]
+fn a_drifted_station_is_moved_and_turned_by_both_its_places() {
+    let table = "[[station]]
+name = \"LP\"
+[station.drift] # measured
+first_mm = [-495.0, 495.0, 500.1] # by slot 1
+last_mm = [-494.0, 494.3, 740.1] # by slot 25
+";
+    let moved = Change::Position(Vector3::new(-0.4951, 0.495, 0.5));
+    assert_eq!(
+        set_station(table, "LP", &[moved]).unwrap(),
+        table
+            .replace("[-495.0, 495.0, 500.1]", "[-495.1, 495.0, 500.0]")
+            .replace("[-494.0, 494.3, 740.1]", "[-494.1, 494.3, 740.0]")
+    );
+    let inline = "[[station]]
+name = \"LP\"
+drift = { first_mm = [100, 0.1, 500], last_mm = [100, 0.1, 740] } # drifted
+";
+    let tilt = Tilt { yaw: 0.0, pitch: 0.01 };
+    let turned = set_station(inline, "LP", &[Change::Turned(tilt)]).unwrap();
+    let (sine, cosine) = tilt.pitch.sin_cos();
+    let place = |value: f64| (value * 1e9).round() / 1e9;
+    let last = [100.0 + 240.0 * sine, 0.1, 500.0 + 240.0 * cosine].map(place);
+    let expected = inline
+        .replace("[100, 0.1, 500]", "[100.0, 0.1, 500.0]")
+        .replace("[100, 0.1, 740]", &format!("{last:?}"));
+    assert_eq!(turned, expected);
+    // Without a drift it is a tilt like any other.
+    let of = |change| set_station(EXAMPLE, "LP2", &[change]).unwrap();
+    assert_eq!(of(Change::Turned(tilt)), of(Change::Tilt(tilt)));
+}
+
+#[test]
 fn stations_in_a_list_are_edited_where_they_stand() {
     let text = "kind = \"cell\"
 name = \"Two in a list\"

@@ -3,7 +3,7 @@
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::motion::{Motion, MotionOptions, timed};
-use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
+use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
 };
@@ -13,8 +13,9 @@ use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::Kernel;
 use jointplay_format::export::dialect::{DIALECTS, Dialect};
-use jointplay_format::export::{Flaw, MACRO, Recording, gltf, samples, solidworks};
+use jointplay_format::export::{Flaw, Frame, MACRO, Recording, frames, gltf, samples, solidworks};
 use jointplay_format::table::Values;
+use jointplay_format::{cell, program};
 use serde_json::Value;
 
 const PROGRAM: &str = "HOME\nGET port WITH A\nWAIT 0.25\n";
@@ -121,6 +122,7 @@ fn motion(cell: &Cell) -> Motion {
         to: to.to_vec(),
         path,
         speed: 1.0,
+        blend: 0.0,
         line_speed: None,
         loaded: vec![],
         handover: None,
@@ -275,6 +277,68 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
 }
 
 #[test]
+fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
+    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let program = program::parse("HOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\n").unwrap();
+    let motion = timed(&cell, expand(&cell, &program).unwrap(), &MotionOptions::default()).unwrap();
+    let recording = Recording { cell: &cell, motion: &motion, program: "", flaws: &[] };
+    let pose = |frames: &[Frame], name: &str| {
+        let frame = frames.iter().find(|frame| frame.name == name).unwrap();
+        let [x, y, z] = frame.place;
+        let [i, j, k, w] = frame.turn;
+        let turn = nalgebra::Unit::new_normalize(nalgebra::Quaternion::new(w, i, j, k));
+        Pose::from_parts(nalgebra::Translation3::new(x, y, z), turn.to_rotation_matrix())
+    };
+    let mut drops = Vec::new();
+    for (k, step) in motion.steps.iter().enumerate() {
+        // Within the step: at its end the wafer may change hands.
+        let time = 0.5 * (motion.times[k] + motion.times[k + 1]);
+        let at = motion.at(time).positions;
+        let (frames, carried) = frames(&recording, time, &at).unwrap();
+        assert_eq!(carried, step.loaded);
+        let rigid = cell.robot.forward(&at).unwrap();
+        let last = (1..=4).fold(pose(&frames, "platform"), |link, number| {
+            link * pose(&frames, &format!("upper link {number}"))
+        });
+        let shown = last * rigid.base_from_link[0][3].inverse() * rigid.base_from_wafer[0][0];
+        let drooping = cell.wafer_pose(ID, &at, step.loaded.contains(&ID)).unwrap();
+        let off = (shown.translation.vector - drooping.translation.vector).norm();
+        let turned = (shown.rotation.matrix() - drooping.rotation.matrix()).norm();
+        assert!(off < 1e-8 && turned < 1e-10, "{k}: {off} {turned}");
+        let drop = rigid.base_from_wafer[0][0].translation.z - shown.translation.z;
+        drops.push(drop);
+        // The table tells the same.
+        let columns = samples(&recording, 1.0 / time).unwrap();
+        let column = columns.iter().find(|one| one.name == "A_z_mm").unwrap();
+        let Values::Real(values) = &column.values else { panic!("not real") };
+        assert!((values[1] - 1e3 * drooping.translation.z).abs() < 1e-6, "{k}: {values:?}");
+    }
+    // Nothing where it is folded over its joint, half a millimetre where it reaches out.
+    assert!(drops.iter().all(|drop| (-1e-9..6e-4).contains(drop)), "{drops:?}");
+    assert!(drops.iter().any(|drop| *drop > 5e-4), "{drops:?}");
+    // The wafer lies in its slots, each to a micrometre, and the picture's file tells when.
+    let end = motion.duration();
+    let (frames, _) = frames(&recording, end, &motion.at(end).positions).unwrap();
+    let slot = cell.stations[3].slot_frame(1);
+    let off = pose(&frames, "wafer of LP1 1").translation.vector - slot.translation.vector;
+    assert!(off.norm() < 1e-6, "{off}");
+    let (root, _) = parts(&gltf(&recording, 50.0).unwrap());
+    let nodes = root["nodes"].as_array().unwrap();
+    let node = nodes.iter().find(|node| node["name"] == "wafer of LP1 1").unwrap();
+    let handed: Vec<f64> = motion
+        .steps
+        .iter()
+        .zip(&motion.times[1..])
+        .filter_map(|(step, &time)| step.handover.map(|_| time))
+        .collect();
+    let lies = serde_json::json!([
+        { "slot": "LP1 1", "from_s": 0.0, "to_s": handed[0] },
+        { "slot": "PM1 1", "from_s": handed[1], "to_s": end },
+    ]);
+    assert_eq!((node["extras"]["lies"].clone(), handed.len()), (lies, 2));
+}
+
+#[test]
 fn durations_of_controller_text_add_up_to_the_motion() {
     with(|recording| {
         let text = Dialect::neutral().write(recording, 100.0).unwrap();
@@ -292,6 +356,25 @@ fn durations_of_controller_text_add_up_to_the_motion() {
         assert!(text.contains("# line 2: GET port WITH A\nMOVE "), "{text}");
         assert_eq!(text.starts_with("# NOT SAFE TO RUN: 1 violation"), !recording.flaws.is_empty());
     });
+}
+
+#[test]
+fn controller_text_says_how_motions_run_into_each_other() {
+    let cell = cell();
+    let [out, back] = [0, 1].map(|k| motion(&cell).steps[k].clone());
+    let mut steps = vec![Step { handover: None, ..out }, Step { loaded: vec![], ..back }];
+    steps.iter_mut().for_each(|step| step.blend = 0.05);
+    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    let overlap = motion.blend(0).unwrap().overlap;
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    let text = Dialect::neutral().write(&recording, 100.0).unwrap();
+    let words: Vec<Vec<&str>> = text.lines().map(|line| line.split(' ').collect()).collect();
+    let told: Vec<_> = words.iter().filter(|words| !words[0].starts_with('#')).collect();
+    assert_eq!(told[2][0], "MOVE", "{text}");
+    assert_eq!(told[3], &["BLEND", &format!("{overlap:.6}")], "{text}");
+    assert_eq!(told[4][0], "MOVE", "{text}");
+    let lasts = |k: usize| told[k][1].parse::<f64>().unwrap();
+    assert!((lasts(2) + lasts(4) - motion.duration()).abs() < 2e-6);
 }
 
 #[test]

@@ -173,6 +173,7 @@ enum Change {
     Body(usize, f64),
     Clearance(f64),
     Line(usize, usize),
+    Corners(u32),
 }
 
 fn change() -> impl Strategy<Value = Change> {
@@ -182,6 +183,7 @@ fn change() -> impl Strategy<Value = Change> {
         (0..40_usize, -0.02..0.02_f64).prop_map(|(body, by)| Change::Body(body, by)),
         (5e-4..6e-3_f64).prop_map(Change::Clearance),
         (3..5_usize, 4..25_usize).prop_map(|(line, slot)| Change::Line(line, slot)),
+        (0..30_u32).prop_map(Change::Corners),
     ]
 }
 
@@ -196,6 +198,7 @@ impl Change {
                 let body = body % cell.bodies.len();
                 cell.bodies[body].carrier_from_shape.translation.vector.z += by;
             }
+            Self::Corners(millimeters) => lines[0] = format!("BLEND {millimeters} mm\nHOME"),
             Self::Clearance(clearance) => cell.clearance = clearance,
             Self::Line(line, slot) => {
                 lines[line] = format!("GET LP1 SLOT {slot} WITH A\nPUT LP1 SLOT {slot} WITH A");
@@ -211,7 +214,7 @@ fn planned(memory: &mut Memory, cell: &Cell, text: &str) -> (Motion, Report) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(6))]
+    #![proptest_config(ProptestConfig::with_cases(10))]
 
     /// Whatever changes, with a memory and threads the answer is that of planning from scratch without, to the bit.
     #[test]

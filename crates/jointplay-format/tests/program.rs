@@ -75,7 +75,11 @@ fn forget(instruction: &mut Instruction) {
             of(counter);
             body.iter_mut().for_each(forget);
         }
-        Command::Home | Command::Wait { .. } | Command::Speed { .. } | Command::Tilt { .. } => {}
+        Command::Home
+        | Command::Wait { .. }
+        | Command::Speed { .. }
+        | Command::Blend { .. }
+        | Command::Tilt { .. } => {}
     }
 }
 
@@ -126,6 +130,8 @@ fn every_command_is_read() {
     says("WAIT 0.25 s", Command::Wait { seconds: 0.25 });
     says("SPEED 50 %", Command::Speed { share: 0.5 });
     says("SPEED 33.3%", Command::Speed { share: 0.333 });
+    says("BLEND 2.5 mm", Command::Blend { radius: 0.0025 });
+    says("blend off", Command::Blend { radius: 0.0 });
     says("TILT LEVEL", Command::Tilt { tilt: Tilt::LEVEL });
     says(
         "TILT 0.8 deg TOWARD 90 deg",
@@ -200,7 +206,9 @@ fn a_message_shows_the_line() {
 fn what_is_fuzzed_starts_from_every_command() {
     let text = include_str!("../../../fuzz/seeds/program/all.program");
     assert_eq!(format(text).unwrap(), text);
-    for command in ["HOME", "SPEED", "MOVE", "LINE", "GOTO", "CALL", "WAIT", "TILT", "SWAP"] {
+    for command in
+        ["HOME", "SPEED", "MOVE", "LINE", "GOTO", "CALL", "WAIT", "BLEND", "TILT", "SWAP"]
+    {
         assert!(text.contains(command));
     }
 }
@@ -221,7 +229,7 @@ fn the_documents_examples_are_programs_as_the_formatter_writes_them() {
         assert!(all.lines().any(|line| line.starts_with(command)), "{command} has no example");
         assert!(page.contains(&format!("\"{}\"", command.split(' ').next().unwrap())));
     }
-    assert_eq!(page.matches("\n### ").count(), 13);
+    assert_eq!(page.matches("\n### ").count(), 14);
     for limit in [MAX_DEPTH, MAX_CALLS] {
         assert!(page.contains(&format!("| {limit} |")));
     }
@@ -317,6 +325,7 @@ fn commands() -> impl Strategy<Value = Command> {
         (slots(), effector()).prop_map(|(to, effector)| Command::Goto { to, effector }),
         (0..=864_000_u32).prop_map(|tenths| Command::Wait { seconds: f64::from(tenths) / 10.0 }),
         (1..=10_000_u32).prop_map(|share| Command::Speed { share: f64::from(share) / 1e4 }),
+        (0..=1000_u32).prop_map(|radius| Command::Blend { radius: f64::from(radius) / 1000.0 }),
         (-8900..=8900_i32, decimals()).prop_map(|(pitch, yaw)| {
             let pitch = (f64::from(pitch) / 100.0).to_radians();
             Command::Tilt { tilt: Tilt { pitch, yaw: yaw.to_radians() } }

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_cell::cell::Cell;
+use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::{
     Handover, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };
@@ -203,6 +204,20 @@ fn a_get_is_the_sequence_of_the_trade() {
     at(5, &way.retracted_above, true, sag);
     let rods = &steps[6].to[..3];
     assert!(rods[0] == rods[1] && rods[1] == rods[2], "{rods:?}");
+}
+
+#[test]
+fn corners_are_cut_where_the_program_says_so_and_never_in_a_slot() {
+    let cell = cell();
+    let text = "BLEND 5 mm\nGET port-1 SLOT 3 WITH A\nBLEND OFF\nPUT port-2 SLOT 5 WITH A";
+    let motion = timed(&cell, steps(&cell, text), &MotionOptions::default()).unwrap();
+    let corners: Vec<Phase> = (0..motion.steps.len())
+        .filter(|&step| motion.blend(step).is_some())
+        .map(|step| motion.steps[step].phase)
+        .collect();
+    assert_eq!(corners, [Turn, Enter, Retract]);
+    let stated = (0..motion.steps.len()).filter_map(|step| motion.blend(step));
+    assert!(stated.map(|blend| blend.deviation).fold(0.0, f64::max) <= 0.005);
 }
 
 #[test]

@@ -13,10 +13,9 @@ const STATION = {
 } as unknown as StationDocument;
 
 test('a place moves by hundredths of a millimetre, along one axis alone', () => {
-  const { station, by, change } = dragged(STATION, 'height', 1.23456, 0.02);
+  const { station, change } = dragged(STATION, 'height', 1.23456, 0.02);
   expect(station.position_mm).toEqual([100, 200, 501.23]);
   expect(change).toEqual({ position_m: [0.1, 0.2, 0.50123] });
-  expect(by.map((value) => Math.round(value * 1e6))).toEqual([0, 0, 1230]);
 });
 
 test('a lean goes no farther than the robot can follow', () => {
@@ -27,8 +26,15 @@ test('a lean goes no farther than the robot can follow', () => {
 });
 
 test('a yaw turns the station and nothing else', () => {
-  const { station, turn, change } = dragged(STATION, 'yaw', 10, 0.02);
+  const { station, change } = dragged(STATION, 'yaw', 10, 0.02);
   expect(station.position_mm).toEqual(STATION.position_mm);
-  expect(turn.z).toBeCloseTo((10 * Math.PI) / 180, 4);
+  expect(station.yaw_rad - STATION.yaw_rad).toBeCloseTo((10 * Math.PI) / 180, 4);
+  expect(change.yaw_rad).toBe(station.yaw_rad);
   expect(Object.keys(change)).toEqual(['yaw_rad']);
+});
+
+test('a station placed by its first and last slot stays so as it leans', () => {
+  const { change } = dragged({ ...STATION, from: 'drift' }, 'about_x', 0.1, 0.02);
+  expect(change.keep_drift).toBe(true);
+  expect(change.tilt_xy?.about_x_rad).toBeCloseTo(0.01 + (0.1 * Math.PI) / 180, 4);
 });

@@ -7,9 +7,6 @@ import { degrees, metres, radians } from '../lib/units';
 export interface Drag {
   /** The station as it would be. */
   station: StationDocument;
-  /** How it is moved [m] and turned [rad] from where it was, to be drawn. */
-  by: number[];
-  turn: { x: number; y: number; z: number };
   change: StationChange;
 }
 
@@ -17,17 +14,15 @@ const AXES: readonly Freedom[] = ['x', 'y', 'height'];
 
 /** One freedom changed by mm or degrees, to a hundredth of a mm or a thousandth of a degree; a lean no farther than the robot can follow [rad]. */
 export function dragged(from: StationDocument, freedom: Freedom, by: number, leanMost: number): Drag {
-  const none = { x: 0, y: 0, z: 0 };
   const k = AXES.indexOf(freedom);
   if (k >= 0) {
     const mm = Number((from.position_mm[k]! + by).toFixed(2));
     const position_mm = from.position_mm.map((value, i) => (i === k ? mm : value));
-    const moved = position_mm.map((value, i) => (value - from.position_mm[i]!) / 1000);
-    return { station: { ...from, position_mm }, by: moved, turn: none, change: { position_m: position_mm.map(metres) } };
+    return { station: { ...from, position_mm }, change: { position_m: position_mm.map(metres) } };
   }
   if (freedom === 'yaw') {
     const yaw_rad = radians(Number((degrees(from.yaw_rad) + by).toFixed(3)));
-    return { station: { ...from, yaw_rad }, by: [0, 0, 0], turn: { ...none, z: yaw_rad - from.yaw_rad }, change: { yaw_rad } };
+    return { station: { ...from, yaw_rad }, change: { yaw_rad } };
   }
   let [x, y] = [from.about_x_rad, from.about_y_rad];
   if (freedom === 'about_x') x = radians(Number((degrees(x) + by).toFixed(3)));
@@ -38,8 +33,11 @@ export function dragged(from: StationDocument, freedom: Freedom, by: number, lea
   const tilt_yaw_deg = tilt_pitch_deg > 0 ? degrees(Math.atan2(-x, y)) : 0;
   return {
     station: { ...from, about_x_rad: x, about_y_rad: y, tilt_pitch_deg, tilt_yaw_deg, tilt_share: leanMost > 0 ? Math.hypot(x, y) / leanMost : 0 },
-    by: [0, 0, 0],
-    turn: { x: x - from.about_x_rad, y: y - from.about_y_rad, z: 0 },
-    change: { tilt_xy: { about_x_rad: x, about_y_rad: y } },
+    change: { tilt_xy: { about_x_rad: x, about_y_rad: y }, ...keepingDrift(from) },
   };
+}
+
+/** A station placed by its first and last slot goes on to be: they lean with it. */
+export function keepingDrift({ from }: StationDocument): Pick<StationChange, 'keep_drift'> {
+  return from === 'drift' ? { keep_drift: true } : {};
 }

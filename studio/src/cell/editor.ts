@@ -15,7 +15,7 @@ export interface Mistake {
   severity: 'error' | 'warning';
 }
 
-const WORDS = /^(HOME|MOVE|LINE|GET|PUT|TRANSFER|SWAP|GOTO|WAIT|SPEED|TILT|CALL|ROUTINE|REPEAT|END|WITH|SLOT|TO|FROM|AT|BY|AS|LEVEL)\b/i;
+const WORDS = /^(HOME|MOVE|LINE|GET|PUT|TRANSFER|SWAP|GOTO|WAIT|SPEED|BLEND|OFF|TILT|CALL|ROUTINE|REPEAT|END|WITH|SLOT|TO|FROM|AT|BY|AS|LEVEL)\b/i;
 
 const programs = StreamLanguage.define({
   token(stream) {

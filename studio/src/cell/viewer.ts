@@ -3,64 +3,54 @@
 import {
   AnimationMixer,
   Box3,
-  Color,
   DirectionalLight,
-  Euler,
   GridHelper,
+  Group,
   HemisphereLight,
+  Matrix4,
   Mesh,
   MeshStandardMaterial,
   Object3D,
   PerspectiveCamera,
   Quaternion,
-  Raycaster,
-  Scene,
-  SRGBColorSpace,
   Vector2,
   Vector3,
-  WebGLRenderer,
-  type LineBasicMaterial,
   type Material,
 } from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
-import type { JogDocument } from '../api/client';
-import { ATTRIBUTES, takeGraphics } from '../lib/graphics';
-import { Handles, SAYS, type Freedom } from '../scene/handles';
-import { paintLabels, type Label } from '../scene/labels';
+import type { JogDocument, StationDocument } from '../api/client';
+import { Handles, type Freedom } from '../scene/handles';
 import { SCENE, type Theme } from '../scene/palette';
+import { paintGrid, Stage, type Captions, type StageEvents } from '../scene/stage';
 
 const VIEWS = { home: [-0.75, -1, 0.9], top: [0, -1e-3, 1], front: [0, -1, 0.12], left: [-1, 0, 0.12] } as const;
 export type CellView = keyof typeof VIEWS;
 
 type Frame = JogDocument['frames'][number];
 
-export interface CellViewerEvents {
+/** A slot that a wafer lies in, as its node is called, and when [s]. */
+interface Lying {
+  slot: string;
+  from_s: number;
+  to_s: number;
+}
+
+export interface CellViewerEvents extends StageEvents {
   /** A part was clicked; none where there is none. */
   picked: (name: string | null) => void;
-  drawn: (took_ms: number) => void;
-  /** The chosen station is dragged by a handle: by how much since the drag began, mm or degrees; then that it ended. */
-  dragStart: (freedom: Freedom) => void;
-  drag: (freedom: Freedom, by: number) => void;
-  dragEnd: (taken: boolean) => void;
 }
 
 /** The handles of a station as they are made [mm], and how large they are seen at most, however far they are [px]. */
 const GIZMO = { radius: 40, seen: 130 } as const;
 
-export class CellViewer {
-  readonly #host: HTMLElement;
+export class CellViewer extends Stage {
+  protected readonly unit_mm = 1000;
   readonly #events: CellViewerEvents;
-  readonly #renderer = new WebGLRenderer({ ...ATTRIBUTES, ...takeGraphics() });
-  readonly #labelCanvas = document.createElement('canvas');
-  readonly #scene = new Scene();
-  readonly #camera = new PerspectiveCamera(32, 1, 0.02, 60);
-  readonly #controls: OrbitControls;
+  readonly #eye: PerspectiveCamera;
   readonly #sun = new DirectionalLight(0xffffff, 2);
   readonly #fill = new DirectionalLight(0xdce8ff, 0.9);
   readonly #sky = new HemisphereLight(0xffffff, 0x94a0ac, 1.6);
   readonly #grid = new GridHelper(3, 30);
-  readonly #observer: ResizeObserver;
   readonly #broken = new MeshStandardMaterial({ color: 0xd62f1f, emissive: 0x8a1208, roughness: 0.6 });
   readonly #chosen = new MeshStandardMaterial({ color: 0xf0b000, emissive: 0x5a3d00, roughness: 0.6, transparent: true, opacity: 0.55, depthWrite: false });
   #whole: Object3D | null = null;
@@ -70,65 +60,39 @@ export class CellViewer {
   #materials = new Map<Mesh, Material | Material[]>();
   /** What moves, by name. */
   #frames = new Map<string, Object3D>();
+  /** Wafers, and where each lies when. */
+  #wafers: { part: Object3D; lies: Lying[] }[] = [];
   /** Where the frames were before the robot was moved by hand. */
   #before: Map<Object3D, { place: Vector3; turn: Quaternion }> | null = null;
   #stations: { name: string; at: Vector3 }[] = [];
-  #labels: Label[] = [];
   #theme: Theme = 'light';
-  #size = { width: 1, height: 1 };
   #posed: Frame[] | null = null;
-  readonly #nudged = new Map<Object3D, { place: Vector3; turn: Quaternion }>();
-  #asked = 0;
+  /** A station that is dragged, with its slots and what lies in them. */
+  #nudged: { station: string; slots: Set<string>; group: Group } | null = null;
   #loads = 0;
-  #handles: Handles | null = null;
-  #drag: { freedom: Freedom; start: Vector2 } | null = null;
   #marked: { broken: ReadonlySet<string>; chosen: ReadonlySet<string> } = { broken: new Set(), chosen: new Set() };
 
   constructor(host: HTMLElement, events: CellViewerEvents) {
-    this.#host = host;
+    const eye = new PerspectiveCamera(32, 1, 0.02, 60);
+    eye.up.set(0, 0, 1);
+    super(host, eye, 'The cell in three dimensions; its stations, steps and violations are told in the panels beside it', events);
+    this.#eye = eye;
     this.#events = events;
-    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.#renderer.outputColorSpace = SRGBColorSpace;
-    this.#renderer.debug.checkShaderErrors = import.meta.env.DEV;
-    const canvas = this.#renderer.domElement;
-    canvas.tabIndex = 0;
-    canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', 'The cell in three dimensions; its stations, steps and violations are told in the panels beside it');
-    this.#labelCanvas.className = 'labels';
-    host.append(canvas, this.#labelCanvas);
-    this.#camera.up.set(0, 0, 1);
-    this.#controls = new OrbitControls(this.#camera, canvas);
-    this.#controls.enableDamping = false;
-    this.#controls.zoomToCursor = true;
-    this.#controls.addEventListener('change', () => this.invalidate());
     this.#sun.position.set(1.2, -1.6, 3);
     this.#fill.position.set(-2, 1, 1.4);
     this.#grid.rotation.x = Math.PI / 2;
-    this.#scene.add(this.#sun, this.#fill, this.#sky, this.#grid);
-    // Before the camera's own handlers: a drag of a handle turns no camera.
-    canvas.addEventListener('pointerdown', (event) => this.#grab(event), { capture: true });
-    canvas.addEventListener('pointermove', (event) => this.#pull(event));
+    this.scene.add(this.#sun, this.#fill, this.#sky, this.#grid);
     let down = new Vector2();
-    canvas.addEventListener('pointerdown', (event) => (down = new Vector2(event.clientX, event.clientY)));
-    canvas.addEventListener('click', (event) => {
+    this.canvas.addEventListener('pointerdown', (event) => (down = new Vector2(event.clientX, event.clientY)));
+    this.canvas.addEventListener('click', (event) => {
       if (down.distanceTo(new Vector2(event.clientX, event.clientY)) < 4) this.#pick(event);
     });
-    this.#observer = new ResizeObserver(() => this.#resize());
-    this.#observer.observe(host);
-    this.#resize();
+    this.measure();
   }
 
-  dispose(): void {
-    this.#observer.disconnect();
-    cancelAnimationFrame(this.#asked);
-    this.#controls.dispose();
+  override dispose(): void {
     this.#drop();
-    this.#renderer.dispose();
-    this.#host.replaceChildren();
-  }
-
-  get canvas(): HTMLCanvasElement {
-    return this.#renderer.domElement;
+    super.dispose();
   }
 
   /** Names of the parts that are marked as chosen. */
@@ -155,9 +119,11 @@ export class CellViewer {
       const { name } = part.userData as { name?: string };
       // A body may be called as the frame that it is on, which comes first.
       if (name && !this.#frames.has(name)) this.#frames.set(name, part);
+      const { lies } = part.userData as { lies?: Lying[] };
+      if (lies) this.#wafers.push({ part, lies });
     });
     this.#whole = scene;
-    this.#scene.add(scene);
+    this.scene.add(scene);
     const [motion] = animations;
     this.#mixer = motion ? new AnimationMixer(scene) : null;
     this.#duration = motion?.duration ?? 0;
@@ -172,6 +138,7 @@ export class CellViewer {
   /** Shows a moment of the motion [s]. */
   at(time: number): void {
     this.#time = time;
+    this.#gather();
     if (this.#before) return;
     // At its very end an animation begins anew.
     this.#mixer?.setTime(Math.min(Math.max(time, 0), Math.max(this.#duration - 1e-6, 0)));
@@ -223,76 +190,92 @@ export class CellViewer {
 
   /** Handles at a place [m], for the freedoms that there are; none takes them away. */
   hold(at: number[] | null, freedoms: readonly Freedom[]): void {
-    if (this.#drag) {
-      if (at) this.#handles?.group.position.fromArray(at);
+    if (this.drag) {
+      if (at) this.handles?.group.position.fromArray(at);
       this.invalidate();
       return;
     }
-    if (this.#handles) {
-      this.#scene.remove(this.#handles.group);
-      this.#handles.dispose();
-      this.#handles = null;
+    if (this.handles) {
+      this.scene.remove(this.handles.group);
+      this.handles.dispose();
+      this.handles = null;
     }
     if (at && freedoms.length > 0) {
-      this.#handles = new Handles(GIZMO.radius, freedoms);
-      this.#handles.group.position.fromArray(at);
+      this.handles = new Handles(GIZMO.radius, freedoms);
+      this.handles.group.position.fromArray(at);
       this.#fit();
-      this.#handles.paint(SCENE[this.#theme].handle, SCENE[this.#theme].handleActive);
-      this.#scene.add(this.#handles.group);
+      this.handles.paint(SCENE[this.#theme].handle, SCENE[this.#theme].handleActive);
+      this.scene.add(this.handles.group);
     }
     this.invalidate();
   }
 
   /** Handles are as large from afar as from near. */
   #fit(): void {
-    const group = this.#handles?.group;
-    if (!group || this.#drag) return;
-    const perPixel = (2 * Math.tan((this.#camera.fov * Math.PI) / 360) * this.#camera.position.distanceTo(group.position)) / this.#size.height;
-    group.scale.setScalar((perPixel * Math.min(GIZMO.seen, 0.26 * this.#size.height)) / (GIZMO.radius + 62));
+    const group = this.handles?.group;
+    if (!group || this.drag) return;
+    const perPixel = (2 * Math.tan((this.#eye.fov * Math.PI) / 360) * this.#eye.position.distanceTo(group.position)) / this.size.height;
+    group.scale.setScalar((perPixel * Math.min(GIZMO.seen, 0.26 * this.size.height)) / (GIZMO.radius + 62));
   }
 
   /** Where a handle is seen, in the page [px]. */
   grip(freedom: Freedom): { x: number; y: number } | null {
-    this.#scene.updateMatrixWorld();
-    const at = this.#handles?.grip(freedom)?.project(this.#camera);
+    this.scene.updateMatrixWorld();
+    const at = this.handles?.grip(freedom)?.project(this.#eye);
     const box = this.canvas.getBoundingClientRect();
     return at ? { x: box.left + ((at.x + 1) / 2) * box.width, y: box.top + ((1 - at.y) / 2) * box.height } : null;
   }
 
-  /** Shows the slots of a station moved and turned about its place, until the server says where they are. */
-  nudge(station: string, slots: number, from: number[], by: number[], turn: { x: number; y: number; z: number }): void {
-    const center = new Vector3().fromArray(from);
-    const moved = new Vector3().fromArray(by);
-    const turned = new Quaternion().setFromEuler(new Euler(turn.x, turn.y, turn.z));
-    for (let slot = 1; slot <= slots; slot++) {
-      const part = this.#frames.get(`${station} ${slot}`);
-      if (!part) continue;
-      const was = this.#nudged.get(part) ?? { place: part.position.clone(), turn: part.quaternion.clone() };
-      this.#nudged.set(part, was);
-      part.position.copy(was.place).sub(center).applyQuaternion(turned).add(center).add(moved);
-      part.quaternion.copy(turned).multiply(was.turn);
+  /** Shows a station elsewhere than it is, its slots with what lies in them, until the server says where they are. */
+  nudge(from: StationDocument, to: StationDocument): void {
+    if (this.#nudged?.station !== from.name) {
+      this.unnudge();
+      const group = new Group();
+      this.#base?.add(group);
+      const slots = Array.from({ length: from.slots }, (_, k) => `${from.name} ${k + 1}`);
+      this.#nudged = { station: from.name, slots: new Set(slots), group };
+      for (const name of slots) this.#regroup(this.#frames.get(name), true);
+      this.#gather();
     }
+    const { position, quaternion, scale } = this.#nudged!.group;
+    frameOf(to).multiply(frameOf(from).invert()).decompose(position, quaternion, scale);
     this.invalidate();
   }
 
   /** Takes back what was nudged. */
   unnudge(): void {
-    for (const [part, { place, turn }] of this.#nudged) {
-      part.position.copy(place);
-      part.quaternion.copy(turn);
-    }
-    this.#nudged.clear();
+    if (!this.#nudged) return;
+    const { group } = this.#nudged;
+    for (const part of [...group.children]) this.#regroup(part, false);
+    group.removeFromParent();
+    this.#nudged = null;
     this.invalidate();
+  }
+
+  /** What everything of the base frame hangs on. */
+  get #base(): Object3D | null {
+    return this.#whole?.children[0] ?? null;
+  }
+
+  /** Lets a part go with the station that is dragged, or stay with the base again. */
+  #regroup(part: Object3D | undefined, along: boolean): void {
+    const parent = along ? this.#nudged?.group : this.#base;
+    if (part && parent && part.parent !== parent) parent.add(part);
+  }
+
+  /** Wafers that lie in the station that is dragged, now, go with it. */
+  #gather(): void {
+    if (!this.#nudged) return;
+    const { slots } = this.#nudged;
+    for (const { part, lies } of this.#wafers)
+      this.#regroup(part, lies.some(({ slot, from_s, to_s }) => slots.has(slot) && from_s <= this.#time && this.#time <= to_s));
   }
 
   paint(theme: Theme): void {
     this.#theme = theme;
     const colours = SCENE[theme];
-    this.#handles?.paint(colours.handle, colours.handleActive);
-    const grid = this.#grid.material as LineBasicMaterial;
-    grid.vertexColors = false;
-    grid.color = new Color(colours.grid);
-    grid.needsUpdate = true;
+    this.handles?.paint(colours.handle, colours.handleActive);
+    paintGrid(this.#grid, colours.grid);
     this.#sun.intensity = 2 * colours.light;
     this.#sky.intensity = 1.6 * colours.light;
     this.invalidate();
@@ -305,16 +288,12 @@ export class CellViewer {
     const reach = box.getSize(new Vector3()).length() / 2;
     const [x, y, z] = VIEWS[view];
     const way = new Vector3(x, y, z).normalize();
-    const aspect = Math.min(this.#camera.aspect, 1);
-    const distance = (0.82 * reach) / Math.sin((this.#camera.fov * Math.PI) / 360) / aspect;
-    this.#controls.target.copy(center);
-    this.#camera.position.copy(center).addScaledVector(way, distance);
-    this.#controls.update();
+    const aspect = Math.min(this.#eye.aspect, 1);
+    const distance = (0.82 * reach) / Math.sin((this.#eye.fov * Math.PI) / 360) / aspect;
+    this.controls.target.copy(center);
+    this.#eye.position.copy(center).addScaledVector(way, distance);
+    this.controls.update();
     this.invalidate();
-  }
-
-  invalidate(): void {
-    if (!this.#asked) this.#asked = requestAnimationFrame(() => this.#render());
   }
 
   #mark(): void {
@@ -335,90 +314,35 @@ export class CellViewer {
     }
     this.#materials = new Map();
     this.#frames = new Map();
+    this.#wafers = [];
     this.#before = null;
-    this.#nudged.clear();
-    if (this.#whole) this.#scene.remove(this.#whole);
+    this.#nudged = null;
+    if (this.#whole) this.scene.remove(this.#whole);
     this.#whole = null;
   }
 
-  #resize(): void {
-    const { width, height } = this.#host.getBoundingClientRect();
-    if (width < 2 || height < 2) return;
-    this.#size = { width, height };
-    this.#renderer.setSize(width, height);
-    const ratio = this.#renderer.getPixelRatio();
-    this.#labelCanvas.width = Math.round(width * ratio);
-    this.#labelCanvas.height = Math.round(height * ratio);
-    this.#camera.aspect = width / height;
-    this.#camera.updateProjectionMatrix();
-    cancelAnimationFrame(this.#asked);
-    this.#render();
+  protected resized(): void {
+    this.#eye.aspect = this.size.width / this.size.height;
+    this.#eye.updateProjectionMatrix();
   }
 
-  #render(): void {
-    this.#asked = 0;
-    const start = performance.now();
+  protected compose(): Captions | null {
+    if (!this.#whole) return null;
     this.#fit();
-    this.#renderer.render(this.#scene, this.#camera);
-    const context = this.#labelCanvas.getContext('2d');
-    if (context) {
-      const ratio = this.#renderer.getPixelRatio();
-      const { ink, background } = SCENE[this.#theme];
-      this.#labels = this.#stations.map(({ name, at }) => ({ at, text: name, strong: true }));
-      context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      context.clearRect(0, 0, this.#size.width, this.#size.height);
-      paintLabels(context, this.#labels, this.#camera, this.#size, { left: 8, right: 8 }, { text: ink, halo: background });
-    }
-    this.#events.drawn(performance.now() - start);
+    const labels = this.#stations.map(({ name, at }) => ({ at: this.#shownAt(name, at), text: name, strong: true }));
+    return { labels, covered: { left: 8, right: 8 }, theme: this.#theme };
   }
 
-  #ray(event: MouseEvent): Raycaster {
-    const box = this.canvas.getBoundingClientRect();
-    const ray = new Raycaster();
-    ray.setFromCamera(
-      new Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2),
-      this.#camera,
-    );
-    return ray;
-  }
-
-  #grab(event: PointerEvent): void {
-    const freedom = event.button === 0 ? this.#handles?.hit(this.#ray(event)) : null;
-    if (!freedom) return;
-    event.stopImmediatePropagation();
-    this.#drag = { freedom, start: new Vector2(event.clientX, event.clientY) };
-    this.canvas.setPointerCapture(event.pointerId);
-    this.#events.dragStart(freedom);
-    const end = (ended: Event) => {
-      this.#drag = null;
-      this.canvas.removeEventListener('pointerup', end);
-      this.canvas.removeEventListener('pointercancel', end);
-      this.#events.dragEnd(ended.type === 'pointerup');
-    };
-    this.canvas.addEventListener('pointerup', end);
-    this.canvas.addEventListener('pointercancel', end);
-  }
-
-  #pull(event: PointerEvent): void {
-    if (!this.#handles) return;
-    if (this.#drag) {
-      const moved = new Vector2(event.clientX, event.clientY).sub(this.#drag.start);
-      const { freedom } = this.#drag;
-      const by = this.#handles.change(freedom, moved, this.#camera, this.#size);
-      const isLength = freedom === 'x' || freedom === 'y' || freedom === 'height';
-      this.#events.drag(freedom, isLength ? by * this.#handles.group.scale.x * 1000 : by);
-      return;
-    }
-    if (event.buttons !== 0) return;
-    const hot = this.#handles.hit(this.#ray(event));
-    this.canvas.style.cursor = hot ? 'grab' : '';
-    this.canvas.title = hot ? `Drag: ${SAYS[hot]}` : '';
-    if (this.#handles.heat(hot)) this.invalidate();
+  /** Where the name of a station stands: with the station while it is dragged. */
+  #shownAt(station: string, at: Vector3): Vector3 {
+    if (this.#nudged?.station !== station) return at;
+    const { group } = this.#nudged;
+    return at.clone().applyQuaternion(group.quaternion).add(group.position);
   }
 
   #pick(event: MouseEvent): void {
-    if (!this.#whole || this.#handles?.hit(this.#ray(event))) return;
-    const ray = this.#ray(event);
+    if (!this.#whole || this.handles?.hit(this.ray(event))) return;
+    const ray = this.ray(event);
     const hit = ray.intersectObject(this.#whole, true)[0];
     this.#events.picked(hit ? nameOf(hit.object) : null);
   }
@@ -432,4 +356,12 @@ function nameOf(part: Object3D): string {
     if (name && name !== 'wafer') return name;
   }
   return '';
+}
+
+/** Where a station's frame is [m]: turned by its yaw, then leaning. */
+function frameOf({ position_mm, yaw_rad, about_x_rad, about_y_rad }: StationDocument): Matrix4 {
+  const lean = new Vector3(about_x_rad, about_y_rad, 0);
+  const leaning = new Quaternion().setFromAxisAngle(lean.clone().normalize(), lean.length());
+  const turned = new Quaternion().setFromAxisAngle(new Vector3(0, 0, 1), yaw_rad);
+  return new Matrix4().compose(new Vector3().fromArray(position_mm).divideScalar(1000), leaning.multiply(turned), new Vector3(1, 1, 1));
 }

@@ -1,4 +1,4 @@
-// Handles by which things are dragged, one for each freedom that they have. Millimetres.
+// Handles by which things are dragged, one for each freedom that they have. Millimetres, before they are scaled.
 
 import {
   ConeGeometry,
@@ -97,11 +97,12 @@ export class Handles {
     this.#active.dispose();
   }
 
-  /** The handle under the pointer. */
+  /** The handle under the pointer; of several, the one that is grabbed nearest to it. */
   hit(ray: Raycaster): Freedom | null {
     if (!this.group.visible) return null;
-    for (const { freedom, group } of this.#handles) if (ray.intersectObject(group, true).length > 0) return freedom;
-    return null;
+    const under = this.#handles.filter(({ group }) => ray.intersectObject(group, true).length > 0);
+    const off = ({ at }: Handle) => ray.ray.distanceSqToPoint(this.group.localToWorld(at.clone()));
+    return under.reduce<Handle | null>((near, one) => (near && off(near) <= off(one) ? near : one), null)?.freedom ?? null;
   }
 
   heat(freedom: Freedom | null): boolean {
@@ -114,20 +115,21 @@ export class Handles {
     return true;
   }
 
-  /** By how much a pointer's way [px] changes a freedom: mm for places, degrees for turns; tilts are geared down, a yaw follows the pointer. */
-  change(freedom: Freedom, moved: Vector2, camera: Camera, size: { width: number; height: number }): number {
+  /**
+   * By how much a pointer's way [px] changes a freedom: mm for places, degrees for turns; tilts are geared down, a yaw follows the pointer.
+   * `unit_mm` is how long a unit of the scene is [mm].
+   */
+  change(freedom: Freedom, moved: Vector2, camera: Camera, size: { width: number; height: number }, unit_mm: number): number {
     const handle = this.#handles.find((one) => one.freedom === freedom) as Handle;
     const start = this.group.localToWorld(handle.at.clone());
     const end = this.group.localToWorld(handle.at.clone().add(handle.way));
-    const a = toPixels(start, camera, size);
-    const b = toPixels(end, camera, size);
-    const way = b.sub(a);
-    const pixelsPerMillimetre = way.length();
-    if (pixelsPerMillimetre < 1e-3) return 0;
+    const way = toPixels(end, camera, size).sub(toPixels(start, camera, size));
+    const pixels = way.length();
+    if (pixels < 1e-3) return 0;
     const along = moved.dot(way.normalize());
     if (freedom === 'about_x' || freedom === 'about_y') return along / PIXELS_PER_DEGREE;
-    const mm = along / pixelsPerMillimetre;
-    return freedom === 'yaw' ? ((mm / this.#reach) * 180) / Math.PI : mm;
+    const far = along / pixels;
+    return freedom === 'yaw' ? ((far / this.#reach) * 180) / Math.PI : far * this.group.scale.x * unit_mm;
   }
 
   #add(freedom: Freedom, at: Vector3, way: Vector3, group: Group): void {

@@ -1,9 +1,8 @@
-// The three-dimensional view: cameras, lights, what the pointer does. It draws when something has changed, and only then.
+// The robot in three dimensions: cameras, lights, views.
 
 import {
   ACESFilmicToneMapping,
   Box3,
-  Color,
   DirectionalLight,
   GridHelper,
   HemisphereLight,
@@ -13,24 +12,17 @@ import {
   PCFShadowMap,
   PerspectiveCamera,
   PlaneGeometry,
-  Raycaster,
-  Scene,
   ShadowMaterial,
-  Vector2,
   Vector3,
-  WebGLRenderer,
-  type LineBasicMaterial,
   type Material,
 } from 'three';
-import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import type { Point } from '../lib/geometry';
-import { ATTRIBUTES, takeGraphics } from '../lib/graphics';
 import type { View } from '../lib/link';
-import { Handles, SAYS, type Freedom } from './handles';
-import { paintLabels, type Label } from './labels';
+import { Handles } from './handles';
 import { SCENE, type Theme } from './palette';
 import { draw, type Picture } from './picture';
 import { Materials, RobotBody, SIZES } from './robot';
+import { paintGrid, Stage, type Camera, type Captions, type StageEvents } from './stage';
 import { Strokes } from './strokes';
 
 Object3D.DEFAULT_UP.set(0, 0, 1);
@@ -48,26 +40,15 @@ export type StandardView = keyof typeof STANDARD_VIEWS;
 
 const FIELD_OF_VIEW = 28;
 
-export interface ViewerEvents {
-  /** The platform is dragged by a handle: by how much since the drag began, mm or degrees; then that it ended. */
-  drag: (freedom: Freedom, by: number) => void;
-  dragStart: (freedom: Freedom) => void;
-  dragEnd: () => void;
-  /** A picture has been drawn, in so many milliseconds of this thread. */
-  drawn: (took_ms: number) => void;
+export interface ViewerEvents extends StageEvents {
   viewChanged: () => void;
 }
 
-export class Viewer {
-  readonly #host: HTMLElement;
+export class Viewer extends Stage {
+  protected readonly unit_mm = 1;
   readonly #events: ViewerEvents;
-  readonly #renderer: WebGLRenderer;
-  readonly #labelCanvas = document.createElement('canvas');
-  readonly #scene = new Scene();
-  readonly #perspective = new PerspectiveCamera(FIELD_OF_VIEW, 1, 10, 20000);
+  readonly #perspective: PerspectiveCamera;
   readonly #orthographic = new OrthographicCamera(-1, 1, 1, -1, -5000, 20000);
-  #camera: PerspectiveCamera | OrthographicCamera = this.#perspective;
-  readonly #controls: OrbitControls;
   readonly #materials = new Materials();
   readonly #strokes = new Strokes();
   readonly #sun = new DirectionalLight(0xffffff, 2.1);
@@ -76,50 +57,29 @@ export class Viewer {
   readonly #sky = new HemisphereLight(0xffffff, 0x94a0ac, 1.5);
   readonly #ground = new Mesh(new PlaneGeometry(4000, 4000), new ShadowMaterial({ opacity: 0.2 }));
   readonly #grid = new GridHelper(1600, 32);
-  readonly #observer: ResizeObserver;
-  #handles: Handles | null = null;
   #body: RobotBody | null = null;
-  #labels: Label[] = [];
   #picture: Picture | null = null;
-  #size = { width: 1, height: 1 };
-  #asked = 0;
   #flight = 0;
   /** Nobody has chosen a view yet: a resized picture may choose again. */
   #untouched = true;
-  #drag: { freedom: Freedom; start: Vector2 } | null = null;
   /** Width at the left of the picture that something lies over [px]. */
   #covered = 0;
   /** Called with the canvas after each picture, to film it. */
   film: (() => void) | null = null;
 
   constructor(host: HTMLElement, events: ViewerEvents) {
-    this.#host = host;
+    const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 10, 20000);
+    super(host, camera, 'The robot in three dimensions; its numbers are in the panels beside it', events);
+    this.#perspective = camera;
     this.#events = events;
-    this.#renderer = new WebGLRenderer({ ...ATTRIBUTES, ...takeGraphics() });
-    this.#renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
-    this.#renderer.shadowMap.enabled = true;
-    this.#renderer.shadowMap.type = PCFShadowMap;
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.shadowMap.type = PCFShadowMap;
     // Shadows change with the robot, not with the eye.
-    this.#renderer.shadowMap.autoUpdate = false;
-    // Asking each shader for its faults waits until it is built.
-    this.#renderer.debug.checkShaderErrors = import.meta.env.DEV;
-    this.#renderer.toneMapping = ACESFilmicToneMapping;
-    this.#renderer.toneMappingExposure = 1.05;
-    const canvas = this.#renderer.domElement;
-    canvas.tabIndex = 0;
-    canvas.setAttribute('role', 'img');
-    canvas.setAttribute('aria-label', 'The robot in three dimensions; its numbers are in the panels beside it');
-    this.#labelCanvas.className = 'labels';
-    host.append(canvas, this.#labelCanvas);
-
-    this.#controls = new OrbitControls(this.#camera, canvas);
-    this.#controls.enableDamping = false;
-    this.#controls.zoomToCursor = true;
-    this.#controls.addEventListener('start', () => (this.#untouched = false));
-    this.#controls.addEventListener('change', () => {
-      this.invalidate();
-      this.#events.viewChanged();
-    });
+    this.renderer.shadowMap.autoUpdate = false;
+    this.renderer.toneMapping = ACESFilmicToneMapping;
+    this.renderer.toneMappingExposure = 1.05;
+    this.controls.addEventListener('start', () => (this.#untouched = false));
+    this.controls.addEventListener('change', () => this.#events.viewChanged());
     // Lamps rather than a picture of a room: without a graphics card, making that one alone takes seconds.
     this.#fill.position.set(-620, -260, 420);
     this.#rim.position.set(120, 760, 520);
@@ -133,41 +93,29 @@ export class Viewer {
     this.#ground.position.z = floor;
     this.#grid.rotation.x = Math.PI / 2;
     this.#grid.position.z = floor + 0.2;
-    this.#scene.add(this.#sun, this.#sun.target, this.#fill, this.#rim, this.#sky, this.#ground, this.#grid, this.#strokes.group);
-
-    canvas.addEventListener('pointerdown', (event) => this.#pointerDown(event), { capture: true });
-    canvas.addEventListener('pointermove', (event) => this.#pointerMove(event));
-    canvas.addEventListener('dblclick', (event) => this.#centre(event));
-    this.#observer = new ResizeObserver(() => this.#resize());
-    this.#observer.observe(host);
-    this.#resize();
+    this.scene.add(this.#sun, this.#sun.target, this.#fill, this.#rim, this.#sky, this.#ground, this.#grid, this.#strokes.group);
+    this.canvas.addEventListener('dblclick', (event) => this.#centre(event));
+    this.measure();
   }
 
-  dispose(): void {
-    this.#observer.disconnect();
-    cancelAnimationFrame(this.#asked);
-    this.#controls.dispose();
+  override dispose(): void {
+    cancelAnimationFrame(this.#flight);
     this.#body?.dispose();
-    this.#renderer.dispose();
-    this.#host.replaceChildren();
-  }
-
-  get canvas(): HTMLCanvasElement {
-    return this.#renderer.domElement;
+    super.dispose();
   }
 
   /** Builds the robot; the view is set if it is the first. */
   build(bases: Point[], sockets: Point[]): void {
     if (this.#body) {
-      this.#scene.remove(this.#body.group);
+      this.scene.remove(this.#body.group);
       this.#body.dispose();
     }
     this.#body = new RobotBody({ bases, sockets }, this.#materials);
-    this.#scene.add(this.#body.group);
+    this.scene.add(this.#body.group);
     const radius = Math.max(...sockets.map((socket) => Math.hypot(...socket)));
-    if (this.#handles) this.#scene.remove(this.#handles.group);
-    this.#handles = new Handles(radius);
-    this.#scene.add(this.#handles.group);
+    if (this.handles) this.scene.remove(this.handles.group);
+    this.handles = new Handles(radius);
+    this.scene.add(this.handles.group);
     const reach = radius * 3;
     Object.assign(this.#sun.shadow.camera, { left: -reach, right: reach, top: reach, bottom: -reach, near: 50, far: 2600 });
     this.#sun.shadow.camera.updateProjectionMatrix();
@@ -176,7 +124,7 @@ export class Viewer {
   /** Shows a shape from the robot file in place of the one made here. */
   wear(part: 'base' | 'platform', shape: Object3D): void {
     this.#body?.wear(part, shape);
-    this.#renderer.shadowMap.needsUpdate = true;
+    this.renderer.shadowMap.needsUpdate = true;
     this.invalidate();
     if (this.#untouched && this.#picture) this.begin();
   }
@@ -200,57 +148,50 @@ export class Viewer {
   }
 
   set handlesShown(shown: boolean) {
-    if (this.#handles) this.#handles.group.visible = shown;
+    if (this.handles) this.handles.group.visible = shown;
     this.invalidate();
   }
 
   paint(theme: Theme): void {
     const colours = SCENE[theme];
     this.#materials.paint(colours);
-    this.#handles?.paint(colours.handle, colours.handleActive);
+    this.handles?.paint(colours.handle, colours.handleActive);
     this.#sun.intensity = 2.1 * colours.light;
     this.#fill.intensity = 0.8 * colours.light;
     this.#rim.intensity = 0.9 * colours.light;
     this.#sky.intensity = 1.5 * colours.light;
     (this.#ground.material as ShadowMaterial).opacity = colours.shadow;
-    const grid = this.#grid.material as LineBasicMaterial;
-    grid.vertexColors = false;
-    grid.color = new Color(colours.grid);
-    grid.needsUpdate = true;
+    paintGrid(this.#grid, colours.grid);
     this.invalidate();
   }
 
   show(picture: Picture): void {
     if (picture.pose !== this.#picture?.pose || picture.exaggeration !== this.#picture.exaggeration || picture.model !== this.#picture.model)
-      this.#renderer.shadowMap.needsUpdate = true;
+      this.renderer.shadowMap.needsUpdate = true;
     this.#picture = picture;
-    if (this.#handles) this.#handles.group.position.z = picture.pose.axis_height_m * 1000;
+    if (this.handles) this.handles.group.position.z = picture.pose.axis_height_m * 1000;
     this.invalidate();
-  }
-
-  invalidate(): void {
-    if (!this.#asked) this.#asked = requestAnimationFrame(() => this.#render());
   }
 
   // Views
 
   get view(): View {
     return {
-      eye_mm: this.#camera.position.toArray(),
-      target_mm: this.#controls.target.toArray(),
-      projection: this.#camera === this.#perspective ? 'perspective' : 'orthographic',
-      zoom: this.#camera.zoom,
+      eye_mm: this.camera.position.toArray(),
+      target_mm: this.controls.target.toArray(),
+      projection: this.camera === this.#perspective ? 'perspective' : 'orthographic',
+      zoom: this.camera.zoom,
     };
   }
 
   set view(view: View) {
     this.#untouched = false;
     this.#use(view.projection === 'perspective' ? this.#perspective : this.#orthographic);
-    this.#camera.position.set(...view.eye_mm);
-    this.#controls.target.set(...view.target_mm);
-    this.#camera.zoom = view.zoom;
+    this.camera.position.set(...view.eye_mm);
+    this.controls.target.set(...view.target_mm);
+    this.camera.zoom = view.zoom;
     this.#frustum();
-    this.#controls.update();
+    this.controls.update();
     this.invalidate();
   }
 
@@ -262,7 +203,7 @@ export class Viewer {
 
   /** Where a visitor begins: the robot, or in a low picture its platform. */
   begin(): void {
-    if (this.#size.height < 420) this.lookAtPlatform();
+    if (this.size.height < 420) this.lookAtPlatform();
     else this.look('home');
     this.#untouched = true;
   }
@@ -277,18 +218,18 @@ export class Viewer {
   /** Looks at the same place from another of the standard sides. */
   turnTo(side: StandardView): void {
     const [x, y, z] = STANDARD_VIEWS[side];
-    const distance = this.#camera.position.distanceTo(this.#controls.target);
-    this.#approach(new Vector3(x, y, z).normalize(), this.#controls.target.clone(), distance, this.#camera.zoom);
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    this.#approach(new Vector3(x, y, z).normalize(), this.controls.target.clone(), distance, this.camera.zoom);
   }
 
   /** The turn from the base frame to the eye's, column by column: what a view cube shows. */
   get turn(): number[] {
-    return this.#camera.matrixWorldInverse.toArray();
+    return this.camera.matrixWorldInverse.toArray();
   }
 
   /** Keeps the direction and shows the whole robot. */
   fit(): void {
-    const way = this.#camera.position.clone().sub(this.#controls.target).normalize();
+    const way = this.camera.position.clone().sub(this.controls.target).normalize();
     this.#fly(way, this.#bounds());
   }
 
@@ -316,7 +257,7 @@ export class Viewer {
     const right = up.clone().cross(way).normalize();
     const over = way.clone().cross(right);
     const tall = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * 0.8;
-    const wide = (tall * Math.max(this.#size.width - this.#covered, 200)) / this.#size.height;
+    const wide = (tall * Math.max(this.size.width - this.#covered, 200)) / this.size.height;
     let distance = 1;
     for (let corner = 0; corner < 8; corner++) {
       const at = new Vector3(...([1, 2, 4].map((bit, i) => ((corner & bit) > 0 ? box.max : box.min).getComponent(i)) as [number, number, number]));
@@ -328,17 +269,17 @@ export class Viewer {
   }
 
   #approach(way: Vector3, center: Vector3, distance: number, zoom: number): void {
-    const from = { eye: this.#camera.position.clone(), target: this.#controls.target.clone(), zoom: this.#camera.zoom };
+    const from = { eye: this.camera.position.clone(), target: this.controls.target.clone(), zoom: this.camera.zoom };
     const eye = center.clone().addScaledVector(way, distance);
     const arrive = (part: number) => {
-      this.#controls.target.lerpVectors(from.target, center, part);
-      this.#camera.position.lerpVectors(from.eye, eye, part);
+      this.controls.target.lerpVectors(from.target, center, part);
+      this.camera.position.lerpVectors(from.eye, eye, part);
       // On the straight way the eye would pass near what it looks at.
       const reach = from.eye.distanceTo(from.target) * (1 - part) + distance * part;
-      this.#camera.position.sub(this.#controls.target).setLength(reach).add(this.#controls.target);
-      this.#camera.zoom = from.zoom * (1 - part) + zoom * part;
+      this.camera.position.sub(this.controls.target).setLength(reach).add(this.controls.target);
+      this.camera.zoom = from.zoom * (1 - part) + zoom * part;
       this.#frustum();
-      this.#controls.update();
+      this.controls.update();
       this.invalidate();
     };
     cancelAnimationFrame(this.#flight);
@@ -355,61 +296,44 @@ export class Viewer {
     this.#flight = requestAnimationFrame(step);
   }
 
-  #use(camera: PerspectiveCamera | OrthographicCamera): void {
-    if (camera === this.#camera) return;
-    this.#camera = camera;
-    this.#controls.object = camera;
+  #use(camera: Camera): void {
+    if (camera === this.camera) return;
+    this.camera = camera;
+    this.controls.object = camera;
   }
 
   #frustum(): void {
-    const aspect = this.#size.width / this.#size.height;
+    const aspect = this.size.width / this.size.height;
     this.#perspective.aspect = aspect;
-    const distance = this.#camera.position.distanceTo(this.#controls.target);
+    const distance = this.camera.position.distanceTo(this.controls.target);
     const half = distance * Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
-    if (this.#camera === this.#orthographic)
+    if (this.camera === this.#orthographic)
       Object.assign(this.#orthographic, { left: -half * aspect, right: half * aspect, top: half, bottom: -half });
-    const { width, height } = this.#size;
-    this.#camera.setViewOffset(width, height, -this.#covered / 2, 0, width, height);
-    this.#camera.updateProjectionMatrix();
+    const { width, height } = this.size;
+    this.camera.setViewOffset(width, height, -this.#covered / 2, 0, width, height);
+    this.camera.updateProjectionMatrix();
   }
 
   // Pictures
 
-  #resize(): void {
-    const { width, height } = this.#host.getBoundingClientRect();
-    if (width < 2 || height < 2 || (width === this.#size.width && height === this.#size.height)) return;
-    this.#size = { width, height };
-    this.#renderer.setSize(width, height);
-    const ratio = this.#renderer.getPixelRatio();
-    this.#labelCanvas.width = Math.round(width * ratio);
-    this.#labelCanvas.height = Math.round(height * ratio);
+  protected resized(): void {
     this.#frustum();
     if (this.#untouched && this.#picture) this.begin();
-    // A canvas that was resized is empty until it is drawn.
-    cancelAnimationFrame(this.#asked);
-    if (this.#picture) this.#render();
   }
 
-  #render(): void {
-    this.#asked = 0;
-    const start = performance.now();
-    if (this.#picture && this.#body) this.#labels = draw(this.#picture, this.#body, this.#strokes);
-    this.#renderer.render(this.#scene, this.#camera);
-    const context = this.#labelCanvas.getContext('2d');
-    if (context && this.#picture) {
-      const ratio = this.#renderer.getPixelRatio();
-      const colours = SCENE[this.#picture.theme];
-      context.setTransform(ratio, 0, 0, ratio, 0, 0);
-      context.clearRect(0, 0, this.#size.width, this.#size.height);
-      paintLabels(context, this.#labels, this.#camera, this.#size, { left: this.#covered + 10, right: 104 }, { text: colours.ink, halo: colours.background });
-    }
+  protected compose(): Captions | null {
+    if (!this.#picture || !this.#body) return null;
+    const labels = draw(this.#picture, this.#body, this.#strokes);
+    return { labels, covered: { left: this.#covered + 10, right: 104 }, theme: this.#picture.theme };
+  }
+
+  protected override finished(): void {
     this.film?.();
-    this.#events.drawn(performance.now() - start);
   }
 
   /** Paints what is seen onto a canvas, with a line that says how play is drawn. */
   copyTo(canvas: HTMLCanvasElement, note: string): void {
-    const source = this.#renderer.domElement;
+    const source = this.renderer.domElement;
     if (canvas.width !== source.width || canvas.height !== source.height) {
       canvas.width = source.width;
       canvas.height = source.height;
@@ -417,11 +341,11 @@ export class Viewer {
     const context = canvas.getContext('2d');
     if (!context || !this.#picture) return;
     const colours = SCENE[this.#picture.theme];
-    const ratio = this.#renderer.getPixelRatio();
+    const ratio = this.renderer.getPixelRatio();
     context.fillStyle = colours.background;
     context.fillRect(0, 0, canvas.width, canvas.height);
     context.drawImage(source, 0, 0);
-    context.drawImage(this.#labelCanvas, 0, 0);
+    context.drawImage(this.labelCanvas, 0, 0);
     context.font = `600 ${14 * ratio}px system-ui, sans-serif`;
     context.fillStyle = colours.ink;
     context.fillText(note, 14 * ratio, canvas.height - 14 * ratio);
@@ -431,7 +355,7 @@ export class Viewer {
   snapshot(note: string): Promise<Blob | null> {
     const film = this.film;
     this.film = null;
-    this.#render();
+    this.render();
     const canvas = document.createElement('canvas');
     this.copyTo(canvas, note);
     this.film = film;
@@ -441,56 +365,12 @@ export class Viewer {
 
   // The pointer
 
-  #ray(event: PointerEvent | MouseEvent): Raycaster {
-    const box = this.canvas.getBoundingClientRect();
-    const at = new Vector2(
-      ((event.clientX - box.left) / box.width) * 2 - 1,
-      1 - ((event.clientY - box.top) / box.height) * 2,
-    );
-    const ray = new Raycaster();
-    ray.setFromCamera(at, this.#camera);
-    return ray;
-  }
-
-  #pointerDown(event: PointerEvent): void {
-    if (event.button !== 0 || !this.#handles) return;
-    const freedom = this.#handles.hit(this.#ray(event));
-    if (!freedom) return;
-    event.stopImmediatePropagation();
-    this.#drag = { freedom, start: new Vector2(event.clientX, event.clientY) };
-    this.canvas.setPointerCapture(event.pointerId);
-    this.#events.dragStart(freedom);
-    const end = () => {
-      this.#drag = null;
-      this.canvas.removeEventListener('pointerup', end);
-      this.canvas.removeEventListener('pointercancel', end);
-      this.#events.dragEnd();
-    };
-    this.canvas.addEventListener('pointerup', end);
-    this.canvas.addEventListener('pointercancel', end);
-  }
-
-  #pointerMove(event: PointerEvent): void {
-    if (!this.#handles) return;
-    if (this.#drag) {
-      const moved = new Vector2(event.clientX, event.clientY).sub(this.#drag.start);
-      const { freedom } = this.#drag;
-      this.#events.drag(freedom, this.#handles.change(freedom, moved, this.#camera, this.#size));
-      return;
-    }
-    if (event.buttons !== 0) return;
-    const hot = this.#handles.hit(this.#ray(event));
-    this.canvas.style.cursor = hot ? 'grab' : '';
-    this.canvas.title = hot ? `Drag: ${SAYS[hot]}` : '';
-    if (this.#handles.heat(hot)) this.invalidate();
-  }
-
   #centre(event: MouseEvent): void {
-    const hit = this.#body && this.#ray(event).intersectObject(this.#body.group, true)[0];
+    const hit = this.#body && this.ray(event).intersectObject(this.#body.group, true)[0];
     if (!hit) return;
-    const distance = this.#camera.position.distanceTo(this.#controls.target);
-    const way = this.#camera.position.clone().sub(this.#controls.target).normalize();
-    this.#approach(way, hit.point, distance, this.#camera.zoom);
+    const distance = this.camera.position.distanceTo(this.controls.target);
+    const way = this.camera.position.clone().sub(this.controls.target).normalize();
+    this.#approach(way, hit.point, distance, this.camera.zoom);
   }
 }
 

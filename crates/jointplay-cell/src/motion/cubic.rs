@@ -68,6 +68,16 @@ impl Curve {
         after(&piece.state, (time - piece.start).max(0.0))
     }
 
+    /// When a curve that never goes back comes to a position [s].
+    pub(crate) fn when(&self, position: f64) -> f64 {
+        let (mut early, mut late) = (0.0, self.duration);
+        for _ in 0..30 {
+            let middle = 0.5 * (early + late);
+            if self.at(middle)[0] < position { early = middle } else { late = middle }
+        }
+        late
+    }
+
     /// The same way, `factor` times as long.
     pub(crate) fn slowed(&self, factor: f64) -> Self {
         let by = 1.0 / factor;

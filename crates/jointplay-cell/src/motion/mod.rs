@@ -70,7 +70,7 @@ pub struct Straightness {
 pub(crate) enum Way {
     Still { duration: f64 },
     Axes(axes::Together),
-    Line { line: line::Line, pace: cubic::Curve },
+    Line { line: Arc<line::Line>, pace: cubic::Curve },
 }
 
 impl Way {
@@ -79,6 +79,33 @@ impl Way {
             Self::Still { duration } => *duration,
             Self::Axes(together) => together.duration,
             Self::Line { pace, .. } => pace.duration(),
+        }
+    }
+
+    /// The same way, `factor` times as long.
+    fn slowed(&self, factor: f64) -> Self {
+        match self {
+            Self::Still { duration } => Self::Still { duration: *duration },
+            Self::Axes(together) => Self::Axes(axes::Together {
+                curves: together.curves.iter().map(|curve| curve.slowed(factor)).collect(),
+                duration: together.duration * factor,
+                slowest: together.slowest,
+            }),
+            Self::Line { line, pace } => {
+                Self::Line { line: Arc::clone(line), pace: pace.slowed(factor) }
+            }
+        }
+    }
+
+    /// Times after its start at which a jerk jumps [s].
+    fn breaks(&self) -> Vec<f64> {
+        match self {
+            Self::Still { .. } => Vec::new(),
+            Self::Axes(together) => together.curves.iter().flat_map(cubic::Curve::breaks).collect(),
+            Self::Line { line, pace } => {
+                let knots = line.spline.knots().iter().map(|&knot| pace.when(knot));
+                pace.breaks().chain(knots).collect()
+            }
         }
     }
 

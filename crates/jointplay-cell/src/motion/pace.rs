@@ -15,6 +15,8 @@ const GLANCES: usize = 100;
 const PROBES: usize = 1200;
 /// Slack left below each limit for what lies between the probes, as a share.
 const SLACK: f64 = 2e-3;
+/// By how much a path may exceed its limits and count as keeping them, as a share: round-off.
+const EXACT: f64 = 3e-10;
 /// Shares of the acceleration limits that the fastest way is looked for with: what is left is for the jerk.
 const SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.42, 0.28];
 /// Difference of the axes' speeds along the path up to which it counts as evenly geared, as a share.
@@ -96,18 +98,13 @@ impl<'a> Pace<'a> {
     /// What is planned like a single axis: where the path bends, the parameter's speed adds to what the axes do.
     fn slower_where_it_bends(&self, single: Curve) -> Curve {
         let excess = self.excess(&single);
-        if excess > 1.0 + 1e-9 { single.slowed(excess * (1.0 + SLACK)) } else { single }
+        if excess > 1.0 + EXACT { single.slowed(excess * (1.0 + SLACK)) } else { single }
     }
 
     /// Constant limits of the parameter from the steepest axis, as if the path were straight.
     fn like_one_axis(&self) -> Result<Curve, String> {
-        let mut steepest = vec![0.0_f64; self.limits.len()];
-        for s in self.stages() {
-            let interval = self.spline.interval(s);
-            for (most, (axis, _)) in steepest.iter_mut().zip(&self.limits) {
-                *most = most.max(self.spline.jet(interval, *axis, s)[1].abs());
-            }
-        }
+        let steepest: Vec<f64> =
+            self.limits.iter().map(|&(axis, _)| self.spline.steepest(axis)).collect();
         let least = |of: &dyn Fn(&Dynamics) -> f64| {
             steepest
                 .iter()
@@ -241,7 +238,7 @@ impl<'a> Pace<'a> {
         // So does the third derivative of the path at its knots.
         let knots = self.spline.knots();
         for (interval, &knot) in knots.iter().enumerate().take(knots.len() - 1).skip(1) {
-            let state = curve.at(time_at(curve, knot));
+            let state = curve.at(curve.when(knot));
             self.exceed(&mut worst, state, interval - 1);
             self.exceed(&mut worst, state, interval);
         }
@@ -270,16 +267,6 @@ impl<'a> Pace<'a> {
             *worst = cubed.cbrt();
         }
     }
-}
-
-/// When the parameter comes to a value.
-fn time_at(curve: &Curve, s: f64) -> f64 {
-    let (mut low, mut high) = (0.0, curve.duration());
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        if curve.at(middle)[0] < s { low = middle } else { high = middle }
-    }
-    high
 }
 
 /// What the axes allow at one point of the path.
@@ -387,7 +374,7 @@ mod tests {
             curve.duration(),
             even.duration()
         );
-        let rate = |s: f64| curve.at(time_at(&curve, s))[1];
+        let rate = |s: f64| curve.at(curve.when(s))[1];
         assert!(rate(0.25) > 1.2 * rate(0.5), "{} {}", rate(0.25), rate(0.5));
         assert_eq!(curve.at(curve.duration()), [1.0, 0.0, 0.0, 0.0]);
     }

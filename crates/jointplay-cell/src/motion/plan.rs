@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::axes::together;
-use super::blend::{Blend, blend};
+use super::blend::{Blend, Blends};
 use super::limits::{dynamics, moves};
 use super::line::Task;
 use super::pace::Pace;
@@ -19,13 +19,11 @@ use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
 pub struct MotionOptions {
     /// Largest distance of a wafer's centre from a straight line that it is told to keep to [m].
     pub line_deviation: f64,
-    /// Successive moves of the axes run into each other as long as no wafer's centre strays farther than this from the way without; 0 brings them to rest between moves [m].
-    pub blend: f64,
 }
 
 impl Default for MotionOptions {
     fn default() -> Self {
-        Self { line_deviation: 1e-6, blend: 0.0 }
+        Self { line_deviation: 1e-6 }
     }
 }
 
@@ -65,7 +63,10 @@ pub fn timed(
 
 /// The ways of the last motion, by what they depend on.
 #[derive(Default)]
-pub(crate) struct Ways(Kept<Way>);
+pub(crate) struct Ways {
+    ways: Kept<Way>,
+    blends: Blends,
+}
 
 impl Ways {
     /// See [`timed`].
@@ -76,45 +77,59 @@ impl Ways {
         options: &MotionOptions,
         run: Run<'_>,
     ) -> Result<Motion, MotionError> {
-        self.0.begin(&shared(cell, options));
+        let shared = shared(cell, options);
+        self.ways.begin(&shared);
+        self.blends.begin(&shared);
         let keys: Vec<(usize, Key)> = (0..steps.len())
             .filter(|&index| fits(cell, &steps, index).is_none())
             .filter_map(|index| Some((index, moving(&steps[index])?)))
             .collect();
         let unknown = keys.iter().map(|(index, key)| (*index, key));
-        let unknown = unknown.filter(|(_, key)| !self.0.knows(key));
+        let unknown = unknown.filter(|(_, key)| !self.ways.knows(key));
         let mut made = anew(unknown, run, |index| way(cell, &steps[index], options));
         let mut problems = Vec::new();
-        let mut times = Vec::with_capacity(steps.len() + 1);
+        let mut failed = |index: usize, message| {
+            let Step { instruction, place, .. } = steps[index];
+            problems.push(StepProblem { step: index, instruction, place, message });
+            Arc::new(Way::Still { duration: 0.0 })
+        };
         let mut ways: Vec<Arc<Way>> = Vec::with_capacity(steps.len());
-        let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
-        // How much of a step has run by the end of the one before.
-        let mut early = 0.0;
-        let mut now = 0.0;
-        times.push(now);
         for (index, step) in steps.iter().enumerate() {
             let way = match fits(cell, &steps, index) {
                 Some(message) => Err(message),
-                None => self.way((cell, step, options), &mut made, now, &times),
+                None => self.way((cell, step, options), &mut made),
             };
-            let way = way.unwrap_or_else(|message| {
-                let (instruction, place) = (step.instruction, step.place);
-                problems.push(StepProblem { step: index, instruction, place, message });
-                Arc::new(Way::Still { duration: 0.0 })
-            });
-            if let Some(before) = index.checked_sub(1).filter(|_| problems.is_empty()) {
-                let (pair, two) = ([&steps[before], step], [&*ways[before], &*way]);
-                if let Some(found) = blend(cell, pair, two, options.blend) {
-                    early = found.overlap;
-                    times[index] = now - 0.5 * early;
-                    blends[before] = Some(found);
-                }
-            }
-            now += way.duration() - std::mem::take(&mut early);
-            times.push(now);
-            ways.push(way);
+            ways.push(way.unwrap_or_else(|message| failed(index, message)));
         }
-        self.0.end();
+        let factors = self.blends.slow(cell, &steps, &mut ways);
+        let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
+        let mut times = Vec::with_capacity(steps.len() + 1);
+        let mut now = 0.0;
+        times.push(now);
+        for (index, step) in steps.iter().enumerate() {
+            if let Path::Processed { since, seconds } = step.path {
+                // Known only now that it is known when the wafer was left.
+                let way = if since < index {
+                    self.still((times[since + 1] + seconds - now).max(0.0), step)
+                } else {
+                    Err("waits for a station that gets its wafer only later".into())
+                };
+                ways[index] = way.unwrap_or_else(|message| failed(index, message));
+            }
+            if let Some(before) = index.checked_sub(1)
+                && let Some(blend) = self.blends.at(cell, &steps, &ways, &factors, before)
+            {
+                // Half of the overlap belongs to either.
+                times[index] -= 0.5 * blend.overlap;
+                now -= blend.overlap;
+                blends[before] = Some(blend);
+            }
+            now += ways[index].duration();
+            times.push(now);
+        }
+        self.ways.end();
+        self.blends.end();
+        problems.sort_by_key(|problem| problem.step);
         if problems.is_empty() {
             Ok(Motion { steps, times, ways, blends })
         } else {
@@ -126,30 +141,26 @@ impl Ways {
         &mut self,
         (cell, step, options): (&Cell, &Step, &MotionOptions),
         made: &mut BTreeMap<Key, Result<Way, String>>,
-        now: f64,
-        times: &[f64],
     ) -> Result<Arc<Way>, String> {
         if let Some(key) = moving(step) {
             // One that cannot be timed is not kept, and told of each step alike.
             let found = made.remove(&key);
-            return self.0.get(key, || found.unwrap_or_else(|| way(cell, step, options)));
+            return self.ways.get(key, || found.unwrap_or_else(|| way(cell, step, options)));
         }
-        let duration = match step.path {
-            Path::Processed { since, seconds } => {
-                let left = times
-                    .get(since + 1)
-                    .ok_or("waits for a station that gets its wafer only later".to_string())?;
-                (left + seconds - now).max(0.0)
-            }
-            Path::Still(duration) => duration,
-            Path::Axes | Path::Line(_) => 0.0,
-        };
-        // Known by how long it is alone: where it stands is the step's.
-        self.0.get(vec![duration.to_bits()], || still(duration, step))
+        match step.path {
+            Path::Still(duration) => self.still(duration, step),
+            // How long is known only when all before it is.
+            _ => Ok(Arc::new(Way::Still { duration: 0.0 })),
+        }
+    }
+
+    /// Known by how long it is alone: where it stands is the step's.
+    fn still(&mut self, duration: f64, step: &Step) -> Result<Arc<Way>, String> {
+        self.ways.get(vec![duration.to_bits()], || still(duration, step))
     }
 
     pub(crate) fn reuse(&self) -> Reuse {
-        self.0.reuse()
+        self.ways.reuse()
     }
 }
 
@@ -160,11 +171,7 @@ fn shared(cell: &Cell, options: &MotionOptions) -> String {
 
 /// What the way of a step depends on besides, unless it stands still.
 fn moving(step: &Step) -> Option<Key> {
-    match step.path {
-        Path::Axes => Some(key(step, &[])),
-        Path::Line(effector) => Some(key(step, &[effector.arm as u64, effector.effector as u64])),
-        Path::Still(_) | Path::Processed { .. } => None,
-    }
+    matches!(step.path, Path::Axes | Path::Line(_)).then(|| key(step))
 }
 
 /// How the axes go in a step that moves.
@@ -177,9 +184,12 @@ fn way(cell: &Cell, step: &Step, options: &MotionOptions) -> Result<Way, String>
     }
 }
 
-fn key(step: &Step, line: &[u64]) -> Key {
-    let mut key = vec![line.len() as u64];
-    key.extend(line);
+/// What the way of a step that moves depends on.
+pub(super) fn key(step: &Step) -> Key {
+    let mut key = match step.path {
+        Path::Line(effector) => vec![1, effector.arm as u64, effector.effector as u64],
+        _ => vec![0],
+    };
     extend(&mut key, &step.from);
     extend(&mut key, &step.to);
     extend(&mut key, &[step.speed, step.line_speed.unwrap_or(f64::INFINITY)]);
@@ -272,5 +282,5 @@ fn along(
         _ => f64::INFINITY,
     };
     let pace = Pace::new(&line.spline, &limits, rate).plan()?;
-    Ok(Way::Line { line, pace })
+    Ok(Way::Line { line: Arc::new(line), pace })
 }

@@ -65,6 +65,19 @@ impl Spline {
         (0..self.jets[interval].len()).map(|axis| self.jet(interval, axis, s)[0]).collect()
     }
 
+    /// Largest slope of an axis, up or down: at a knot, or where the curvature of a piece is zero.
+    pub(crate) fn steepest(&self, axis: usize) -> f64 {
+        let pieces = self.jets.iter().zip(self.knots.windows(2));
+        pieces.fold(0.0, |most, (jets, ends)| {
+            let [_, slope, curvature, third] = jets[axis];
+            let whole = ends[1] - ends[0];
+            let turn = (-curvature / third).clamp(0.0, whole);
+            let at = |t: f64| (slope + t * (curvature + t * third / 2.0)).abs();
+            // A piece without a third derivative has no turn: that is no number, and never the most.
+            most.max(at(0.0)).max(at(whole)).max(at(turn))
+        })
+    }
+
     /// Where the pieces meet, and both ends.
     pub(crate) fn knots(&self) -> &[f64] {
         &self.knots
@@ -123,6 +136,15 @@ mod tests {
             }
             assert!((spline.positions(s)[1] + cubic(s)).abs() < 1e-13);
         }
+        // Its slope is −2 + s + 9 s²; of 4 s (1 − s)² it is 4 (1 − s) (1 − 3 s), which turns at 2/3.
+        assert!((spline.steepest(0) - 8.0).abs() < 1e-11);
+        let values: Vec<Vec<f64>> = knots
+            .iter()
+            .map(|&s: &f64| vec![4.0 * s * (1.0 - s).powi(2) - 3.5 * s, 2.0 * s])
+            .collect();
+        let spline = Spline::through(&knots, &values);
+        assert!((spline.steepest(0) - (4.0 / 3.0 + 3.5)).abs() < 1e-11);
+        assert!((spline.steepest(1) - 2.0).abs() < 1e-12);
     }
 
     #[test]

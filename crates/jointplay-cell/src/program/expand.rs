@@ -120,6 +120,7 @@ impl Run<'_> {
             }
             Act::Wait(seconds) => self.robot.stand(Path::Still(seconds)),
             Act::Speed(share) => self.robot.speed = share,
+            Act::Blend(radius) => self.robot.blend = radius,
             Act::Tilt(tilt) => {
                 let done = self.robot.tilt(tilt);
                 self.report(place, done);

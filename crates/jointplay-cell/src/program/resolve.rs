@@ -55,6 +55,7 @@ pub(super) enum Act {
     },
     Wait(f64),
     Speed(f64),
+    Blend(f64),
     Tilt(Tilt),
     Call(usize),
     Repeat {
@@ -215,6 +216,12 @@ impl<'p> Resolver<'p> {
                 let ok = *share > 0.0 && *share <= 1.0;
                 self.within(place, "the speed", *share, ok, "a share above 0, at most 1")?;
                 Act::Speed(*share)
+            }
+            Command::Blend { radius } => {
+                let ok = radius.is_finite() && *radius >= 0.0;
+                let allowed = "finite and not negative, in m";
+                self.within(place, "the radius of blending", *radius, ok, allowed)?;
+                Act::Blend(*radius)
             }
             Command::Tilt { tilt } => {
                 let ok = tilt.pitch.abs() < std::f64::consts::FRAC_PI_2;

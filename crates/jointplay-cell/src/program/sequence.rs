@@ -26,6 +26,8 @@ pub(super) struct Robot<'c> {
     pub(super) steps: Vec<Step>,
     /// Share of the limits.
     pub(super) speed: f64,
+    /// How far a wafer may stray at a corner [m].
+    pub(super) blend: f64,
     positions: Vec<f64>,
     /// Whether all arms are in.
     tucked: bool,
@@ -48,13 +50,14 @@ struct Goal<'g> {
 }
 
 impl<'c> Robot<'c> {
-    /// At home, at full speed.
+    /// At home, at full speed, from rest to rest.
     pub(super) fn new(cell: &'c Cell) -> Self {
         let axes = &cell.robot.axes;
         Self {
             cell,
             steps: Vec::new(),
             speed: 1.0,
+            blend: 0.0,
             positions: axes.iter().map(|axis| axis.home).collect(),
             tucked: true,
             turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
@@ -349,6 +352,7 @@ impl<'c> Robot<'c> {
             to,
             path,
             speed: self.speed,
+            blend: self.blend,
             line_speed: None,
             loaded: self.loaded.clone(),
             handover: None,

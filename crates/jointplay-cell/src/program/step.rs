@@ -1,4 +1,4 @@
-//! What a program comes to: motions of all axes from rest to rest.
+//! What a program comes to: motions of all axes, one after the other.
 
 use super::Place;
 use crate::robot::EffectorId;
@@ -56,7 +56,7 @@ pub enum Handover {
     Left(EffectorId, SlotId),
 }
 
-/// One motion of all axes from rest to rest, with everything resolved.
+/// One motion of all axes from one place to the next, with everything resolved.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
     /// Index of the instruction in the order of running.
@@ -73,6 +73,8 @@ pub struct Step {
     pub path: Path,
     /// Share of the limits, 0 to 1.
     pub speed: f64,
+    /// How far a wafer's centre may stray from the way without blending where this step runs into one that allows as much; 0 brings all axes to rest [m].
+    pub blend: f64,
     /// Largest speed of the wafer centre along a line [m/s], where the step has one.
     pub line_speed: Option<f64>,
     /// Effectors that carry a wafer during the step.

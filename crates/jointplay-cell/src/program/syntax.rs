@@ -156,6 +156,11 @@ pub enum Command {
         /// Above 0, to 1.
         share: f64,
     },
+    /// All that follows runs into each other at its corners.
+    Blend {
+        /// How far a wafer's centre may stray there from the way without it; 0 brings all axes to rest [m].
+        radius: f64,
+    },
     /// Lean the platform where it stands.
     Tilt {
         /// How it leans.

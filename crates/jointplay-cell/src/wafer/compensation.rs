@@ -6,7 +6,7 @@ use nalgebra::{Point3, Rotation3, Translation3, Unit, Vector3};
 use super::{Deflection, DroopError};
 use crate::CellError;
 use crate::cell::Cell;
-use crate::robot::{BrokenLimit, Configuration, EffectorId, OutOfReach, WaferTarget};
+use crate::robot::{BrokenLimit, ChainPose, Configuration, EffectorId, OutOfReach, WaferTarget};
 
 /// Farther than this from its target, a wafer is not there [m].
 const RESIDUAL: f64 = 1e-12;
@@ -150,6 +150,41 @@ impl Cell {
         Ok(drooped(&rigid, &joint, deflection))
     }
 
+    /// Where everything of the robot is, its arms drooping: wafers as by [`Self::wafer_pose`], the last link of an arm with its effector, links before it rigid.
+    ///
+    /// Of several effectors on one link it goes with the one that droops most; where nothing is known of the droop, nothing droops.
+    ///
+    /// # Arguments
+    /// * `loaded` – effectors that carry a wafer
+    ///
+    /// # Errors
+    /// As [`crate::robot::HybridRobot::forward`].
+    pub fn drooping(
+        &self,
+        positions: &[f64],
+        loaded: &[EffectorId],
+    ) -> Result<ChainPose, CellError> {
+        let mut pose = self.robot.forward(positions)?;
+        let base_from_platform = pose.platform.base_from_platform;
+        let arms = pose.base_from_wafer.iter_mut().zip(&mut pose.base_from_link);
+        for (arm, (wafers, links)) in arms.enumerate() {
+            let joint = (base_from_platform * Point3::from(self.robot.arms[arm].mount)).coords;
+            let (mut most, mut moved) = (0.0, Pose::identity());
+            for (effector, wafer) in wafers.iter_mut().enumerate() {
+                let is_loaded = loaded.contains(&EffectorId { arm, effector });
+                let by = self.deflection(arm, wafer, &joint, is_loaded).unwrap_or_default();
+                let rigid = std::mem::replace(wafer, drooped(wafer, &joint, by));
+                if by.drop > most {
+                    (most, moved) = (by.drop, *wafer * rigid.inverse());
+                }
+            }
+            if let Some(last) = links.last_mut() {
+                *last = moved * *last;
+            }
+        }
+        Ok(pose)
+    }
+
     /// Rigid wafer frame, first joint, and how the arm droops.
     fn deflected(
         &self,
@@ -158,13 +193,24 @@ impl Cell {
         loaded: bool,
     ) -> Result<(Pose, Vector3<f64>, Deflection), Unreachable> {
         let (base_from_platform, rigid) = self.robot.platform_and_effector(positions, effector)?;
-        let arm = &self.robot.arms[effector.arm];
-        let joint = (base_from_platform * Point3::from(arm.mount)).coords;
+        let joint = (base_from_platform * Point3::from(self.robot.arms[effector.arm].mount)).coords;
+        let deflection = self.deflection(effector.arm, &rigid, &joint, loaded)?;
+        Ok((rigid, joint, deflection))
+    }
+
+    /// How an arm droops whose rigid wafer frame is this.
+    fn deflection(
+        &self,
+        arm: usize,
+        rigid: &Pose,
+        joint: &Vector3<f64>,
+        loaded: bool,
+    ) -> Result<Deflection, DroopError> {
         let out = rigid.translation.vector - joint;
         let normal = rigid.rotation * Vector3::z();
         let reach = (out - normal * out.dot(&normal)).norm();
         let load = if loaded { self.wafer.mass() } else { 0.0 };
-        Ok((rigid, joint, arm.droop.at(reach, load, self.gravity)?))
+        self.robot.arms[arm].droop.at(reach, load, self.gravity)
     }
 
     /// Positions at which the wafer lies in the target's plane, centre on centre, though the arm droops.

@@ -12,12 +12,14 @@ use crate::units::{deg, mm, shift};
 /// A new value of a station.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Change {
-    /// Where the centre of the lowest wafer rests, in the base frame [m]; in place of a drift.
+    /// Where the centre of the lowest wafer rests, in the base frame [m]; of a drift, both places are moved alike.
     Position(Vector3<f64>),
     /// Turn about the vertical [rad].
     Yaw(f64),
     /// How it leans; in place of taught points and of a drift.
     Tilt(Tilt),
+    /// The same, but a drift stays one: the place of its last slot is turned about that of its first.
+    Turned(Tilt),
     /// Taught points in the base frame, and how far from their plane they may be [m]; in place of a tilt and of a drift.
     Taught {
         /// The points [m].
@@ -80,10 +82,8 @@ impl Station<'_> {
 
     /// Puts a value where the old one stood, with the comment behind it.
     fn set(&mut self, key: &str, mut value: Value) {
-        if let Some(Item::Value(old)) = self.table.get_mut(key) {
-            // Within a table or a list, what stays the same keeps how it was written.
-            *value.decor_mut() = old.decor().clone();
-            *old = value;
+        if let Some(old) = self.table.get_mut(key).and_then(Item::as_value_mut) {
+            replace(old, value);
             return;
         }
         // What stands behind the last value goes on to stand before the brace.
@@ -116,6 +116,21 @@ impl Station<'_> {
         self.set("position_mm", first);
     }
 
+    /// The places of first and last slot of a station placed by its drift, each as another one; whether there are such.
+    fn redrift(&mut self, to: impl Fn(Vector3<f64>, Vector3<f64>) -> [Vector3<f64>; 2]) -> bool {
+        let Some(drift) = self.table.get_mut("drift").and_then(Item::as_table_like_mut) else {
+            return false;
+        };
+        let place = |key| drift.get(key).and_then(Item::as_value).and_then(coordinates);
+        let (Some(first), Some(last)) = (place("first_mm"), place("last_mm")) else { return false };
+        for (key, place) in ["first_mm", "last_mm"].into_iter().zip(to(first, last)) {
+            if let Some(old) = drift.get_mut(key).and_then(Item::as_value_mut) {
+                replace(old, Value::Array(place.iter().map(|&mm| tidy(mm)).collect()));
+            }
+        }
+        true
+    }
+
     /// The pitch that a drift tells, where the station has slots and no pitch of its own [mm].
     fn drifted_pitch(&self, first: &Value, last: Option<&Value>) -> Option<f64> {
         let slots = self.table.get("slots").and_then(Item::as_integer)?;
@@ -126,6 +141,19 @@ impl Station<'_> {
         #[expect(clippy::cast_precision_loss, reason = "a count of slots")]
         Some((last - first).norm() / (slots - 1) as f64)
     }
+}
+
+/// Puts another value where one stands, with what is written around it.
+fn replace(old: &mut Value, mut new: Value) {
+    // Within a table or a list, what stays the same keeps how it was written.
+    *new.decor_mut() = old.decor().clone();
+    *old = new;
+}
+
+/// A length without the round-off of sums and turns, of far less than a nanometre [mm].
+fn tidy(mm: f64) -> f64 {
+    const FRACTIONS: f64 = 1e9;
+    (mm * FRACTIONS).round() / FRACTIONS
 }
 
 /// The three numbers of a point.
@@ -168,10 +196,21 @@ fn station<'d>(document: &'d mut DocumentMut, name: &str) -> Result<Station<'d>,
 fn apply(station: &mut Station<'_>, change: &Change) {
     match change {
         Change::Position(position) => {
-            station.undrift();
-            station.set("position_mm", point(position));
+            let to = position.map(mm);
+            if !station.redrift(|first, last| [to, last + (to - first)]) {
+                station.set("position_mm", point(position));
+            }
         }
         Change::Yaw(yaw) => station.set("yaw_deg", number(deg(*yaw))),
+        Change::Turned(tilt) => {
+            let up = tilt.normal();
+            let turned = |first: Vector3<f64>, last: Vector3<f64>| {
+                [first, first + up * (last - first).norm()]
+            };
+            if !station.redrift(turned) {
+                apply(station, &Change::Tilt(*tilt));
+            }
+        }
         Change::Tilt(tilt) => {
             station.undrift();
             station.drop_keys(&["taught"]);

@@ -3,11 +3,13 @@
 mod buffer;
 mod parts;
 
+use jointplay_cell::cell::Cell;
+use jointplay_cell::station::SlotId;
 use serde_json::{Map, Value, json};
 
 use self::buffer::Buffer;
-use self::parts::{Material, Parts};
-use super::scene::{Scene, Track, is_key};
+use self::parts::{Material, Parts, slot_name};
+use super::scene::{Lying, Scene, Track, is_key};
 use super::{Error, Recording};
 
 /// Node, channel and sampler lists in the making.
@@ -47,7 +49,7 @@ pub fn gltf(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
         let node = document.nodes.len();
         nodes.push(node);
         children[track.parent.map_or(0, |parent| parent + 1)].push(node);
-        document.nodes.push(standing(track));
+        document.nodes.push(standing(track, recording.cell));
         let shown = parts.of_track(&mut document, recording.cell, track.of);
         children[k + 1].extend(shown);
         document.animate(node, track, &scene.times);
@@ -63,12 +65,19 @@ pub fn gltf(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
     document.finish(recording)
 }
 
-/// A node that stands where its track begins.
-fn standing(track: &Track) -> Value {
+/// A node that stands where its track begins; that of a wafer tells in which slots it lies, as their nodes are called.
+fn standing(track: &Track, cell: &Cell) -> Value {
     let mut node = json!({ "name": track.name });
     if let (Some(place), Some(turn)) = (track.places.first(), track.turns.first()) {
         node["translation"] = json!(place.map(single));
         node["rotation"] = json!(turn.map(single));
+    }
+    let told = |&Lying { slot: SlotId { station, slot }, from, to }: &Lying| {
+        let name = slot_name(&cell.stations[station], slot);
+        json!({ "slot": name, "from_s": from, "to_s": to })
+    };
+    if !track.lies.is_empty() {
+        node["extras"] = json!({ "lies": track.lies.iter().map(told).collect::<Vec<_>>() });
     }
     node
 }

@@ -1,6 +1,6 @@
 //! A motion as a table: one row a sample.
 
-use jointplay_cell::robot::{ChainPose, MotionKind};
+use jointplay_cell::robot::{ChainPose, EffectorId, MotionKind};
 
 use super::{Error, Recording};
 use crate::table::{Column, Values};
@@ -24,7 +24,8 @@ pub fn samples(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Erro
     let mut states: Vec<[Vec<f64>; 3]> = vec![Default::default(); axes.len()];
     let mut centers: Vec<[Vec<f64>; 3]> = vec![Default::default(); effectors.len()];
     for sample in motion.samples(rate) {
-        let pose = placed(recording, &sample)?;
+        let pose =
+            placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
         time.push(sample.time);
         let count = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
         line.push(count(motion.steps.get(sample.step).map_or(0, |step| step.place.line)));
@@ -79,7 +80,8 @@ pub fn tracks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Vec<[f64; 2]>>
     let effectors: Vec<_> = recording.cell.robot.effectors().collect();
     let mut tracks = vec![Vec::new(); effectors.len()];
     for sample in recording.motion.samples(rate) {
-        let pose = placed(recording, &sample)?;
+        let pose =
+            placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
         for (track, id) in tracks.iter_mut().zip(&effectors) {
             let center = pose.base_from_wafer[id.arm][id.effector].translation.vector;
             track.push([center.x, center.y]);
@@ -88,13 +90,20 @@ pub fn tracks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Vec<[f64; 2]>>
     Ok(tracks)
 }
 
-/// Where everything is in a sample.
+/// Where everything is at positions of all axes, arms drooping.
 pub(super) fn placed(
     recording: &Recording<'_>,
-    sample: &jointplay_cell::motion::Sample,
+    time: f64,
+    positions: &[f64],
+    loaded: &[EffectorId],
 ) -> Result<ChainPose, Error> {
-    let failed = |source| Error::Placing { time: sample.time, source: Box::new(source) };
-    recording.cell.robot.forward(&sample.positions).map_err(failed)
+    let failed = |source| Error::Placing { time, source: Box::new(source) };
+    recording.cell.drooping(positions, loaded).map_err(failed)
+}
+
+/// Who carries a wafer in a step.
+pub(super) fn loaded<'a>(recording: &Recording<'a>, step: usize) -> &'a [EffectorId] {
+    recording.motion.steps.get(step).map_or(&[], |step| &step.loaded)
 }
 
 pub(super) fn turns(kind: MotionKind) -> bool {

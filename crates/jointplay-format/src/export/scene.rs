@@ -7,7 +7,7 @@ use jointplay_cell::station::SlotId;
 use jointplay_core::spatial::Pose;
 use nalgebra::{UnitQuaternion, Vector3};
 
-use super::samples::placed;
+use super::samples::{loaded, placed};
 use super::{Error, Recording};
 
 /// A frame that may move.
@@ -21,6 +21,17 @@ pub(super) struct Track {
     pub(super) places: Vec<[f64; 3]>,
     /// Unit quaternion x, y, z, w in the parent, at each time; neighbours on the same side.
     pub(super) turns: Vec<[f64; 4]>,
+    /// Of a wafer: in which slots it lies, and when.
+    pub(super) lies: Vec<Lying>,
+}
+
+/// A wafer lying in a slot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lying {
+    pub(super) slot: SlotId,
+    /// From when on, and until when [s].
+    pub(super) from: f64,
+    pub(super) to: f64,
 }
 
 /// What a track is of.
@@ -52,6 +63,7 @@ enum Held {
 struct Wafer {
     name: String,
     held: Held,
+    lies: Vec<Lying>,
 }
 
 impl Wafer {
@@ -76,12 +88,16 @@ impl Scene {
         scene.tracks.extend(tracks);
         for sample in motion.samples(rate) {
             wafers.until(recording, sample.time)?;
-            let pose = placed(recording, &sample)?;
+            let pose =
+                placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
             scene.times.push(sample.time);
             scene.place_robot(cell, &pose);
             for (track, wafer) in scene.tracks[first..].iter_mut().zip(&wafers.all) {
                 track.push(&wafer.place(&pose));
             }
+        }
+        for (track, wafer) in scene.tracks[first..].iter_mut().zip(wafers.all) {
+            track.lies = wafer.lies;
         }
         Ok(scene)
     }
@@ -111,7 +127,8 @@ impl Scene {
 
 impl Track {
     fn new(name: &str, of: Part, parent: Option<usize>) -> Self {
-        Self { name: name.to_owned(), of, parent, places: Vec::new(), turns: Vec::new() }
+        let name = name.to_owned();
+        Self { name, of, parent, places: Vec::new(), turns: Vec::new(), lies: Vec::new() }
     }
 
     fn push(&mut self, pose: &Pose) {
@@ -170,15 +187,16 @@ struct Wafers {
 impl Wafers {
     /// Where they are at the start.
     fn new(recording: &Recording<'_>) -> Self {
-        let cell = recording.cell;
-        let in_slots = cell.occupied.iter().map(|slot| {
+        let (cell, to) = (recording.cell, recording.motion.duration());
+        let in_slots = cell.occupied.iter().map(|&slot| {
             let station = &cell.stations[slot.station];
             let name = format!("wafer of {} {}", station.name, slot.slot);
-            Wafer { name, held: Held::Lying(station.slot_frame(slot.slot)) }
+            let held = Held::Lying(station.slot_frame(slot.slot));
+            Wafer { name, held, lies: vec![Lying { slot, from: 0.0, to }] }
         });
         let carried = cell.carried.iter().map(|&id| {
             let name = format!("wafer of {}", recording.effector_name(id));
-            Wafer { name, held: Held::On(id, Pose::identity()) }
+            Wafer { name, held: Held::On(id, Pose::identity()), lies: Vec::new() }
         });
         let in_slot = cell.occupied.iter().copied().enumerate().map(|(k, slot)| (slot, k));
         Self { all: in_slots.chain(carried).collect(), in_slot: in_slot.collect(), step: 0 }
@@ -189,8 +207,11 @@ impl Wafers {
         let motion = recording.motion;
         while self.step < motion.steps.len() && motion.times[self.step + 1] <= time {
             if let Some(handover) = motion.steps[self.step].handover {
-                let at = motion.at(motion.times[self.step + 1]);
-                self.hand_over(handover, &placed(recording, &at)?);
+                let time = motion.times[self.step + 1];
+                let at = motion.at(time);
+                // Up to then the arm droops as in the step that ends.
+                let pose = placed(recording, time, &at.positions, loaded(recording, self.step))?;
+                self.hand_over(handover, &pose, [time, motion.duration()]);
             }
             self.step += 1;
         }
@@ -198,7 +219,7 @@ impl Wafers {
     }
 
     /// From then on the wafer moves with what holds it, from exactly where it is.
-    fn hand_over(&mut self, handover: Handover, pose: &ChainPose) {
+    fn hand_over(&mut self, handover: Handover, pose: &ChainPose, [time, end]: [f64; 2]) {
         let Self { all: wafers, in_slot, .. } = self;
         let effector = |id: EffectorId| pose.base_from_wafer[id.arm][id.effector];
         match handover {
@@ -208,12 +229,16 @@ impl Wafers {
                 if let Held::Lying(at) = wafers[k].held {
                     wafers[k].held = Held::On(id, effector(id).inverse() * at);
                 }
+                if let Some(lying) = wafers[k].lies.last_mut() {
+                    lying.to = time;
+                }
             }
             Handover::Left(id, slot) => {
                 let on = |wafer: &Wafer| matches!(wafer.held, Held::On(with, _) if with == id);
                 let Some(k) = wafers.iter().position(on) else { return };
                 if let Held::On(_, at) = wafers[k].held {
                     wafers[k].held = Held::Lying(effector(id) * at);
+                    wafers[k].lies.push(Lying { slot, from: time, to: end });
                     in_slot.push((slot, k));
                 }
             }
@@ -247,8 +272,12 @@ pub fn frames(
 ) -> Result<(Vec<Frame>, Vec<EffectorId>), Error> {
     let mut wafers = Wafers::new(recording);
     wafers.until(recording, time)?;
-    let failed = |source| Error::Placing { time, source: Box::new(source) };
-    let pose = recording.cell.robot.forward(positions).map_err(failed)?;
+    let carried = wafers.all.iter().filter_map(|wafer| match wafer.held {
+        Held::On(id, _) => Some(id),
+        Held::Lying(_) => None,
+    });
+    let carried: Vec<EffectorId> = carried.collect();
+    let pose = placed(recording, time, positions, &carried)?;
     let mut scene = Scene { times: Vec::new(), tracks: tracks(recording.cell) };
     scene.place_robot(recording.cell, &pose);
     for wafer in &wafers.all {
@@ -258,9 +287,5 @@ pub fn frames(
     }
     let frame =
         |track: Track| Frame { place: track.places[0], turn: track.turns[0], name: track.name };
-    let carried = wafers.all.iter().filter_map(|wafer| match wafer.held {
-        Held::On(id, _) => Some(id),
-        Held::Lying(_) => None,
-    });
-    Ok((scene.tracks.into_iter().map(frame).collect(), carried.collect()))
+    Ok((scene.tracks.into_iter().map(frame).collect(), carried))
 }

@@ -26,6 +26,8 @@ const LONGEST_WAIT: f64 = 86_400.0;
 const STEEPEST: f64 = 89.0;
 /// The slowest speed that ends within a working day [%].
 const SLOWEST: f64 = 0.01;
+/// The widest corner, as wide as a robot [mm].
+const WIDEST_BLEND: f64 = 1000.0;
 /// The largest number of a slot, far beyond any station's.
 const MOST_SLOTS: i64 = 100_000;
 /// The largest number of passes that can be written; how many can be run is another question.
@@ -229,6 +231,11 @@ fn simple(command: &str, cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> 
         "SPEED" => {
             let allowed = [(Unit::Percent, SLOWEST, 100.0)];
             Command::Speed { share: cursor.quantity("a share of the limits", &allowed)?.0 }
+        }
+        "BLEND" if cursor.accept("OFF") => Command::Blend { radius: 0.0 },
+        "BLEND" => {
+            let allowed = [(Unit::Millimeter, 0.0, WIDEST_BLEND)];
+            Command::Blend { radius: cursor.quantity("a radius of blending", &allowed)?.0 }
         }
         "TILT" => Command::Tilt { tilt: tilt(cursor)? },
         _ => Command::Call { routine: cursor.name("a routine")? },

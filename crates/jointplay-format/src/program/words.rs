@@ -1,13 +1,13 @@
 //! The words of the language.
 
 /// Words that lines begin with, in the order of the documents.
-pub(super) const COMMANDS: [&str; 14] = [
-    "HOME", "MOVE", "GET", "PUT", "TRANSFER", "SWAP", "GOTO", "WAIT", "SPEED", "TILT", "CALL",
-    "REPEAT", "ROUTINE", "END",
+pub(super) const COMMANDS: [&str; 15] = [
+    "HOME", "MOVE", "GET", "PUT", "TRANSFER", "SWAP", "GOTO", "WAIT", "SPEED", "BLEND", "TILT",
+    "CALL", "REPEAT", "ROUTINE", "END",
 ];
 
 /// Words within lines.
-const PARTICLES: [&str; 8] = ["LINE", "SLOT", "WITH", "TO", "BY", "TOWARD", "LEVEL", "AS"];
+const PARTICLES: [&str; 9] = ["LINE", "SLOT", "WITH", "TO", "BY", "TOWARD", "LEVEL", "AS", "OFF"];
 
 /// Axes of the base frame, where a line says how far.
 pub(super) const DIRECTIONS: [&str; 3] = ["X", "Y", "Z"];

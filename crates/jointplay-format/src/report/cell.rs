@@ -1,5 +1,7 @@
 //! What a program does in a cell, and what is wrong with it.
 
+use std::ops::Range;
+
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{Kind, PairDistance, Report, Share, Unit, Verdict, Violation};
 use jointplay_cell::motion::Motion;
@@ -11,7 +13,7 @@ use serde::Serialize;
 use crate::cell::robot::virtualization_name;
 use crate::export::Flaw;
 use crate::place;
-use crate::units::{deg, mm};
+use crate::units::{deg, mm, um};
 
 /// What `cell check` and `cell run` answer.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -39,6 +41,10 @@ pub struct CellReport {
     pub wafers_per_hour: Option<f64>,
     /// How many motions the program comes to.
     pub steps: usize,
+    /// Motions along straight lines, where there are some.
+    pub straight: Option<StraightReport>,
+    /// Motions that run into the next, where there are some.
+    pub blended: Option<BlendedReport>,
     /// Samples that were looked at.
     pub samples: usize,
     /// Axes, rods first.
@@ -49,6 +55,30 @@ pub struct CellReport {
     pub violations: Vec<ViolationReport>,
     /// How near bodies come, nearest first.
     pub distances: Vec<DistanceReport>,
+}
+
+/// Motions along straight lines.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct StraightReport {
+    /// How many.
+    pub motions: usize,
+    /// Largest distance of a wafer's centre from its line.
+    pub off_um: f64,
+    /// Largest angle of its plane from the one that turns evenly.
+    pub off_mrad: f64,
+}
+
+/// Motions that run into the next.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct BlendedReport {
+    /// How many.
+    pub motions: usize,
+    /// How long two run at once, all together: so much shorter is the whole.
+    pub overlap_s: f64,
+    /// Largest distance of a wafer's centre from the way without it, at most.
+    pub off_mm: f64,
 }
 
 /// An axis in a motion.
@@ -91,6 +121,10 @@ pub struct InstructionReport {
     pub duration_s: f64,
     /// How many motions it comes to.
     pub steps: usize,
+    /// Motions of it along straight lines, where there are some.
+    pub straight: Option<StraightReport>,
+    /// Motions of it that run into the next, where there are some.
+    pub blended: Option<BlendedReport>,
     /// How long each axis moves in it, in the order of `axes`.
     pub moving_s: Vec<f64>,
     /// Axis that comes nearest to its speed limit.
@@ -182,6 +216,8 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         start_s: row.start,
         duration_s: row.duration,
         steps: row.steps.len(),
+        straight: straight(motion, row.steps.clone()),
+        blended: blended(motion, row.steps.clone()),
         moving_s: row.moving.clone(),
         speed: share(&row.velocity, &axes),
         acceleration: share(&row.acceleration, &axes),
@@ -219,12 +255,42 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         wafers: report.wafers,
         wafers_per_hour: report.wafers_per_hour,
         steps: motion.steps.len(),
+        straight: straight(motion, 0..motion.steps.len()),
+        blended: blended(motion, 0..motion.steps.len()),
         samples: report.samples,
         axes: moving.collect(),
         instructions: instructions.collect(),
         violations: report.violations.iter().map(violation).collect(),
         distances: report.distances.iter().map(distance).collect(),
     }
+}
+
+fn straight(motion: &Motion, steps: Range<usize>) -> Option<StraightReport> {
+    let lines = steps.filter_map(|step| motion.straightness(step));
+    let told = lines.map(|line| StraightReport {
+        motions: 1,
+        off_um: um(line.deviation),
+        off_mrad: mm(line.plane),
+    });
+    told.reduce(|one, other| StraightReport {
+        motions: one.motions + other.motions,
+        off_um: one.off_um.max(other.off_um),
+        off_mrad: one.off_mrad.max(other.off_mrad),
+    })
+}
+
+fn blended(motion: &Motion, steps: Range<usize>) -> Option<BlendedReport> {
+    let blends = steps.filter_map(|step| motion.blend(step));
+    let told = blends.map(|blend| BlendedReport {
+        motions: 1,
+        overlap_s: blend.overlap,
+        off_mm: mm(blend.deviation),
+    });
+    told.reduce(|one, other| BlendedReport {
+        motions: one.motions + other.motions,
+        overlap_s: one.overlap_s + other.overlap_s,
+        off_mm: one.off_mm.max(other.off_mm),
+    })
 }
 
 /// What is wrong with a motion, as exported files say it.

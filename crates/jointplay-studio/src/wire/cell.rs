@@ -201,7 +201,7 @@ pub(crate) struct StationRequest {
     pub(crate) cell: Option<String>,
     /// Which station.
     pub(crate) station: String,
-    /// Where the centre of the lowest wafer rests, in the base frame [m].
+    /// Where the centre of the lowest wafer rests, in the base frame [m]; the places of first and last slot are moved alike.
     #[serde(default)]
     pub(crate) position_m: Option<Triple>,
     /// Turn about the vertical [rad].
@@ -214,6 +214,9 @@ pub(crate) struct StationRequest {
     /// The same by its turns about x and about y.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) tilt_xy: Option<LeanXyFields>,
+    /// Whether a station placed by its first and last slot stays so as it leans otherwise, its last slot turned about the first; else the lean takes their place.
+    #[serde(default)]
+    pub(crate) keep_drift: bool,
     /// Points of its plane, taught in place of a lean.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught: Option<TaughtFields>,
@@ -285,6 +288,7 @@ impl StationRequest {
     /// The changes that are asked for.
     pub(crate) fn changes(&self) -> Result<Vec<Change>, Problem> {
         let mut changes = Vec::new();
+        let lean = if self.keep_drift { Change::Turned } else { Change::Tilt };
         if let Some(Triple(position)) = self.position_m {
             for (k, &value) in position.iter().enumerate() {
                 super::length(value, &format!("position_m[{k}]"))?;
@@ -297,14 +301,14 @@ impl StationRequest {
         if let Some(LeanFields { yaw_rad, pitch_rad }) = self.tilt {
             let yaw = super::angle(yaw_rad, "tilt.yaw_rad")?;
             let pitch = super::pitch(pitch_rad, "tilt.pitch_rad")?;
-            changes.push(Change::Tilt(Tilt { yaw, pitch }));
+            changes.push(lean(Tilt { yaw, pitch }));
         }
         if let Some(LeanXyFields { about_x_rad, about_y_rad }) = self.tilt_xy {
             let about_x = super::pitch(about_x_rad, "tilt_xy.about_x_rad")?;
             let about_y = super::pitch(about_y_rad, "tilt_xy.about_y_rad")?;
             let tilt = Tilt::from_about_x_and_y(about_x, about_y);
             super::pitch(tilt.pitch, "tilt_xy")?;
-            changes.push(Change::Tilt(tilt));
+            changes.push(lean(tilt));
         }
         if let Some(taught) = self.taught.clone() {
             changes.push(taught.change()?);

@@ -53,7 +53,7 @@ pub(crate) struct StationDocument {
     pub(crate) about_y_rad: f64,
     /// Points that its plane was taught by [m].
     pub(crate) taught_m: Vec<Triple>,
-    /// Which of its values its file says, rather than taught points or slots.
+    /// In which ways it can be moved, as far as taught points of its plane leave it free.
     pub(crate) freedoms: Vec<FreedomName>,
 }
 
@@ -202,9 +202,10 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
         let tilt = Tilt::from_normal(&(frame.rotation * Vector3::z()));
         let (about_x_rad, about_y_rad) = tilt.about_x_and_y();
         let (freedoms, points) = match &station.origin {
-            Origin::Nominal => (vec![X, Y, Height, Yaw, AboutX, AboutY], Vec::new()),
+            Origin::Nominal | Origin::Drift(_) => {
+                (vec![X, Y, Height, Yaw, AboutX, AboutY], Vec::new())
+            }
             Origin::Taught(fit) => (vec![X, Y, Yaw], fit.points.clone()),
-            Origin::Drift(_) => (vec![Yaw], Vec::new()),
         };
         StationDocument {
             slots: station.slots,

@@ -47,6 +47,23 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             fixed(rate, 1)
         );
     }
+    if let Some(straight) = &report.straight {
+        let _ = writeln!(
+            text,
+            "  straight lines       {}, wafers within {} µm",
+            straight.motions,
+            fixed(straight.off_um, 3)
+        );
+    }
+    if let Some(blended) = &report.blended {
+        let _ = writeln!(
+            text,
+            "  blended              {}, {} s at once, wafers within {} mm of the way without",
+            counted(blended.motions, "corner"),
+            fixed(blended.overlap_s, 3),
+            fixed(blended.off_mm, 3)
+        );
+    }
     let _ = writeln!(text, "  looked at            {}", counted(report.samples, "sample"));
     if !report.assumed.is_empty() {
         let assumed = counted(report.assumed.len(), "parameter");

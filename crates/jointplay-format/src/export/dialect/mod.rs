@@ -8,6 +8,7 @@
 //! | `instruction` | before the first motion of each instruction | `number`, `line`, `text` |
 //! | `axes`, `line`, `still` | for each motion: of axes, along a line, none; these three or `point` | `number`, `phase`, `time`, `duration`, `positions`, `effector` |
 //! | `point` | at even times | `number`, `time`, `positions`, `velocities` |
+//! | `blend` | between two motions that run into each other | `overlap` |
 //! | `taken`, `left` | where a wafer is taken or left | `effector`, `station`, `slot` |
 //! | `axis` | for each axis within `positions` and `velocities`, with `between` between them | `name`, `value`, `number` |
 //! | `comment` | what is wrong with the motion, first of all | `text` |
@@ -50,6 +51,7 @@ pub struct Dialect {
     begin: Vec<Template>,
     instruction: Vec<Template>,
     motion: Motions,
+    blend: Vec<Template>,
     taken: Vec<Template>,
     left: Vec<Template>,
     end: Vec<Template>,
@@ -100,6 +102,8 @@ struct File {
     line: Option<Vec<Spanned<String>>>,
     still: Option<Vec<Spanned<String>>>,
     point: Option<Vec<Spanned<String>>>,
+    #[serde(default)]
+    blend: Vec<Spanned<String>>,
     #[serde(default)]
     taken: Vec<Spanned<String>>,
     #[serde(default)]
@@ -159,6 +163,7 @@ impl Dialect {
             begin: all(&file.begin, template::ENDS)?,
             instruction: all(&file.instruction, template::INSTRUCTION)?,
             motion,
+            blend: all(&file.blend, template::BLEND)?,
             taken: all(&file.taken, template::WAFER)?,
             left: all(&file.left, template::WAFER)?,
             end: all(&file.end, template::ENDS)?,

@@ -7,6 +7,7 @@ use crate::place::nearest;
 pub(super) const ENDS: &[&str] = &["cell", "robot", "axes", "positions", "time"];
 pub(super) const INSTRUCTION: &[&str] = &["number", "line", "text"];
 pub(super) const STEP: &[&str] = &["number", "phase", "time", "duration", "positions", "effector"];
+pub(super) const BLEND: &[&str] = &["overlap"];
 pub(super) const POINT: &[&str] = &["number", "time", "positions", "velocities"];
 pub(super) const WAFER: &[&str] = &["effector", "station", "slot"];
 pub(super) const AXIS: &[&str] = &["name", "value", "number"];

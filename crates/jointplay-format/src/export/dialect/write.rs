@@ -85,6 +85,9 @@ impl Dialect {
                     }
                 }
             }
+            if let Some(blend) = motion.blend(k) {
+                push(&mut text, &self.blend, |_| self.time(blend.overlap));
+            }
             let (lines, id, slot) = match step.handover {
                 Some(Handover::Taken(id, slot)) => (&self.taken, id, slot),
                 Some(Handover::Left(id, slot)) => (&self.left, id, slot),

@@ -1,6 +1,7 @@
 //! What is seen: bodies of the cell, and simple shapes for what it gives none.
 
 use jointplay_cell::cell::{Body, Carrier, Cell, Shape, ZoneRule};
+use jointplay_cell::station::Station;
 use jointplay_core::spatial::Pose;
 use nalgebra::UnitQuaternion;
 use serde_json::{Value, json};
@@ -138,7 +139,7 @@ impl Parts {
                     .expect("a slot is a body")
             });
             for slot in 1..=station.slots {
-                let name = format!("{} {slot}", station.name);
+                let name = slot_name(station, slot);
                 nodes.push(document.node(&name, mesh, &station.slot_frame(slot)));
             }
         }
@@ -151,6 +152,11 @@ impl Parts {
         }
         nodes
     }
+}
+
+/// What the node of a slot is called.
+pub(super) fn slot_name(station: &Station, slot: usize) -> String {
+    format!("{} {slot}", station.name)
 }
 
 /// Nodes of the bodies with one carrier.
