@@ -370,3 +370,29 @@ fn all_that_cannot_be_timed_is_said() {
     assert!(said[2].contains("ends elsewhere"), "{}", said[2]);
     assert!(said[3].contains("waits NaN s"), "{}", said[3]);
 }
+
+#[test]
+fn a_line_on_which_the_arm_would_have_to_jump_is_refused() {
+    // An arm with more joints than it needs: the ways of holding the wafer from either end do not meet.
+    let cell = cell(9, Droop::Rigid);
+    let shares = [
+        0.6986754123647267,
+        0.38714119678890774,
+        0.5765603575934801,
+        0.6386828982446656,
+        0.15,
+    ];
+    let level = Tilt { yaw: 0.0, pitch: 0.0 };
+    let from = positions(&cell, level, 0.5, shares);
+    let start = cell.wafer_pose(A, &from, false).unwrap();
+    let way = Vector3::new(0.01986070640874278, -0.05178173816321386, 0.0);
+    let target = WaferTarget {
+        center: start.translation.vector + way,
+        normal: level.normal(),
+        heading: None,
+    };
+    let to = cell.reach(A, &target, false, &from).unwrap().positions;
+    let steps = vec![step(&from, &to, Path::Line(A), 1.0, false)];
+    let error = timed(&cell, steps, &MotionOptions::default()).unwrap_err().to_string();
+    assert!(error.contains("25.0 % along the line: the axes jump there"), "{error}");
+}

@@ -50,6 +50,8 @@ pub(crate) struct Stuck {
 const FIRST_INTERVALS: usize = 12;
 /// Intervals beyond which a line counts as one that cannot be followed: a smooth one takes some dozens.
 const MOST_INTERVALS: usize = 1024;
+/// Share of the way below which an interval is not divided: what still strays there jumps.
+const NARROWEST: f64 = 1e-7;
 /// How often an interval may be halved to reach the next point from the one before.
 const MOST_HALVINGS: usize = 10;
 /// Residual at which a point counts as found [m and rad]: a thousandth of what inverse kinematics is held to.
@@ -99,6 +101,10 @@ impl Task<'_> {
                     deviation = deviation.max(off);
                     plane = plane.max(turned);
                     strays |= off > self.deviation;
+                }
+                if strays && pair[1] - pair[0] < NARROWEST {
+                    let why = "the axes jump there from one way of holding the wafer to another: move the axes instead, or in two lines";
+                    return Err(Stuck { at: pair[0], why: why.into() });
                 }
                 if strays {
                     let s = (pair[0] + pair[1]) / 2.0;
