@@ -24,6 +24,8 @@ class Layout {
   /** Whether the cell's axes are plotted below their bars, and how high both are. */
   cellPlots = $state(load('cell.plots', false, flag));
   tracksHeight = $state(load('cell.tracks', 210, (value) => typeof value === 'number' && value >= 140));
+  /** Nothing has been drawn in 3D yet. */
+  opening = $state(true);
   helpOpen = $state(false);
   explainOpen = $state(false);
   storyShown = $state(load('story', true, flag));

@@ -23,9 +23,9 @@ fn angle(vector: &Vector2<f64>) -> f64 {
     vector.y.atan2(vector.x)
 }
 
-/// A vector in the frame of a unit vector.
-fn within(unit: &Vector2<f64>, vector: &Vector2<f64>) -> Vector2<f64> {
-    Vector2::new(unit.dot(vector), unit.perp(vector))
+/// A vector in the frame of another, times the length of that.
+fn within(frame: &Vector2<f64>, vector: &Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(frame.dot(vector), frame.perp(vector))
 }
 
 impl Plan {
@@ -166,14 +166,13 @@ fn links(
     let angle_between = sine.atan2(cosine);
     // The line to the point as the first link sees it, times that link's length.
     let reach = Vector2::new(a * a + cosine, sine);
-    let toward = angle(point);
-    let aside = angle(&reach);
     let way = |side: f64| {
         let configuration = Configuration { elbow: elbow(-side * sine), reaching: None };
-        let first = if d > 0.0 { toward - side * aside } else { like[0] + one.angle };
-        configuration.agrees_with(bend).then_some(Found {
-            pair: [first - one.angle, first + side * angle_between - other.angle],
-            configuration,
+        configuration.agrees_with(bend).then(|| {
+            let aside = Vector2::new(reach.x, side * reach.y);
+            let first = if d > 0.0 { angle(&within(&aside, point)) } else { like[0] + one.angle };
+            let pair = [first - one.angle, first + side * angle_between - other.angle];
+            Found { pair, configuration }
         })
     };
     // Stretched or folded, both are one.

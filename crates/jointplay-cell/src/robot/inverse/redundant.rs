@@ -19,8 +19,10 @@ const SMALL: f64 = 1e-9;
 /// A start whose bend costs more is none: the pair moves too fast there for any free angle to lead out, within 3° of the stretched arm.
 const STRETCHED: f64 = 400.0;
 
-/// Where a start is looked for, if there is none where the arm is: so many for each free angle.
-const STARTS: usize = 24;
+/// Where a start is looked for, if there is none where the arm is: so many for each free angle, and more where those do not reach.
+const STARTS: [usize; 3] = [8, 16, 48];
+/// The most of them.
+const MOST_STARTS: usize = 48;
 
 /// What is left to choose: turns of the first and of the last arrow.
 #[derive(Debug, Clone, Copy)]
@@ -43,6 +45,9 @@ struct Costed {
     own: Slopes,
     pair: [f64; 2],
     cost: f64,
+    bend: Bend,
+    /// The arrows of the wafer and of the platform as they then are [m].
+    arrows: [Vector2<f64>; 2],
 }
 
 /// 1/(1 − u²) with its derivatives.
@@ -88,8 +93,8 @@ impl Redundant<'_> {
         let mut free = [turn_of(self.plan.last), turn_of(self.plan.first)];
         let here = self.at(free, configuration, near);
         let (mut now, stretched) = match here {
-            Some(here) if self.bend(here.pair).cost < STRETCHED => (here, None),
-            here => match self.start(configuration, near) {
+            Some(here) if here.bend.cost < STRETCHED => (here, None),
+            here => match STARTS.iter().find_map(|&count| self.start(count, configuration, near)) {
                 Some((start, now)) => {
                     free = start;
                     (now, here)
@@ -98,7 +103,7 @@ impl Redundant<'_> {
             },
         };
         for _ in 0..MOST_STEPS {
-            let Some(step) = self.step(&now, free) else { break };
+            let Some(step) = self.step(&now) else { break };
             if step.amax() < SMALL {
                 break;
             }
@@ -128,15 +133,41 @@ impl Redundant<'_> {
         }
     }
 
-    /// The best of a raster of free angles.
-    fn start(&self, configuration: Configuration, near: &Slopes) -> Option<([f64; 2], Costed)> {
-        let raster = |is_free: bool| if is_free { STARTS } else { 1 };
+    /// The best of a raster of so many values of each free angle.
+    fn start(
+        &self,
+        count: usize,
+        configuration: Configuration,
+        near: &Slopes,
+    ) -> Option<([f64; 2], Costed)> {
+        let turn = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
+        // How far the pair would have to reach, less what the free arrows reach.
+        let raster = |arrow: Option<usize>| {
+            let mut reached = [Vector2::zeros(); MOST_STARTS];
+            if let Some(k) = arrow {
+                let vector = &self.planar.arrows()[k].vector;
+                (0..count).for_each(|i| reached[i] = turned(vector, turn(i)));
+            }
+            (if arrow.is_some() { count } else { 1 }, reached)
+        };
+        let [last, first] = self.free();
+        let (lasts, by_last) = raster(last);
+        let (firsts, by_first) = raster(first);
+        let held = match (self.plan.last, self.last) {
+            (Some(k), Some(turn)) => turned(&self.planar.arrows()[k].vector, turn),
+            _ => Vector2::zeros(),
+        };
         let mut best: Option<([f64; 2], Costed)> = None;
-        for i in 0..raster(self.last.is_none() && self.plan.last.is_some()) {
-            for j in 0..raster(self.plan.first.is_some()) {
-                let free = [i, j].map(|k| std::f64::consts::TAU * k as f64 / STARTS as f64);
+        for (i, by_last) in by_last[..lasts].iter().enumerate() {
+            let rest = self.point - held - by_last;
+            for (j, by_first) in by_first[..firsts].iter().enumerate() {
+                let most = best.as_ref().map_or(f64::INFINITY, |(_, best)| best.cost);
+                if self.costs_at_least(&(rest - by_first)) > most {
+                    continue;
+                }
+                let free = [turn(i), turn(j)];
                 if let Some(found) = self.at(free, configuration, near)
-                    && best.as_ref().is_none_or(|(_, best)| found.cost < best.cost)
+                    && found.cost < most
                 {
                     best = Some((free, found));
                 }
@@ -145,23 +176,35 @@ impl Redundant<'_> {
         best
     }
 
+    /// What it costs at least to span a point: 1 for each axis, and the bend of two links, by the law of cosines.
+    fn costs_at_least(&self, point: &Vector2<f64>) -> f64 {
+        let limits = self.ranges.count as f64;
+        let Pair::Links([i, j]) = &self.plan.pair else { return limits };
+        let twice = 2.0 * i.length * j.length;
+        let cosine = (point.norm_squared() - i.length * i.length - j.length * j.length) / twice;
+        let squared_sine = 1.0 - cosine * cosine;
+        // Out of reach, but for round-off.
+        if squared_sine < -1e-9 { f64::INFINITY } else { limits + 1.0 / squared_sine.max(0.0) }
+    }
+
     fn at(&self, free: [f64; 2], configuration: Configuration, near: &Slopes) -> Option<Costed> {
         let mut unknown = [0.0; 4];
         unknown[2] = self.last.unwrap_or(free[0]);
         unknown[3] = free[1];
-        let mut point = self.point;
-        for (arrow, turn) in [(self.plan.last, unknown[2]), (self.plan.first, unknown[3])] {
-            if let Some(k) = arrow {
-                point -= turned(&self.planar.arrows()[k].vector, turn);
-            }
-        }
+        let arrow = |arrow: Option<usize>, turn| {
+            let vector = arrow.map(|k| turned(&self.planar.arrows()[k].vector, turn));
+            vector.unwrap_or_else(Vector2::zeros)
+        };
+        let arrows = [arrow(self.plan.last, unknown[2]), arrow(self.plan.first, unknown[3])];
+        let point = self.point - arrows[0] - arrows[1];
         let ways = self.plan.span(self.planar, &point, configuration, [0.0; 2]).ok()?;
         let pair = ways.into_iter().flatten().next()?.pair;
         (unknown[0], unknown[1]) = (pair[0], pair[1]);
         let own = self.turns.nearest(&self.plan.positions(&unknown), near);
         let limits = (0..self.ranges.count).map(|a| of_share(self.share(&own, a))[0]);
-        let cost = limits.sum::<f64>() + self.bend(pair).cost;
-        Some(Costed { own, pair, cost })
+        let bend = self.bend(pair);
+        let cost = limits.sum::<f64>() + bend.cost;
+        Some(Costed { own, pair, cost, bend, arrows })
     }
 
     /// What it costs to be near the end of a bend.
@@ -211,8 +254,8 @@ impl Redundant<'_> {
     }
 
     /// Newton's step on the free angles; where it leads uphill, that without the curvature of the constraint.
-    fn step(&self, now: &Costed, free: [f64; 2]) -> Option<Vector2<f64>> {
-        let Derivatives { slope, mut curvature, mut bowl } = self.derivatives(now, free)?;
+    fn step(&self, now: &Costed) -> Option<Vector2<f64>> {
+        let Derivatives { slope, mut curvature, mut bowl } = self.derivatives(now)?;
         for (k, arrow) in self.free().into_iter().enumerate() {
             if arrow.is_none() {
                 (curvature[(k, k)], bowl[(k, k)]) = (1.0, 1.0);
@@ -233,16 +276,16 @@ impl Redundant<'_> {
     ///    S p_f  =  −w_f        S p_fg  =  −(w_fg + Σ_ij S_ij p_i,f p_j,g)
     /// ```
     /// with the pair p, the velocities S of its span and their derivatives S_ij, and the free arrows' velocities w_f and w_fg.
-    fn derivatives(&self, now: &Costed, free: [f64; 2]) -> Option<Derivatives> {
+    fn derivatives(&self, now: &Costed) -> Option<Derivatives> {
         let span = self.plan.span_change(self.planar, now.pair);
         let inverse = Matrix2::from_columns(&span.velocities).try_inverse()?;
-        let bend = self.bend(now.pair);
+        let (bend, arrows) = (&now.bend, &now.arrows);
         let mut follow = [Vector2::zeros(); 2];
-        let mut arrows = [Vector2::zeros(); 2];
         let mut directions = [Slopes::default(); 2];
         for (f, arrow) in self.free().into_iter().enumerate() {
-            let Some(k) = arrow else { continue };
-            arrows[f] = turned(&self.planar.arrows()[k].vector, free[f]);
+            if arrow.is_none() {
+                continue;
+            }
             follow[f] = inverse * ahead(&arrows[f]) * -1.0;
             let mut unknown = [follow[f][0], follow[f][1], 0.0, 0.0];
             unknown[2 + f] = 1.0;
