@@ -375,13 +375,8 @@ fn all_that_cannot_be_timed_is_said() {
 fn a_line_on_which_the_arm_would_have_to_jump_is_refused() {
     // An arm with more joints than it needs: the ways of holding the wafer from either end do not meet.
     let cell = cell(9, Droop::Rigid);
-    let shares = [
-        0.6986754123647267,
-        0.38714119678890774,
-        0.5765603575934801,
-        0.6386828982446656,
-        0.15,
-    ];
+    let shares =
+        [0.6986754123647267, 0.38714119678890774, 0.5765603575934801, 0.6386828982446656, 0.15];
     let level = Tilt { yaw: 0.0, pitch: 0.0 };
     let from = positions(&cell, level, 0.5, shares);
     let start = cell.wafer_pose(A, &from, false).unwrap();
