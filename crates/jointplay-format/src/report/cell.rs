@@ -75,7 +75,7 @@ pub struct StraightReport {
 pub struct BlendedReport {
     /// How many.
     pub motions: usize,
-    /// How long two run at once, all together: so much shorter is the whole.
+    /// How long two run at once, all together.
     pub overlap_s: f64,
     /// Largest distance of a wafer's centre from the way without it, at most.
     pub off_mm: f64,
