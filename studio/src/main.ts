@@ -1,4 +1,4 @@
-import { readyGraphics } from './lib/graphics';
+import { readyGraphics } from './scene/graphics';
 
 const page = import('./page');
 readyGraphics();

@@ -12,7 +12,7 @@ import {
   type PerspectiveCamera,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
-import { ATTRIBUTES, takeGraphics } from '../lib/graphics';
+import { ATTRIBUTES, takeGraphics } from './graphics';
 import { SAYS, type Freedom, type Handles } from './handles';
 import { paintLabels, type Label } from './labels';
 import { SCENE, type Theme } from './palette';
