@@ -152,8 +152,6 @@ pub(super) struct Corner<'a> {
     /// Of each axis in either step.
     limits: [Vec<Dynamics>; 2],
     effectors: Vec<EffectorId>,
-    /// Times after the start of either way at which a jerk jumps [s].
-    breaks: [Vec<f64>; 2],
 }
 
 impl<'a> Corner<'a> {
@@ -173,8 +171,7 @@ impl<'a> Corner<'a> {
         let limits =
             steps.map(|step| axes.clone().map(|axis| dynamics(&cell.robot, axis, step)).collect());
         let effectors = cell.robot.effectors().collect();
-        let breaks = ways.map(Way::breaks);
-        Some(Self { cell, steps, ways, radius, limits, effectors, breaks })
+        Some(Self { cell, steps, ways, radius, limits, effectors })
     }
 
     /// By how much to slow both steps: so that what the overlap saves is more than what that costs.
@@ -182,8 +179,8 @@ impl<'a> Corner<'a> {
         let both: f64 = self.ways.iter().map(|way| way.duration()).sum();
         let saves = |factor: f64| {
             let ways = self.ways.map(|way| way.slowed(factor));
-            let slowed = self.slowed([&ways[0], &ways[1]], factor);
-            slowed.blend().map_or(0.0, |blend| blend.overlap) - (factor - 1.0) * both
+            let blend = self.at_pace([&ways[0], &ways[1]]);
+            blend.map_or(0.0, |blend| blend.overlap) - (factor - 1.0) * both
         };
         let all = SLOWER.map(|factor| (factor, saves(factor)));
         let better = |best: (f64, f64), one: (f64, f64)| if one.1 > best.1 { one } else { best };
@@ -196,39 +193,41 @@ impl<'a> Corner<'a> {
     ///    q(t)  =  q_1(t) + q_2(t) − corner
     /// ```
     pub(super) fn blend(&self) -> Option<Blend> {
-        let most = 0.5 * self.ways[0].duration().min(self.ways[1].duration());
-        if let Some(deviation) = self.strays(most) {
+        self.at_pace(self.ways)
+    }
+
+    /// The same with other ways, which differ in their pace alone.
+    fn at_pace(&self, ways: [&Way; 2]) -> Option<Blend> {
+        let two = Two { corner: self, ways, breaks: ways.map(Way::breaks) };
+        let most = 0.5 * ways[0].duration().min(ways[1].duration());
+        if let Some(deviation) = two.stray(most) {
             return Some(Blend { overlap: most, deviation });
         }
         let (mut low, mut high, mut deviation) = (0.0, most, 0.0);
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            match self.strays(middle) {
+            match two.stray(middle) {
                 Some(found) => (low, deviation) = (middle, found),
                 None => high = middle,
             }
         }
         (low > 0.0).then_some(Blend { overlap: low, deviation })
     }
+}
 
-    /// The same corner with its ways at a slower pace.
-    fn slowed<'b>(&'b self, ways: [&'b Way; 2], factor: f64) -> Corner<'b> {
-        let breaks = |k: usize| self.breaks[k].iter().map(|time| time * factor).collect();
-        Corner {
-            cell: self.cell,
-            steps: self.steps,
-            ways,
-            radius: self.radius,
-            limits: self.limits.clone(),
-            effectors: self.effectors.clone(),
-            breaks: [breaks(0), breaks(1)],
-        }
-    }
+/// Two motions at a corner.
+struct Two<'c> {
+    corner: &'c Corner<'c>,
+    ways: [&'c Way; 2],
+    /// Times after the start of either at which a jerk jumps [s].
+    breaks: [Vec<f64>; 2],
+}
 
+impl Two<'_> {
     /// How far wafers' centres stray with an overlap; `None` where a limit or the radius is exceeded.
-    fn strays(&self, overlap: f64) -> Option<f64> {
+    fn stray(&self, overlap: f64) -> Option<f64> {
         let times = self.times(overlap);
-        let axes = 0..self.limits[0].len();
+        let axes = 0..self.corner.limits[0].len();
         for &since in &times {
             // Half of the overlap belongs to either step, its middle to both.
             let owners = usize::from(since > 0.5 * overlap)..=usize::from(since >= 0.5 * overlap);
@@ -239,7 +238,7 @@ impl<'a> Corner<'a> {
                 }
             }
         }
-        let corner = &self.steps[1].from;
+        let corner = &self.corner.steps[1].from;
         let [mut first, mut second, mut both] = [corner.clone(), corner.clone(), corner.clone()];
         let mut deviation = 0.0_f64;
         for &since in &times {
@@ -248,16 +247,16 @@ impl<'a> Corner<'a> {
                 (first[axis], second[axis]) = (one, other);
                 both[axis] = one + other - corner[axis];
             }
-            for &id in &self.effectors {
+            for &id in &self.corner.effectors {
                 let center = |positions: &[f64]| {
-                    let pose = self.cell.robot.effector_pose(positions, id).ok()?;
+                    let pose = self.corner.cell.robot.effector_pose(positions, id).ok()?;
                     Some(pose.translation.vector)
                 };
                 let blended = center(&both)?;
                 let [one, other] = [center(&first)?, center(&second)?];
                 deviation = deviation.max((blended - one).norm().min((blended - other).norm()));
             }
-            if deviation > self.radius {
+            if deviation > self.corner.radius {
                 return None;
             }
         }
@@ -283,14 +282,14 @@ impl<'a> Corner<'a> {
 
     fn states(&self, axis: usize, overlap: f64, since: f64) -> [State; 2] {
         let begin = self.ways[0].duration() - overlap;
-        let [first, second] = self.steps;
+        let [first, second] = self.corner.steps;
         [self.ways[0].state(first, axis, begin + since), self.ways[1].state(second, axis, since)]
     }
 
     /// Whether both motions of an axis at once keep to the limits of one of the steps.
     fn within(&self, axis: usize, states: [State; 2], owner: usize) -> bool {
         let most = [0, 1].map(|step| {
-            let limits = &self.limits[step][axis];
+            let limits = &self.corner.limits[step][axis];
             [limits.velocity, limits.acceleration, limits.jerk]
         });
         (0..3).all(|order| {
