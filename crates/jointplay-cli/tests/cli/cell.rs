@@ -312,7 +312,9 @@ fn a_place_out_of_reach_is_a_no() {
 fn files_that_are_not_there_are_named() {
     let desk = Desk::new();
     for (line, message) in [
+        ("cell check nowhere.toml", "cannot read nowhere.toml"),
         ("cell check nowhere.toml", "nowhere.program"),
+        ("cell check nowhere.toml also.program", "cannot read nowhere.toml"),
         ("cell check nowhere.toml also.program", "cannot read also.program"),
         ("cell export --dialect rapid", "known: neutral, points"),
         ("cell export --dialect rapid.toml", "cannot read rapid.toml"),

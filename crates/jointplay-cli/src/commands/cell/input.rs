@@ -114,17 +114,16 @@ impl InputArgs {
     }
 
     pub(super) fn load(&self) -> Result<Input, Failure> {
-        let (text, label) = self.text()?;
-        let named = self.cell.load();
-        let parsed = program::parse(&text).map_err(|problems| excerpts(&problems, &label));
+        let program = self.text().and_then(|(text, label)| {
+            let parsed = program::parse(&text);
+            let parsed = parsed.map_err(|problems| Failure::Robot(excerpts(&problems, &label)))?;
+            Ok((parsed, text, label))
+        });
         // What is wrong with either is told at once.
-        match (named, parsed) {
-            (Ok(named), Ok(program)) => Ok(Input { named, program, text, label }),
-            (Err(Failure::Robot(cell)), Err(program)) => {
-                Err(Failure::Robot(format!("{cell}\n{program}")))
-            }
-            (Err(failure), _) => Err(failure),
-            (_, Err(program)) => Err(Failure::Robot(program)),
+        match (self.cell.load(), program) {
+            (Ok(named), Ok((program, text, label))) => Ok(Input { named, program, text, label }),
+            (Err(cell), Err(program)) => Err(Failure::Robot(format!("{cell}\n{program}"))),
+            (Err(failure), Ok(_)) | (Ok(_), Err(failure)) => Err(failure),
         }
     }
 
