@@ -114,9 +114,8 @@ impl Gearing {
     pub(super) fn moved(&self, from: &Sample, to: &Sample, moving: &[usize]) -> Moved {
         let dt = to.time - from.time;
         let mut moved = Moved::default();
-        let jerk_of = |limit: f64, axis: usize| {
-            limit.max(from.jerks[axis].abs()).max(to.jerks[axis].abs())
-        };
+        let jerk_of =
+            |limit: f64, axis: usize| limit.max(from.jerks[axis].abs()).max(to.jerks[axis].abs());
         for &axis in moving {
             let far = to.positions[axis] - from.positions[axis];
             let accelerations = [from, to].map(|sample| sample.accelerations[axis]);

@@ -20,11 +20,8 @@ const LEVEL_ENOUGH: f64 = 1e-6;
 /// Motors that are nearer to where they should turn to go there while the rods do, without a step of their own [m or rad].
 const TURNED_ENOUGH: f64 = 1e-6;
 
-/// Motors that are nearer to where their arm always is when retracted come there as the platform levels [m or rad].
-const RETRACTED_ENOUGH: f64 = 2e-3;
-
-/// Nearer than this they are there [m or rad].
-const THERE: f64 = 1e-9;
+/// Motors that are nearer to where their arm always is when retracted are there: the droop of a retracted arm moves them by less [m or rad].
+const RETRACTED_ENOUGH: f64 = 1e-6;
 
 /// The robot where it is, and the steps that brought it there.
 pub(super) struct Robot<'c> {
@@ -188,7 +185,7 @@ impl<'c> Robot<'c> {
             self.line(Phase::Retract, goal("a via point above", via))?;
         }
         self.line(Phase::Retract, goal("the place retracted above", &way.retracted_above))?;
-        self.level(Some((effector, slot.station)));
+        self.level();
         self.reach_into(slot, first);
         Ok(())
     }
@@ -220,7 +217,7 @@ impl<'c> Robot<'c> {
             self.line(Phase::Retract, goal("a via point below", via))?;
         }
         self.line(Phase::Retract, goal("the place retracted below", &way.retracted_below))?;
-        self.level(Some((effector, slot.station)));
+        self.level();
         self.reach_into(slot, first);
         Ok(left)
     }
@@ -252,9 +249,9 @@ impl<'c> Robot<'c> {
     /// Arms in, level, turned to a retracted place with the motors alone, then there with the rods alone.
     fn before(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
         self.tuck_in();
-        self.level(None);
+        self.level();
         let mut to = self.reached(goal)?;
-        self.retract(&mut to, (goal.effector, goal.slot.station), THERE);
+        self.retract(&mut to, (goal.effector, goal.slot.station));
         let mut turned = to.clone();
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
         let way = |(to, from): (&f64, &f64)| (to - from).abs();
@@ -280,25 +277,21 @@ impl<'c> Robot<'c> {
         self.go(Phase::TuckIn, to, Path::Axes);
     }
 
-    /// The platform level, and an arm that was retracted for a station where it always is then, so that others find it at one place.
-    fn level(&mut self, arm: Option<(EffectorId, usize)>) {
+    fn level(&mut self) {
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
-            let mut to = self.leaning(Tilt::LEVEL);
-            if let Some(arm) = arm {
-                self.retract(&mut to, arm, RETRACTED_ENOUGH);
-            }
+            let to = self.leaning(Tilt::LEVEL);
             self.push(Phase::Level, to, Path::Axes);
         }
     }
 
-    /// Brings an arm that is nearly retracted for a station to where it then is over a level platform.
-    fn retract(&mut self, to: &mut [f64], arm: (EffectorId, usize), enough: f64) {
+    /// Brings an arm that is as good as retracted for a station to where it then always is, so that moves repeat and others find it at one place.
+    fn retract(&mut self, to: &mut [f64], arm: (EffectorId, usize)) {
         let found = self.retracted.entry(arm).or_insert_with(|| {
             let motors = retracted(self.cell, arm).unwrap_or_default();
             motors.into_iter().filter(|&(axis, _)| !self.turning[axis]).collect()
         });
-        if found.iter().all(|&(axis, at)| (to[axis] - at).abs() <= enough) {
+        if found.iter().all(|&(axis, at)| (to[axis] - at).abs() <= RETRACTED_ENOUGH) {
             found.iter().for_each(|&(axis, at)| to[axis] = at);
         }
     }
@@ -351,7 +344,7 @@ impl<'c> Robot<'c> {
     fn line(&mut self, phase: Phase, goal: Goal<'_>) -> Result<(), ProgramProblem> {
         let mut to = self.reached(goal)?;
         if phase == Phase::Retract {
-            self.retract(&mut to, (goal.effector, goal.slot.station), THERE);
+            self.retract(&mut to, (goal.effector, goal.slot.station));
         }
         self.push(phase, to, Path::Line(goal.effector));
         if matches!(phase, Phase::Lift | Phase::Lower) {
