@@ -19,7 +19,7 @@ mod syntax;
 pub use expand::expand;
 pub use extent::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use problem::{Count, ProgramError, ProgramProblem};
-
+pub use resolve::wrong_lines;
 pub use step::{Handover, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,
