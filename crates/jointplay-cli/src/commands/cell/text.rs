@@ -73,7 +73,8 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         }
     }
     if count > 0 {
-        violations(&mut text, planned);
+        text.push_str("violations\n");
+        text.push_str(&violations(planned));
     }
     lines(&mut text, report);
     axes(&mut text, report);
@@ -93,8 +94,8 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
 }
 
 /// Every violation with its moment; those of one line and kind under one excerpt.
-fn violations(text: &mut String, planned: &Planned) {
-    let _ = writeln!(text, "violations");
+pub(super) fn violations(planned: &Planned) -> String {
+    let mut text = String::new();
     type About<'a> = (Place, Kind, &'a [String]);
     let mut told: Vec<(About<'_>, Vec<&Violation>)> = Vec::new();
     for one in &planned.report.violations {
@@ -129,6 +130,7 @@ fn violations(text: &mut String, planned: &Planned) {
         };
         let _ = writeln!(text, "    at {} s{more}", times.join(", "));
     }
+    text
 }
 
 /// A row for each line of the program, over all its runs.
