@@ -252,8 +252,8 @@ test('what lies in a station goes with it while it is dragged, and is there when
   await page.getByTestId('cell-time').fill('0');
   await choose('LP1');
   const field = (name: string) => page.getByTestId(`station-LP1-${name}`).inputValue().then(Number);
-  const [slot, wafer, high] = ['LP1 3', 'wafer of LP1 3', 'wafer of LP1 25'];
-  const places = async () => Promise.all([slot, wafer, high].map(origin));
+  const places = async () => Promise.all(['LP1 3', 'wafer of LP1 3', 'wafer of LP1 25', 'LP1-left', 'LP1-back'].map(origin));
+  const wall = await origin('wall');
   const [before, z] = [await places(), await field('z')];
   const off = (to: number[][]) => to.map((place, k) => place.map((value, i) => (value - before[k]![i]!) * 1000));
   let shown: number[][] = [];
@@ -262,6 +262,7 @@ test('what lies in a station goes with it while it is dragged, and is there when
     shown = await places();
     const moved = (await field('z')) - z;
     for (const by of off(shown)) [0, 0, moved].forEach((value, i) => expect(by[i]).toBeCloseTo(value, 6));
+    expect(await origin('wall'), 'what is not of the station stays').toEqual(wall);
   });
   await verdict('sound');
   // Single precision is what the file of the picture has.
@@ -338,8 +339,8 @@ test('positions and speeds are plotted, at the time of the bars', async () => {
   expect(at / duration).toBeCloseTo(0.5, 1);
   await page.getByTestId('plot-turn').getByRole('button', { name: /in °$/ }).click();
   const shown = await page.getByTestId('value-T_deg').getAttribute('data-value');
-  const { axes } = await asked({ time_s: Math.floor(at * 25) / 25 });
-  expect(Number(shown)).toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 9);
+  const { axes } = await asked({ time_s: at });
+  expect(Number(shown), 'told at the very time').toBeCloseTo((axes.find(({ name }) => name === 'T')!.position * 180) / Math.PI, 6);
   await page.getByTestId('plot-turn').getByRole('button', { name: /^T\b/ }).click();
   expect(await page.getByTestId('plot-turn').getByRole('button', { name: /^T\b/ }).getAttribute('aria-pressed')).toBe('false');
   await page.getByTestId('plot-turn').locator('.u-over').hover();

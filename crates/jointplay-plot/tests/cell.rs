@@ -86,6 +86,7 @@ fn cell() -> Cell {
         carrier: Carrier::World,
         carrier_from_shape: Pose::translation(0.0, -0.5, 0.5),
         shape: Shape::Box { half: [0.3, 0.02, 0.5] },
+        station: None,
     };
     let zone = Zone {
         name: "door".to_owned(),

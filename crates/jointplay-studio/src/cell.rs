@@ -7,7 +7,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report};
 use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
-use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, expand};
+use jointplay::cell::program::{
+    Command, Instruction, Place, Program, ProgramError, expand, wrong_lines,
+};
 use jointplay::cell::{Job, Memory};
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::{cell, program, report};
@@ -264,13 +266,18 @@ impl Plan {
                 problems.iter().map(|one| ProblemAt::new(Of::Cell, &one.place, one.to_string())),
             ),
         }
-        let program = program::parse(&plan.program_text);
-        if let Err(problems) = &program {
-            plan.problems.extend(
-                problems.iter().map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string())),
-            );
+        let (program, unread) = program::parse_what_can_be(&plan.program_text);
+        let mut wrong: Vec<ProblemAt> = unread
+            .iter()
+            .map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string()))
+            .collect();
+        if let (Some(cell), false) = (&plan.cell, wrong.is_empty()) {
+            wrong.extend(Stopped::Steps(wrong_lines(cell, &program)).told(&plan.program_text));
+            wrong.sort_by_key(|one| (one.line, one.column));
         }
-        if let (Some(cell), Ok(program)) = (&plan.cell, program) {
+        let readable = wrong.is_empty();
+        plan.problems.append(&mut wrong);
+        if let (Some(cell), true) = (&plan.cell, readable) {
             match motion(cell, &program, memory) {
                 Ok(motion) => {
                     let report = memory.check(cell, &motion, &CheckOptions::default());

@@ -150,6 +150,24 @@ impl Cell {
         Ok(drooped(&rigid, &joint, deflection))
     }
 
+    /// The same where nothing may be known of the droop: there the arm is told as if it were rigid, and why.
+    ///
+    /// # Errors
+    /// As [`crate::robot::HybridRobot::forward`].
+    pub fn wafer_pose_as_known(
+        &self,
+        effector: EffectorId,
+        positions: &[f64],
+        loaded: bool,
+    ) -> Result<(Pose, Option<DroopError>), CellError> {
+        let (base_from_platform, rigid) = self.robot.platform_and_effector(positions, effector)?;
+        let joint = (base_from_platform * Point3::from(self.robot.arms[effector.arm].mount)).coords;
+        Ok(match self.deflection(effector.arm, &rigid, &joint, loaded) {
+            Ok(deflection) => (drooped(&rigid, &joint, deflection), None),
+            Err(unknown) => (rigid, Some(unknown)),
+        })
+    }
+
     /// Where everything of the robot is, its arms drooping: wafers as by [`Self::wafer_pose`], the last link of an arm with its effector, links before it rigid.
     ///
     /// Of several effectors on one link it goes with the one that droops most; where nothing is known of the droop, nothing droops.
