@@ -6,6 +6,7 @@
 //!              no end, no name: errors    wafers, reach, limits: errors
 //! ```
 
+mod carried;
 mod expand;
 mod extent;
 mod presence;
@@ -16,6 +17,7 @@ mod step;
 mod stops;
 mod syntax;
 
+pub use carried::{Carried, carried};
 pub use expand::expand;
 pub use extent::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use problem::{Count, ProgramError, ProgramProblem};

@@ -146,8 +146,18 @@ impl Cell {
         positions: &[f64],
         loaded: bool,
     ) -> Result<Pose, Unreachable> {
+        self.drooping_wafer(effector, positions, loaded).map(|(pose, _)| pose)
+    }
+
+    /// The same, and how the arm droops.
+    pub(crate) fn drooping_wafer(
+        &self,
+        effector: EffectorId,
+        positions: &[f64],
+        loaded: bool,
+    ) -> Result<(Pose, Deflection), Unreachable> {
         let (rigid, joint, deflection) = self.deflected(effector, positions, loaded)?;
-        Ok(drooped(&rigid, &joint, deflection))
+        Ok((drooped(&rigid, &joint, deflection), deflection))
     }
 
     /// The same where nothing may be known of the droop: there the arm is told as if it were rigid, and why.

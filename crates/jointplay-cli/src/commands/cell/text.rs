@@ -64,6 +64,23 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             fixed(blended.off_mm, 3)
         );
     }
+    if let Some(made) = &report.compensated {
+        let _ = writeln!(
+            text,
+            "  made up for          droop to {} µm and {} mrad, sag of {} µm, in {}",
+            fixed(made.drop_um, 1),
+            fixed(made.slope_mrad, 3),
+            fixed(made.sag_um, 1),
+            counted(made.handovers, "handover")
+        );
+        let _ = writeln!(
+            text,
+            "  left of it           {} µm and {} mrad off the slots' planes; wafers stay bent by {} µm",
+            fixed(made.left_um, 3),
+            fixed(made.left_mrad, 4),
+            fixed(made.bent_um, 1)
+        );
+    }
     let _ = writeln!(text, "  looked at            {}", counted(report.samples, "sample"));
     if !report.assumed.is_empty() {
         let assumed = counted(report.assumed.len(), "parameter");
