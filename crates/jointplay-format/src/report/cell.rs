@@ -10,6 +10,7 @@ use jointplay_cell::robot::MotionKind;
 use jointplay_core::virtualization::Kernel;
 use serde::Serialize;
 
+use super::nearest::{NearestReport, nearest};
 use crate::cell::robot::virtualization_name;
 use crate::export::Flaw;
 use crate::place;
@@ -57,6 +58,8 @@ pub struct CellReport {
     pub violations: Vec<ViolationReport>,
     /// How near bodies come, nearest first.
     pub distances: Vec<DistanceReport>,
+    /// The nearest of them, all wafers taken for one.
+    pub nearest: Vec<NearestReport>,
 }
 
 /// Motions along straight lines.
@@ -266,6 +269,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         }
         Kernel::Radial | Kernel::Planar => None,
     };
+    let distances: Vec<DistanceReport> = report.distances.iter().map(distance).collect();
     CellReport {
         cell: cell.name.clone(),
         robot: robot.name.clone(),
@@ -288,7 +292,8 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         axes: moving.collect(),
         instructions: instructions.collect(),
         violations: report.violations.iter().map(violation).collect(),
-        distances: report.distances.iter().map(distance).collect(),
+        nearest: nearest(&distances),
+        distances,
     }
 }
 

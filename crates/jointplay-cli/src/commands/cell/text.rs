@@ -9,8 +9,6 @@ use jointplay::format::report::{CellReport, InstructionReport, ShareReport, expl
 use super::input::Planned;
 use crate::output::fixed;
 
-/// Pairs of bodies that are listed.
-const PAIRS: usize = 6;
 /// Times that are listed of one violation that comes again and again.
 const TIMES: usize = 4;
 
@@ -95,13 +93,18 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     }
     lines(&mut text, report);
     axes(&mut text, report);
-    if !report.distances.is_empty() {
+    if !report.nearest.is_empty() {
         let _ = writeln!(text, "bodies that come nearest");
-        for pair in report.distances.iter().take(PAIRS) {
+        for pair in &report.nearest {
             let [a, b] = &pair.bodies;
+            let others = match pair.others {
+                0 => String::new(),
+                1 => "; another such pair comes no nearer".to_owned(),
+                others => format!("; {others} more such pairs come no nearer"),
+            };
             let _ = writeln!(
                 text,
-                "  {:>10} mm at {:>9} s   {a}, {b}",
+                "  {:>10} mm at {:>9} s   {a}, {b}{others}",
                 fixed(pair.distance_mm, 3),
                 fixed(pair.time_s, 3)
             );
