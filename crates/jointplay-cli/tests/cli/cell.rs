@@ -249,6 +249,27 @@ fn the_example_is_broken_in_three_ways_and_mended() {
 }
 
 #[test]
+fn a_program_is_laid_out_and_stays_so() {
+    let desk = desk(&[]);
+    let rough =
+        "home # first\nrepeat 2 as n\nget LP1 slot   n with A\n PUT LP1 SLOT n WITH A\nend\n";
+    let even =
+        "HOME  # first\nREPEAT 2 AS n\n  GET LP1 SLOT n WITH A\n  PUT LP1 SLOT n WITH A\nEND\n";
+    desk.write("rough.program", rough);
+    assert_eq!(desk.done("cell format rough.program"), even);
+    assert_eq!(desk.read("rough.program"), rough, "only printed");
+    assert_eq!(desk.done("cell format rough.program --write"), "");
+    assert_eq!(desk.read("rough.program"), even);
+    // The example comes along laid out.
+    desk.done("cell example --out whole");
+    assert_eq!(desk.done("cell format"), desk.read("whole/example.program"));
+    desk.write("rough.program", "GTE LP1\n");
+    let run = desk.run("cell format rough.program --write");
+    assert_eq!((run.code, desk.read("rough.program").as_str()), (2, "GTE LP1\n"));
+    assert!(run.stderr.contains("rough.program:1:1: "), "{}", run.stderr);
+}
+
+#[test]
 fn all_that_is_wrong_with_a_program_is_told_at_once() {
     let desk = desk(&[]);
     desk.write("wrong.program", "HOME\nGTE LP1 SLOT 1\nWAIT 3\n");

@@ -82,6 +82,7 @@ fn every_example_in_a_help_text_runs() {
         "cell run",
         "cell export",
         "cell teach",
+        "cell format",
         "cell example",
     ] {
         let help = desk.done(&format!("{command} --help"));

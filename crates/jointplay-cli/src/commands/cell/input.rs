@@ -259,7 +259,7 @@ fn wrong(unread: &[program::Error], misfits: &[ProgramError], text: &str, label:
 }
 
 /// What is wrong with a file, each with its line.
-fn excerpts<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> String {
+pub(super) fn excerpts<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> String {
     problems.iter().map(|one| one.with_excerpt(label)).collect::<Vec<_>>().join("\n")
 }
 
