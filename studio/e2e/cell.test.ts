@@ -384,6 +384,32 @@ test('the robot is beside it', async () => {
   await verdict('sound');
 });
 
+test('a cell that cannot be read is opened, told in its line, and mended', async () => {
+  writeFileSync(join(folder, 'steep.toml'), CELL.replace('pitch_deg = 0.8', 'pitch_deg = 2.0'));
+  writeFileSync(join(folder, 'steep.program'), PROGRAM);
+  const other = await serve(0, ['--cell', join(folder, 'steep.toml')]);
+  const second = await page.context().newPage();
+  const said = complaints(second);
+  try {
+    await second.goto(other.address);
+    await second.getByTestId('problems').getByText('leans 2.000°').waitFor();
+    const line = CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;
+    await second.getByTestId('problems').getByRole('button', { name: `cell, line ${line}, column 8` }).click();
+    await second.getByTestId('text-cell').locator('.cm-content').click();
+    await second.keyboard.press('Control+a');
+    await second.keyboard.insertText(CELL);
+    await until('it is sound', async () => (await second.getByTestId('verdict').getAttribute('data-verdict')) === 'sound');
+    await until('it is drawn', () => second.evaluate(() => (window.jointplay.measure.cell?.parts().length ?? 0) > 0));
+    await second.getByTestId('save').click();
+    await until('it is kept', () => second.getByTestId('save').isDisabled());
+    expect(readFileSync(join(folder, 'steep.toml'), 'utf8')).toBe(CELL);
+    expect(said).toEqual([]);
+  } finally {
+    await second.close();
+    await other.stop();
+  }
+});
+
 for (const [theme, tab] of [['light', 'Program'], ['light', 'Parts'], ['dark', 'Cell file'], ['dark', 'Steps']] as const)
   test(`axe finds nothing, ${theme}, with ${tab}`, async () => {
     await page.getByLabel('Theme').selectOption(theme);

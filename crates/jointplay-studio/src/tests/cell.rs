@@ -280,12 +280,21 @@ fn the_parts_of_the_cell_are_told() {
 }
 
 #[test]
-fn a_cell_that_cannot_be_read_is_refused_with_its_line() {
+fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wrong.toml");
     std::fs::write(&path, "kind = \"cell\"\nsize = 3\n").unwrap();
-    let why = CellFiles::open(&path).unwrap_err();
-    assert!(why.contains("wrong.toml:2:1"), "{why}");
+    let files = CellFiles::open(&path).unwrap();
+    let wrong = files.wrong();
+    assert!(wrong.iter().any(|one| one.contains("wrong.toml:2:1")), "{wrong:?}");
+    let server = server(files);
+    let found = plan(&server, &json!({}));
+    let first = &found["problems"][0];
+    assert_eq!((&first["of"], &found["robot"]), (&"cell".into(), &Value::Null), "{found}");
+    let mended =
+        plan(&server, &json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT }));
+    assert_eq!(mended["report"]["verdict"], "sound");
+    assert_eq!(CellFiles::example().wrong(), Vec::<String>::new());
     assert!(CellFiles::open(Path::new("nowhere.toml")).unwrap_err().contains("nowhere.toml"));
 }
 
