@@ -31,8 +31,7 @@ impl RobotArgs {
     pub(crate) fn load(&self) -> Result<robot::Robot, Failure> {
         let Some(path) = &self.robot else { return Ok(robot::paper()) };
         let text = read_text(path, LARGEST_ROBOT_FILE)?;
-        robot::parse(&text)
-            .map_err(|error| Failure::Robot(error.with_excerpt(&path.display().to_string())))
+        robot::parse(&text).map_err(|error| Failure::at(&error, &path.display().to_string()))
     }
 
     /// The robot file, if there is one.

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use anstyle::{AnsiColor, Style};
 use jointplay::format::coordinates;
 use jointplay::format::explain::{explain, explain_limit};
+use jointplay::format::place;
 use jointplay::format::report;
 use jointplay::gpr::BrokenLimit;
 use jointplay::virtualization::Solver;
@@ -23,6 +24,12 @@ pub(crate) enum Failure {
     Study(#[from] study::Error),
     #[error("{0}")]
     Robot(String),
+    /// What is wrong in files.
+    #[error("{}", excerpts(.0))]
+    Wrong(Vec<Wrong>),
+    /// Where more is asked for than can be.
+    #[error("{}", excerpts(.0))]
+    CannotDo(Vec<Wrong>),
     #[error("{0}")]
     Misused(String),
     #[error("{0}")]
@@ -75,6 +82,29 @@ pub(crate) enum Failure {
     Serve(#[from] jointplay_studio::Error),
     #[error("cannot print: {0}")]
     Print(#[from] io::Error),
+}
+
+/// One thing at one place of a file.
+#[derive(Debug, PartialEq)]
+pub(crate) struct Wrong {
+    pub(crate) file: String,
+    pub(crate) line: usize,
+    pub(crate) column: usize,
+    pub(crate) message: String,
+    /// The message with its line.
+    pub(crate) excerpt: String,
+}
+
+impl Wrong {
+    pub(crate) fn new<P: std::fmt::Display>(error: &place::Error<P>, file: &str) -> Self {
+        let place::Place { line, column, .. } = error.place;
+        let (message, excerpt) = (error.to_string(), error.with_excerpt(file));
+        Self { file: file.to_owned(), line, column, message, excerpt }
+    }
+}
+
+fn excerpts(all: &[Wrong]) -> String {
+    all.iter().map(|one| one.excerpt.as_str()).collect::<Vec<_>>().join("\n")
 }
 
 fn list(broken: &[BrokenLimit]) -> String {
@@ -134,6 +164,11 @@ const BAD_INPUT: u8 = 2;
 const INTERRUPTED: u8 = 130;
 
 impl Failure {
+    /// What is wrong at one place of a file.
+    pub(crate) fn at<P: std::fmt::Display>(error: &place::Error<P>, file: &str) -> Self {
+        Self::Wrong(vec![Wrong::new(error, file)])
+    }
+
     fn exit_code(&self) -> u8 {
         let core = |error: &jointplay::Error| match error {
             jointplay::Error::NotConverged(_)
@@ -148,6 +183,7 @@ impl Failure {
             | Self::NotAssembled(_)
             | Self::Stopped(_)
             | Self::OverClearance(_)
+            | Self::CannotDo(_)
             | Self::Unsolved(_) => NO,
             Self::Interrupted(_) => INTERRUPTED,
             Self::Core(error) => core(error),
@@ -182,8 +218,16 @@ impl Failure {
         let written = if json {
             let kind = self.kind();
             let message = self.to_string();
-            let error =
-                serde_json::json!({ "kind": kind, "message": message, "limits_broken": limits });
+            let places =
+                if let Self::Wrong(all) | Self::CannotDo(all) = self { &all[..] } else { &[] };
+            let place = |one: &Wrong| {
+                let Wrong { file, line, column, message, .. } = one;
+                serde_json::json!({ "file": file, "line": line, "column": column, "message": message })
+            };
+            let places: Vec<_> = places.iter().map(place).collect();
+            let error = serde_json::json!({
+                "kind": kind, "message": message, "limits_broken": limits, "places": places,
+            });
             writeln!(stderr, "{}", serde_json::json!({ "error": error }))
         } else {
             let (color, word) = match self {

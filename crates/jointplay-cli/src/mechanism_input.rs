@@ -133,7 +133,7 @@ impl Source {
 
 /// The model of another program.
 pub(crate) fn imported(source: &Source) -> Result<Imported, Failure> {
-    import::parse(&source.text).map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))
+    import::parse(&source.text).map_err(|error| Failure::at(&error, &source.label))
 }
 
 /// A mechanism file as read.
@@ -169,7 +169,7 @@ impl Input {
         let replaced: Vec<(String, f64)> =
             set.iter().map(|one| (one.name.clone(), one.value)).collect();
         let file = mechanism::parse_with(&source.text, &replaced)
-            .map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))?;
+            .map_err(|error| Failure::at(&error, &source.label))?;
         let coordinates = Coordinates::of(&file);
         Ok(Self { file, coordinates, tolerance: None })
     }

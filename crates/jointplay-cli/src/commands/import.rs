@@ -68,5 +68,5 @@ impl Import {
 fn close(chain: &Mechanism, loops: &Path) -> Result<Mechanism, Failure> {
     let source = Source::read(loops)?;
     let closed = mechanism::with_loops(chain, &source.text);
-    closed.map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))
+    closed.map_err(|error| Failure::at(&error, &source.label))
 }

@@ -136,7 +136,7 @@ impl Mobility {
             return Err(Failure::Misused(text.to_owned()));
         }
         let read = robot::parse(&source.text);
-        Ok(read.map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))?.gpr)
+        Ok(read.map_err(|error| Failure::at(&error, &source.label))?.gpr)
     }
 }
 

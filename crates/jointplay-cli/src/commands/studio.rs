@@ -43,9 +43,7 @@ impl Studio {
         });
         let bound = Server::bind(self.robot.load()?, folder, self.port);
         let server = bound.map_err(|error| match (error, file) {
-            (Error::Mesh(error), Some(file)) => {
-                Failure::Robot(error.with_excerpt(&file.display().to_string()))
-            }
+            (Error::Mesh(error), Some(file)) => Failure::at(&error, &file.display().to_string()),
             (error, _) => error.into(),
         })?;
         let server = match &self.cell {

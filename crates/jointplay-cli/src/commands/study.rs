@@ -82,7 +82,7 @@ impl StudyCommand {
             return output::raw(&source.text);
         }
         let file = study::parse(&source.text, |name| robot_text(name, source.folder.as_deref()))
-            .map_err(|error| Failure::Robot(error.with_excerpt(&source.label)))?;
+            .map_err(|error| Failure::at(&error, &source.label))?;
         let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.csv", source.stem)));
         let kind = TableKind::of(&out).ok_or_else(|| {
             let shown = out.display();

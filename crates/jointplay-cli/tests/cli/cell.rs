@@ -302,6 +302,14 @@ fn all_that_is_wrong_with_a_program_is_told_at_once() {
     let json = desk.run("cell check example wrong.program --format json");
     let error: Value = serde_json::from_str(&json.stderr).unwrap();
     assert!(error["error"]["message"].as_str().unwrap().contains("LP3"));
+    let places = error["error"]["places"].as_array().unwrap();
+    for (place, (line, name)) in places.iter().zip([(1, "LP3"), (2, "LP4")]) {
+        assert_eq!((&place["file"], &place["line"]), (&"wrong.program".into(), &line.into()));
+        assert_eq!(place["column"], 5);
+        let message = place["message"].as_str().unwrap();
+        assert!(message.contains(name) && !message.contains('\n'), "{message}");
+    }
+    assert_eq!(places.len(), 2);
 }
 
 #[test]

@@ -204,7 +204,7 @@ fn dialect(path: &Path) -> Result<Dialect, Failure> {
         }
         None => read_text(path, MAX_BYTES as u64)?,
     };
-    Dialect::parse(&text).map_err(|error| Failure::Robot(error.with_excerpt(&label)))
+    Dialect::parse(&text).map_err(|error| Failure::at(&error, &label))
 }
 
 #[cfg(feature = "parquet")]

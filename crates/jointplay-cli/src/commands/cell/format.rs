@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use jointplay::format::program;
 
-use super::input::{EXAMPLE, excerpts};
+use super::input::{EXAMPLE, wrong};
 use crate::arguments::read_text;
 use crate::failure::Failure;
 use crate::{folder, output};
@@ -35,8 +35,8 @@ impl Format {
             Some(path) => (read_text(path, program::MAX_BYTES as u64)?, path.display().to_string()),
             None => (program::EXAMPLE.to_owned(), format!("{EXAMPLE}.program")),
         };
-        let even = program::format(&text)
-            .map_err(|problems| Failure::Robot(excerpts(&problems, &label)))?;
+        let even =
+            program::format(&text).map_err(|problems| Failure::Wrong(wrong(&problems, &label)))?;
         match &self.program {
             Some(path) if self.write && even != text => folder::write_file(path, even.as_bytes()),
             Some(_) if self.write => Ok(()),

@@ -14,7 +14,7 @@ use jointplay::format::{cell, program, report};
 
 use super::text::counted;
 use crate::arguments::{TextFormat, read_text};
-use crate::failure::Failure;
+use crate::failure::{Failure, Wrong};
 use crate::progress::Progress;
 
 /// What the example is called, in place of a file.
@@ -61,7 +61,7 @@ impl Named {
         folder: Option<PathBuf>,
     ) -> Result<Self, Failure> {
         let read = cell::read(&text, &mut |name| beside(folder.as_deref(), name));
-        let cell = read.map_err(|problems| Failure::Robot(excerpts(&problems, &label)))?;
+        let cell = read.map_err(|problems| Failure::Wrong(wrong(&problems, &label)))?;
         Ok(Self { cell, label, stem, text, folder })
     }
 }
@@ -125,10 +125,18 @@ impl InputArgs {
         if problems.is_empty() {
             return Ok(Input { named: named?, program, text, label });
         }
-        Err(Failure::Robot(match named {
-            Ok(named) => wrong(&problems, &wrong_lines(&named.cell, &program), &text, &label),
-            Err(cell) => format!("{cell}\n{}", excerpts(&problems, &label)),
-        }))
+        let unread = wrong(&problems, &label);
+        Err(match named {
+            Ok(named) => {
+                let misfits = wrong_lines(&named.cell, &program);
+                let mut all = unread;
+                all.extend(misfits.iter().map(|one| told(one, &text, &label)));
+                all.sort_by_key(|one| (one.line, one.column));
+                Failure::Wrong(all)
+            }
+            Err(Failure::Wrong(cell)) => Failure::Wrong(cell.into_iter().chain(unread).collect()),
+            Err(cell) => cell,
+        })
     }
 
     /// The program, and what messages call it.
@@ -168,7 +176,7 @@ impl InputArgs {
         progress.stage("timing");
         let motion = timed(cell, steps, &MotionOptions::default()).map_err(|error| {
             let problems = error.problems.iter();
-            Failure::Unsolved(input.shown(problems.map(|one| (one.place, one.message.clone()))))
+            Failure::CannotDo(input.at(problems.map(|one| (one.place, one.message.clone()))))
         })?;
         progress.part_done(1);
         progress.stage("checking");
@@ -180,24 +188,27 @@ impl InputArgs {
 }
 
 impl Input {
-    /// Messages at places of the program, each with its line; the same at one place once.
-    pub(super) fn shown(&self, messages: impl Iterator<Item = (Place, String)>) -> String {
-        let mut told: Vec<(Place, String)> = Vec::new();
-        for one in messages {
-            if !told.contains(&one) {
-                told.push(one);
+    /// A message at a place of the program, with its line.
+    pub(super) fn excerpt(&self, at: Place, message: &str) -> String {
+        report::excerpt(&self.text, at, message, &self.label)
+    }
+
+    /// Messages at places of the program; the same at one place once.
+    fn at(&self, messages: impl Iterator<Item = (Place, String)>) -> Vec<Wrong> {
+        let mut all: Vec<Wrong> = Vec::new();
+        for (at, message) in messages {
+            let (file, excerpt) = (self.label.clone(), self.excerpt(at, &message));
+            let one = Wrong { file, line: at.line, column: at.column, message, excerpt };
+            if !all.contains(&one) {
+                all.push(one);
             }
         }
-        let excerpt = |(at, message): &(Place, String)| {
-            report::excerpt(&self.text, *at, message, &self.label)
-        };
-        told.iter().map(excerpt).collect::<Vec<_>>().join("\n")
+        all
     }
 
     /// Why the program cannot run in this cell: bad input, or the answer is no where it is all about reach and limits.
     fn refused(&self, errors: &[ProgramError]) -> Failure {
-        let explain = |one| program::explain(&self.text, one).with_excerpt(&self.label);
-        let text = errors.iter().map(explain).collect::<Vec<_>>().join("\n");
+        let all = errors.iter().map(|one| told(one, &self.text, &self.label)).collect();
         let out_of_reach = |one: &ProgramError| {
             matches!(
                 one.problem,
@@ -206,7 +217,7 @@ impl Input {
                     | ProgramProblem::Unreachable { .. }
             )
         };
-        if errors.iter().all(out_of_reach) { Failure::Unsolved(text) } else { Failure::Robot(text) }
+        if errors.iter().all(out_of_reach) { Failure::CannotDo(all) } else { Failure::Wrong(all) }
     }
 }
 
@@ -247,20 +258,14 @@ impl Planned {
     }
 }
 
-/// What is wrong with a program, as a text and in its cell, in the order of the text.
-fn wrong(unread: &[program::Error], misfits: &[ProgramError], text: &str, label: &str) -> String {
-    let at = |place: &jointplay::format::place::Place| (place.line, place.column);
-    let unread = unread.iter().map(|one| (at(&one.place), one.with_excerpt(label)));
-    let misfits = misfits.iter().map(|one| program::explain(text, one));
-    let misfits = misfits.map(|one| (at(&one.place), one.with_excerpt(label)));
-    let mut all: Vec<_> = unread.chain(misfits).collect();
-    all.sort_by_key(|&(at, _)| at);
-    all.into_iter().map(|(_, told)| told).collect::<Vec<_>>().join("\n")
+/// What is wrong with a file.
+pub(super) fn wrong<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> Vec<Wrong> {
+    problems.iter().map(|one| Wrong::new(one, label)).collect()
 }
 
-/// What is wrong with a file, each with its line.
-pub(super) fn excerpts<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> String {
-    problems.iter().map(|one| one.with_excerpt(label)).collect::<Vec<_>>().join("\n")
+/// What is wrong with a program in its cell.
+fn told(error: &ProgramError, text: &str, label: &str) -> Wrong {
+    Wrong::new(&program::explain(text, error), label)
 }
 
 /// A folder in words.

@@ -164,10 +164,10 @@ fn ending(path: &Path) -> Option<String> {
 /// The cell with another place of one station.
 fn changed(named: Named, station: &str, change: Change) -> Result<Named, Failure> {
     let text = cell::set_station(&named.text, station, &[change])
-        .map_err(|problem| Failure::Robot(problem.with_excerpt(&named.label)))?;
+        .map_err(|problem| Failure::at(&problem, &named.label))?;
     match Named::read(named.label, named.stem, text, named.folder) {
         // The file was sound before: what is wrong now are the points.
-        Err(Failure::Robot(message)) => Err(Failure::Unsolved(message)),
+        Err(Failure::Wrong(all)) => Err(Failure::CannotDo(all)),
         other => other,
     }
 }

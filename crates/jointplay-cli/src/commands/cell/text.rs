@@ -131,7 +131,7 @@ pub(super) fn violations(planned: &Planned) -> String {
         let worst = all.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
         let Some(worst) = worst else { continue };
         let message = format!("{kind}: {}", explain_violation(worst));
-        for line in planned.input.shown(std::iter::once((place, message))).lines() {
+        for line in planned.input.excerpt(place, &message).lines() {
             let _ = writeln!(text, "  {line}");
         }
         let times: Vec<String> = all
