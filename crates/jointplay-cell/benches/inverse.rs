@@ -64,7 +64,10 @@ fn benches(criterion: &mut Criterion) {
         ("2R", 4, true),
         ("3R", 5, true),
         ("radial with wrist", 7, true),
+        ("slide with wrist", 8, true),
         ("3R, heading free", 5, false),
+        ("radial with wrist, heading free", 7, false),
+        ("slide with wrist, heading free", 8, false),
         ("4R", 9, true),
         ("4R, heading free", 9, false),
     ];
