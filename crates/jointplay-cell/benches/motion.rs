@@ -48,7 +48,8 @@ fn port(name: &str, direction: f64) -> Station {
 }
 
 fn body(name: &str, carrier: Carrier, pose: Pose, half: [f64; 3]) -> Body {
-    Body { name: name.to_owned(), carrier, carrier_from_shape: pose, shape: Shape::Box { half } }
+    let shape = Shape::Box { half };
+    Body { name: name.to_owned(), carrier, carrier_from_shape: pose, shape, station: None }
 }
 
 fn at(x: f64, y: f64, z: f64) -> Pose {

@@ -69,6 +69,8 @@ pub struct Body {
     pub carrier_from_shape: Pose,
     /// Its shape.
     pub shape: Shape,
+    /// The station that it belongs to, by index, where it is told in that one's frame; it stands still in the world.
+    pub station: Option<usize>,
 }
 
 /// A region with a rule.

@@ -134,8 +134,10 @@ impl Cell {
     /// * `from` – positions of all axes that the robot is at
     /// * `loaded` – whether the effector carries a wafer
     ///
+    /// Where the robot is at the start, nothing has to be known of the droop.
+    ///
     /// # Errors
-    /// Those of [`Self::wafer_pose`], and numbers that are none.
+    /// Those of the robot's kinematics, and numbers that are none.
     pub fn jog_wafer(
         &self,
         from: &[f64],
@@ -143,7 +145,8 @@ impl Cell {
         loaded: bool,
         to: &WaferTarget,
     ) -> Result<Jogged, Unreachable> {
-        let start = WaferTarget::of(&self.wafer_pose(effector, from, loaded)?);
+        let (pose, _) = self.wafer_pose_as_known(effector, from, loaded)?;
+        let start = WaferTarget::of(&pose);
         let way = |share: f64| WaferTarget {
             center: start.center.lerp(&to.center, share),
             normal: start.normal.lerp(&to.normal.normalize(), share),
@@ -170,7 +173,7 @@ impl Cell {
         slot: SlotId,
         to: &FromSlot,
     ) -> Result<Jogged, Unreachable> {
-        let pose = self.wafer_pose(effector, from, loaded)?;
+        let (pose, _) = self.wafer_pose_as_known(effector, from, loaded)?;
         let view = self.view(effector, slot);
         let (start, normal) = (view.seen(&pose), pose.rotation * Vector3::z());
         let between = |from: f64, to: f64, share: f64| from + share * (to - from);
@@ -190,22 +193,16 @@ impl Cell {
         self.jog_along(from, effector, loaded, way)
     }
 
-    /// The wafer of an effector as seen from a slot.
+    /// A wafer of an effector as seen from a slot.
     ///
-    /// # Errors
-    /// Those of [`Self::wafer_pose`].
+    /// # Arguments
+    /// * `wafer` – where it is in the base frame, as [`Self::wafer_pose`] tells
     ///
     /// # Panics
     /// If the cell has no such station.
-    pub fn seen_from_slot(
-        &self,
-        positions: &[f64],
-        effector: EffectorId,
-        loaded: bool,
-        slot: SlotId,
-    ) -> Result<FromSlot, Unreachable> {
-        let pose = self.wafer_pose(effector, positions, loaded)?;
-        Ok(self.view(effector, slot).seen(&pose))
+    #[must_use]
+    pub fn seen_from_slot(&self, wafer: &Pose, effector: EffectorId, slot: SlotId) -> FromSlot {
+        self.view(effector, slot).seen(wafer)
     }
 
     /// A slot that cannot be reached is seen from the robot's own axis.

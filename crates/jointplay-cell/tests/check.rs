@@ -251,6 +251,7 @@ fn wall(name: &str, cell: &Cell, angle: f64, radius: f64, thickness: f64) -> Bod
         carrier: Carrier::World,
         carrier_from_shape: Pose::from_parts(Translation3::new(center.x, center.y, wafer.z), along),
         shape: Shape::Box { half: [0.03, 0.5 * thickness, 0.05] },
+        station: None,
     }
 }
 
@@ -265,6 +266,7 @@ fn a_wall_between_two_samples_is_seen() {
         carrier: Carrier::Link { arm: 0, link: 0 },
         carrier_from_shape: Pose::identity(),
         shape: Shape::Capsule { ends: [[0.25, 0.0, -0.01], [0.25, 0.0, 0.01]], radius: 5e-4 },
+        station: None,
     });
     let motion = turn(&cell);
     let link = |t: f64| {
@@ -285,6 +287,7 @@ fn a_wall_between_two_samples_is_seen() {
         carrier: Carrier::World,
         carrier_from_shape: Pose::from_parts(Translation3::from(place), along),
         shape: Shape::Box { half: [0.02, 2e-4, 0.05] },
+        station: None,
     });
     let report = check(&cell, &motion, &CheckOptions { rate: 100.0, near: 0.05 });
     let hit = &report.violations[0];
@@ -341,6 +344,7 @@ fn bodies_too_near_touching_allowed_and_zones() {
         carrier,
         carrier_from_shape: Pose::identity(),
         shape: Shape::Cylinder { radius: 0.3, half_height: 0.2 },
+        station: None,
     };
     cell.bodies.push(block("base", Carrier::Platform));
     cell.bodies.push(block("hand", Carrier::Link { arm: 0, link: 1 }));
@@ -421,6 +425,7 @@ fn a_slot_is_reached_into_with_the_clearance_of_slots() {
         carrier: Carrier::Link { arm: 0, link: 2 },
         carrier_from_shape: at(0.2, 0.0, 0.005 - 0.0002),
         shape: blade,
+        station: None,
     });
     let motion = get(&mut cell, 0.01);
     let report = check(&cell, &motion, &CheckOptions::default());

@@ -152,5 +152,5 @@ fn too_far_is_told_in_numbers() {
         cell.reach(A, &target, true, &near).unwrap_err().to_string()
     };
     assert!(at(2.0).contains("are missing"), "{}", at(2.0));
-    assert!(at(0.66).contains("the table goes from 0.2 to 0.6 m"), "{}", at(0.66));
+    assert!(at(0.66).contains("the table goes from 200.000 to 600.000 mm"), "{}", at(0.66));
 }

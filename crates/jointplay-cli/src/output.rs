@@ -76,6 +76,16 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if zero { text.replace('-', "") } else { text }
 }
 
+/// A number with a prefix, such as 3.21 M.
+pub(crate) fn short(value: f64) -> String {
+    for (factor, prefix) in [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")] {
+        if value >= factor {
+            return format!("{:.3}{prefix}", value / factor);
+        }
+    }
+    format!("{value:.0}")
+}
+
 /// A singular value, nine characters wide: fixed where that shows it, else with an exponent.
 pub(crate) fn magnitude(value: f64) -> String {
     if value == 0.0 || value >= 1e-3 { format!("{value:>9.6}") } else { format!("{value:>9.2e}") }

@@ -315,7 +315,7 @@ fn broken_shapes_are_refused() {
         assert!(told.contains(message), "{told}");
     }
     refuse("t.stl", b"", "no STL file, or a broken one");
-    refuse("t.stl", &stl(b"", 3), "no STL file, or a broken one");
+    refuse("t.stl", &stl(b"", 3), "bytes end before its triangles do");
     refuse("t.stl", &stl(b"", u32::MAX), "no STL file, or a broken one");
     refuse("t.stl", &stl(b"", 0), "it has no triangles");
     refuse("t.obj", b"", "it has no triangles");

@@ -324,7 +324,15 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
     assert!(off.norm() < 1e-6, "{off}");
     let (root, _) = parts(&gltf(&recording, 50.0).unwrap());
     let nodes = root["nodes"].as_array().unwrap();
-    let node = nodes.iter().find(|node| node["name"] == "wafer of LP1 1").unwrap();
+    let named = |name: &str| nodes.iter().find(|node| node["name"] == name).unwrap();
+    // What belongs to a station says so, its slots and its bodies alike.
+    for (name, station) in [("LP1-left", "LP1"), ("LP2 25", "LP2"), ("process-right", "PM1")] {
+        assert_eq!(named(name)["extras"]["station"], station);
+    }
+    for name in ["wall", "slit-below", "optics"] {
+        assert!(named(name).get("extras").is_none(), "{name}");
+    }
+    let node = named("wafer of LP1 1");
     let handed: Vec<f64> = motion
         .steps
         .iter()

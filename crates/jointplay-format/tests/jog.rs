@@ -99,7 +99,8 @@ fn a_wafer_comes_to_where_the_slot_sees_it() {
                 let jogged = cell.jog_from_slot(&positions, A, loaded, LP2, &to).unwrap();
                 assert_eq!(jogged.stopped, None, "{to:?}");
                 positions = jogged.positions;
-                let seen = cell.seen_from_slot(&positions, A, loaded, LP2).unwrap();
+                let pose = cell.wafer_pose(A, &positions, loaded).unwrap();
+                let seen = cell.seen_from_slot(&pose, A, LP2);
                 near(seen.radial, to.radial, 1e-11);
                 near(seen.turn, to.turn, 1e-10);
                 near(seen.height, to.height, 1e-11);
@@ -139,7 +140,8 @@ fn out_of_reach_it_goes_as_far_as_it_comes() {
     let Some(Stopped::Place(why)) = &jogged.stopped else { panic!("{:?}", jogged.stopped) };
     assert!(matches!(why, Unreachable::OutOfReach(_) | Unreachable::Limits(_)), "{why:?}");
     assert!(cell.robot.broken_limits(&jogged.positions).unwrap().is_empty());
-    let seen = cell.seen_from_slot(&jogged.positions, A, false, LP2).unwrap();
+    let pose = cell.wafer_pose(A, &jogged.positions, false).unwrap();
+    let seen = cell.seen_from_slot(&pose, A, LP2);
     assert!(seen.radial > 0.0 && seen.radial < 0.4, "{seen:?}");
     // A hair farther there is no way.
     let farther = FromSlot { radial: seen.radial + 1e-6, ..seen };

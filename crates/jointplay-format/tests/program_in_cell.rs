@@ -403,4 +403,9 @@ fn programs_without_end_are_refused_at_once() {
     .collect();
     insta::assert_snapshot!(told);
     assert_eq!(MAX_INSTRUCTIONS, 20_000);
+    // What never ends hides nothing else, and each is told.
+    let text = "REPEAT 100000\n  WAIT 1 s\nEND\nGET port-1 SLOT 99 WITH A\nCALL a\nMOVE T 9000 deg\nREPEAT 30000\nEND\nROUTINE a\n  CALL a\nEND\n";
+    let told = wrong(&cell(), text);
+    let lines: Vec<&str> = told.lines().map(|line| line.split(':').next().unwrap()).collect();
+    assert_eq!(lines, ["1", "4", "6", "7", "10"], "{told}");
 }

@@ -86,6 +86,7 @@ fn cell() -> Cell {
         carrier: Carrier::World,
         carrier_from_shape: Pose::translation(0.0, -0.5, 0.5),
         shape: Shape::Box { half: [0.3, 0.02, 0.5] },
+        station: None,
     };
     let zone = Zone {
         name: "door".to_owned(),
@@ -127,8 +128,8 @@ fn texts(group: &Group, found: &mut Vec<(String, resvg::tiny_skia::Rect)>) {
     }
 }
 
-/// Checks that a picture is sound, that no text is cut off, and that these `expected` texts are in it.
-fn check(svg: &str, expected: &[&str]) {
+/// Checks that a picture is sound, that no text is cut off, and that these `expected` texts are in it; all texts with their room.
+fn check(svg: &str, expected: &[&str]) -> Vec<(String, resvg::tiny_skia::Rect)> {
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     Document::parse(svg).unwrap();
     let mut options = Options::default();
@@ -146,6 +147,7 @@ fn check(svg: &str, expected: &[&str]) {
             && room.bottom() <= tree.size().height();
         assert!(inside, "{text:?} is cut off at {room:?}");
     }
+    found
 }
 
 #[test]
@@ -157,9 +159,14 @@ fn a_cell_from_above() {
         [0.5 * angle.cos(), 0.5 * angle.sin()]
     });
     view.tracks.push(Track { effector: ID, reach: [0.3, 0.6], points: points.collect() });
+    assert!(!view.to_svg().unwrap().contains(">wall</text>"));
     view.wrong.push([0.3, 0.4]);
+    view.broken.extend(["wall", "door", "hand"].map(str::to_owned));
     let svg = view.to_svg().unwrap();
     let expected = [
+        "wall",
+        "door",
+        "in a violation",
         "a cell",
         "port, 25 slots",
         "aligner, 0.802°",
@@ -271,6 +278,23 @@ fn a_long_motion_takes_several_bands() {
     assert_eq!((rows(&short), rows(&long)), (1, 9));
     check(&long, &["axes", "q1"]);
     check(&gantt(1e5).to_svg().unwrap(), &["axes", "q1"]);
+}
+
+#[test]
+fn no_number_runs_into_the_unit_of_time() {
+    // Rows that begin at a number, and others that begin just before one.
+    for duration in [851.143_8, 600.0, 4321.0] {
+        let found = check(&gantt(duration).to_svg().unwrap(), &["s"]);
+        let units = found.iter().filter(|(text, _)| text == "s");
+        for (_, unit) in units {
+            for (text, room) in found.iter().filter(|(text, _)| text.parse::<f64>().is_ok()) {
+                let apart = room.left() > unit.right() + 1.0
+                    || room.top() > unit.bottom()
+                    || room.bottom() < unit.top();
+                assert!(apart, "{text} runs into the s at {unit:?}: {room:?}");
+            }
+        }
+    }
 }
 
 #[test]

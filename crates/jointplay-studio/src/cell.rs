@@ -7,7 +7,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report};
 use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
-use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, expand};
+use jointplay::cell::program::{
+    Command, Instruction, Place, Program, ProgramError, expand, wrong_lines,
+};
 use jointplay::cell::{Job, Memory};
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::{cell, program, report};
@@ -37,23 +39,22 @@ impl CellFiles {
 
     /// A cell file, with the program beside it that has its name and ends in `.program`; without one, an empty program.
     ///
+    /// What is wrong with the texts is no error: they can be mended in the studio, and [`Self::wrong`] says it.
+    ///
     /// # Errors
-    /// What the system says, or what is wrong with the cell, each with its line.
+    /// What the system says.
     pub fn open(path: &Path) -> Result<Self, String> {
-        let label = path.display();
-        let files = Self::from_disk(path)?;
-        match files.read(&files.cell) {
-            Ok(_) => Ok(files),
-            Err(problems) => {
-                let label = label.to_string();
-                let told: Vec<String> =
-                    problems.iter().map(|problem| problem.with_excerpt(&label)).collect();
-                Err(told.join("\n"))
-            }
-        }
+        Self::from_disk(path)
     }
 
-    /// Both texts as the files have them, whatever is wrong with them.
+    /// What is wrong with the cell, each thing with its line.
+    #[must_use]
+    pub fn wrong(&self) -> Vec<String> {
+        let label = self.path.as_ref().map_or_else(String::new, |path| path.display().to_string());
+        let problems = self.read(&self.cell).err().unwrap_or_default();
+        problems.iter().map(|problem| problem.with_excerpt(&label)).collect()
+    }
+
     fn from_disk(path: &Path) -> Result<Self, String> {
         let cannot = |path: &Path, error| format!("cannot read {}: {error}", path.display());
         let cell = std::fs::read_to_string(path).map_err(|error| cannot(path, error))?;
@@ -264,13 +265,18 @@ impl Plan {
                 problems.iter().map(|one| ProblemAt::new(Of::Cell, &one.place, one.to_string())),
             ),
         }
-        let program = program::parse(&plan.program_text);
-        if let Err(problems) = &program {
-            plan.problems.extend(
-                problems.iter().map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string())),
-            );
+        let (program, unread) = program::parse_what_can_be(&plan.program_text);
+        let mut wrong: Vec<ProblemAt> = unread
+            .iter()
+            .map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string()))
+            .collect();
+        if let (Some(cell), false) = (&plan.cell, wrong.is_empty()) {
+            wrong.extend(Stopped::Steps(wrong_lines(cell, &program)).told(&plan.program_text));
+            wrong.sort_by_key(|one| (one.line, one.column));
         }
-        if let (Some(cell), Ok(program)) = (&plan.cell, program) {
+        let readable = wrong.is_empty();
+        plan.problems.append(&mut wrong);
+        if let (Some(cell), true) = (&plan.cell, readable) {
             match motion(cell, &program, memory) {
                 Ok(motion) => {
                     let report = memory.check(cell, &motion, &CheckOptions::default());

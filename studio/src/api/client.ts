@@ -169,9 +169,9 @@ export async function cellMotion(texts: CellTexts, signal: AbortSignal): Promise
   return (await ask('cell/motion.glb', { ...texts, rate_hz: CELL_RATE_HZ }, signal)).arrayBuffer();
 }
 
-/** The motion sample by sample, as a stream in Arrow's format. */
+/** The motion sample by sample, no peak left out, as a stream in Arrow's format. */
 export async function cellSamples(texts: CellTexts, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
-  const response = await ask('cell/samples', { ...texts, rate_hz: CELL_RATE_HZ }, signal);
+  const response = await ask('cell/samples', { ...texts, rate_hz: CELL_RATE_HZ, peaks: true }, signal);
   if (!response.body) throw new Away('the server sent no samples');
   return response.body;
 }

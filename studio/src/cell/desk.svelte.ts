@@ -111,6 +111,9 @@ export class Desk {
 
   #history = new History<Work>({ texts: this.texts, points: {} });
   #version: string | null = null;
+  #plotted = false;
+  /** The texts whose motion the samples are of. */
+  #told: Texts | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
@@ -200,13 +203,36 @@ export class Desk {
       this.jog.renew();
       // Where the cell cannot be read, the last one that could stays in view.
       if (!plan.problems.some(({ of }) => of === 'cell')) this.shape = await api.cellMotion(texts, abort.signal);
-      this.series = plan.report ? await read(await api.cellSamples(texts, abort.signal)) : [];
-      this.seriesVersion += 1;
+      this.#told = null;
+      await this.#sample(texts, abort.signal);
       if (abort.signal.aborted) return;
       this.state = 'ready';
     } catch (error) {
       if (!abort.signal.aborted) this.failed(error, () => void this.replan());
     }
+  }
+
+  /** Whether the motion is plotted: nobody else wants its samples. */
+  async plot(on: boolean): Promise<void> {
+    this.#plotted = on;
+    const abort = this.#abort;
+    if (!abort || !this.planned) return;
+    try {
+      await this.#sample(this.planned, abort.signal);
+    } catch (error) {
+      if (!abort.signal.aborted) this.failed(error, () => void this.plot(this.#plotted));
+    }
+  }
+
+  /** The motion of the plan on show sample by sample, where it is wanted and not there yet. */
+  async #sample(texts: Texts, signal: AbortSignal): Promise<void> {
+    if (this.#told === texts) return;
+    const wanted = this.#plotted && this.plan?.report;
+    const series = wanted ? await read(await api.cellSamples(texts, signal)) : [];
+    if (signal.aborted || this.#told === texts) return;
+    this.#told = this.#plotted ? texts : null;
+    this.series = series;
+    this.seriesVersion += 1;
   }
 
   /** New values of a station, written into the text of the cell. */

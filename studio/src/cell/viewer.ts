@@ -51,7 +51,8 @@ export class CellViewer extends Stage {
   readonly #fill = new DirectionalLight(0xdce8ff, 0.9);
   readonly #sky = new HemisphereLight(0xffffff, 0x94a0ac, 1.6);
   readonly #grid = new GridHelper(3, 30);
-  readonly #broken = new MeshStandardMaterial({ color: 0xd62f1f, emissive: 0x8a1208, roughness: 0.6 });
+  // What is in a wall has to be seen in it.
+  readonly #broken = new MeshStandardMaterial({ color: 0xd62f1f, emissive: 0x8a1208, roughness: 0.6, transparent: true, opacity: 0.7, depthWrite: false });
   readonly #chosen = new MeshStandardMaterial({ color: 0xf0b000, emissive: 0x5a3d00, roughness: 0.6, transparent: true, opacity: 0.55, depthWrite: false });
   #whole: Object3D | null = null;
   #mixer: AnimationMixer | null = null;
@@ -60,6 +61,8 @@ export class CellViewer extends Stage {
   #materials = new Map<Mesh, Material | Material[]>();
   /** What moves, by name. */
   #frames = new Map<string, Object3D>();
+  /** What belongs to a station, by its name: slots and bodies. */
+  #ofStation = new Map<string, Object3D[]>();
   /** Wafers, and where each lies when. */
   #wafers: { part: Object3D; lies: Lying[] }[] = [];
   /** Where the frames were before the robot was moved by hand. */
@@ -67,7 +70,7 @@ export class CellViewer extends Stage {
   #stations: { name: string; at: Vector3 }[] = [];
   #theme: Theme = 'light';
   #posed: Frame[] | null = null;
-  /** A station that is dragged, with its slots and what lies in them. */
+  /** A station that is dragged, with its slots, its bodies and what lies in it. */
   #nudged: { station: string; slots: Set<string>; group: Group } | null = null;
   #loads = 0;
   #marked: { broken: ReadonlySet<string>; chosen: ReadonlySet<string> } = { broken: new Set(), chosen: new Set() };
@@ -119,7 +122,8 @@ export class CellViewer extends Stage {
       const { name } = part.userData as { name?: string };
       // A body may be called as the frame that it is on, which comes first.
       if (name && !this.#frames.has(name)) this.#frames.set(name, part);
-      const { lies } = part.userData as { lies?: Lying[] };
+      const { lies, station } = part.userData as { lies?: Lying[]; station?: string };
+      if (station) this.#ofStation.set(station, [...(this.#ofStation.get(station) ?? []), part]);
       if (lies) this.#wafers.push({ part, lies });
     });
     this.#whole = scene;
@@ -226,7 +230,7 @@ export class CellViewer extends Stage {
     return at ? { x: box.left + ((at.x + 1) / 2) * box.width, y: box.top + ((1 - at.y) / 2) * box.height } : null;
   }
 
-  /** Shows a station elsewhere than it is, its slots with what lies in them, until the server says where they are. */
+  /** Shows a station elsewhere than it is, its slots and bodies with what lies in them, until the server says where they are. */
   nudge(from: StationDocument, to: StationDocument): void {
     if (this.#nudged?.station !== from.name) {
       this.unnudge();
@@ -234,7 +238,7 @@ export class CellViewer extends Stage {
       this.#base?.add(group);
       const slots = Array.from({ length: from.slots }, (_, k) => `${from.name} ${k + 1}`);
       this.#nudged = { station: from.name, slots: new Set(slots), group };
-      for (const name of slots) this.#regroup(this.#frames.get(name), true);
+      for (const part of this.#ofStation.get(from.name) ?? []) this.#regroup(part, true);
       this.#gather();
     }
     const { position, quaternion, scale } = this.#nudged!.group;
@@ -258,9 +262,9 @@ export class CellViewer extends Stage {
   }
 
   /** Lets a part go with the station that is dragged, or stay with the base again. */
-  #regroup(part: Object3D | undefined, along: boolean): void {
+  #regroup(part: Object3D, along: boolean): void {
     const parent = along ? this.#nudged?.group : this.#base;
-    if (part && parent && part.parent !== parent) parent.add(part);
+    if (parent && part.parent !== parent) parent.add(part);
   }
 
   /** Wafers that lie in the station that is dragged, now, go with it. */
@@ -315,6 +319,7 @@ export class CellViewer extends Stage {
     this.#materials = new Map();
     this.#frames = new Map();
     this.#wafers = [];
+    this.#ofStation = new Map();
     this.#before = null;
     this.#nudged = null;
     if (this.#whole) this.scene.remove(this.#whole);

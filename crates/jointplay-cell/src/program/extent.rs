@@ -12,6 +12,9 @@ pub const MAX_INSTRUCTIONS: u64 = 20_000;
 /// How deep CALL and REPEAT may stand within each other.
 pub const MAX_CALLS: usize = 64;
 
+/// What is too long where no one line is.
+pub(super) const WHOLE: &str = "the program";
+
 /// Where a program becomes too long or too deep, and how.
 type Endless = (Place, ProgramProblem);
 
@@ -26,7 +29,7 @@ pub(super) fn ends(program: &Program, resolved: &Resolved) -> Result<(), Endless
         return Ok(());
     }
     let place = program.body.first().map_or_else(Place::default, |first| first.place);
-    Err(too_long(place, "the program", extent.instructions))
+    Err(too_long(place, WHOLE, extent.instructions))
 }
 
 fn too_long(place: Place, what: &'static str, found: u64) -> Endless {

@@ -6,6 +6,7 @@
 //!              no end, no name: errors    wafers, reach, limits: errors
 //! ```
 
+mod carried;
 mod expand;
 mod extent;
 mod presence;
@@ -16,10 +17,11 @@ mod step;
 mod stops;
 mod syntax;
 
+pub use carried::{Carried, carried};
 pub use expand::expand;
 pub use extent::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use problem::{Count, ProgramError, ProgramProblem};
-
+pub use resolve::wrong_lines;
 pub use step::{Handover, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use jointplay_core::spatial::Tilt;
 
-use super::extent::ends;
+use super::extent::{WHOLE, ends};
 use super::{
     AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
     SlotNumber,
@@ -95,27 +95,73 @@ pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<
     for (index, routine) in program.routines.iter().enumerate() {
         let Name { text, place } = &routine.name;
         if let Some(&(_, line)) = routines.get(text.as_str()) {
-            let (what, name) = ("the routine", text.clone());
+            let (what, name) = (ROUTINE, text.clone());
             resolver.error(*place, ProgramProblem::Twice { what, name, line });
         } else {
             routines.insert(text.as_str(), (index, place.line));
         }
     }
     resolver.routines = routines;
-    let resolved = Resolved {
+    let mut resolved = Resolved {
         body: resolver.block(&program.body, &mut Vec::new()),
         routines: (program.routines.iter())
             .map(|routine| resolver.block(&routine.body, &mut Vec::new()))
             .collect(),
     };
     let mut errors = resolver.errors;
-    match ends(program, &resolved) {
-        Ok(()) => (Some(resolved), errors),
-        Err((place, problem)) => {
-            errors.push(ProgramError { place, problem, more: 0 });
-            (None, errors)
+    // What never ends is left out, to see what else is wrong.
+    for _ in 0..MOST_ENDLESS {
+        let Err((place, problem)) = ends(program, &resolved) else {
+            return (Some(resolved), errors);
+        };
+        // Too deep or too long as a whole, it is not for one line.
+        let whole = matches!(
+            problem,
+            ProgramProblem::TooDeep { .. } | ProgramProblem::TooLong { what: WHOLE, .. }
+        );
+        errors.push(ProgramError { place, problem, more: 0 });
+        if whole || !resolved.leave_out(place) {
+            break;
         }
     }
+    (None, errors)
+}
+
+/// What is wrong line by line with a program of which not all could be read: names, units, what never ends.
+///
+/// Routines that are not known may stand in the rest, and nothing is known of wafers and places behind it: neither is told.
+#[must_use]
+pub fn wrong_lines(cell: &Cell, program: &Program) -> Vec<ProgramError> {
+    let (_, mut errors) = resolve(cell, program);
+    errors.retain(|error| {
+        !matches!(error.problem, ProgramProblem::Unknown { what: ROUTINE | COUNTER, .. })
+    });
+    errors
+}
+
+/// What unknown names are names of.
+const ROUTINE: &str = "the routine";
+const COUNTER: &str = "the counter";
+
+/// So many lines that never end are told at once.
+const MOST_ENDLESS: usize = 10;
+
+impl Resolved {
+    /// Makes the REPEAT or CALL of a place one of which nothing is known; whether there is one.
+    fn leave_out(&mut self, place: Place) -> bool {
+        std::iter::once(&mut self.body).chain(&mut self.routines).any(|body| left_out(body, place))
+    }
+}
+
+fn left_out(body: &mut [Line], place: Place) -> bool {
+    body.iter_mut().any(|line| match &mut line.act {
+        act @ (Act::Repeat { .. } | Act::Call(_)) if line.place == place => {
+            *act = Act::Unclear;
+            true
+        }
+        Act::Repeat { body, .. } => left_out(body, place),
+        _ => false,
+    })
 }
 
 struct Resolver<'p> {
@@ -235,7 +281,7 @@ impl<'p> Resolver<'p> {
                     Act::Call(index)
                 } else {
                     let known = self.routines.keys().map(|name| (*name).to_owned()).collect();
-                    self.unknown("the routine", routine, known);
+                    self.unknown(ROUTINE, routine, known);
                     return None;
                 }
             }
@@ -244,7 +290,7 @@ impl<'p> Resolver<'p> {
                 if let Some(name) = counter
                     && let Some(outer) = counters.iter().flatten().find(|outer| same(outer))
                 {
-                    let (what, line) = ("the counter", outer.place.line);
+                    let (what, line) = (COUNTER, outer.place.line);
                     let problem = ProgramProblem::Twice { what, name: name.text.clone(), line };
                     self.error(name.place, problem);
                 }
@@ -402,7 +448,7 @@ impl<'p> Resolver<'p> {
                 });
                 if number.is_none() {
                     let known = counters.iter().flatten().map(|it| it.text.clone()).collect();
-                    self.unknown("the counter", counter, known);
+                    self.unknown(COUNTER, counter, known);
                 }
                 (number, counter.place)
             }

@@ -146,8 +146,36 @@ impl Cell {
         positions: &[f64],
         loaded: bool,
     ) -> Result<Pose, Unreachable> {
+        self.drooping_wafer(effector, positions, loaded).map(|(pose, _)| pose)
+    }
+
+    /// The same, and how the arm droops.
+    pub(crate) fn drooping_wafer(
+        &self,
+        effector: EffectorId,
+        positions: &[f64],
+        loaded: bool,
+    ) -> Result<(Pose, Deflection), Unreachable> {
         let (rigid, joint, deflection) = self.deflected(effector, positions, loaded)?;
-        Ok(drooped(&rigid, &joint, deflection))
+        Ok((drooped(&rigid, &joint, deflection), deflection))
+    }
+
+    /// The same where nothing may be known of the droop: there the arm is told as if it were rigid, and why.
+    ///
+    /// # Errors
+    /// As [`crate::robot::HybridRobot::forward`].
+    pub fn wafer_pose_as_known(
+        &self,
+        effector: EffectorId,
+        positions: &[f64],
+        loaded: bool,
+    ) -> Result<(Pose, Option<DroopError>), CellError> {
+        let (base_from_platform, rigid) = self.robot.platform_and_effector(positions, effector)?;
+        let joint = (base_from_platform * Point3::from(self.robot.arms[effector.arm].mount)).coords;
+        Ok(match self.deflection(effector.arm, &rigid, &joint, loaded) {
+            Ok(deflection) => (drooped(&rigid, &joint, deflection), None),
+            Err(unknown) => (rigid, Some(unknown)),
+        })
     }
 
     /// Where everything of the robot is, its arms drooping: wafers as by [`Self::wafer_pose`], the last link of an arm with its effector, links before it rigid.

@@ -20,7 +20,8 @@ pub struct Deflection {
 pub enum DroopError {
     /// Nearer or farther than was measured.
     #[error(
-        "the droop at a reach of {reach} m is not known: the table goes from {min} to {max} m; measure there, or give a cantilever"
+        "the droop at a reach of {:.3} mm is not known: the table goes from {:.3} to {:.3} mm; measure there, or give a cantilever",
+        reach * 1e3, min * 1e3, max * 1e3
     )]
     Reach {
         /// Asked for [m].
@@ -31,7 +32,10 @@ pub enum DroopError {
         max: f64,
     },
     /// Heavier than was measured, or lighter than nothing.
-    #[error("the droop under {load} kg is not known: the table goes from 0 to {max} kg")]
+    #[error(
+        "the droop under {:.3} g is not known: the table goes from 0 to {:.3} g; measure with more, or give a cantilever",
+        load * 1e3, max * 1e3
+    )]
     Load {
         /// Asked for [kg].
         load: f64,

@@ -53,7 +53,16 @@ impl Studio {
             Some(path) if path == Path::new(EXAMPLE) && !path.exists() => {
                 server.with_cell(CellFiles::example())
             }
-            Some(path) => server.with_cell(CellFiles::open(path).map_err(Failure::Robot)?),
+            Some(path) => {
+                let files = CellFiles::open(path).map_err(Failure::Robot)?;
+                let wrong = files.wrong();
+                if !wrong.is_empty() {
+                    let told = format!("{}\nit can be mended in the studio", wrong.join("\n"));
+                    // Where standard error is gone, the page says it.
+                    let _ = writeln!(anstream::stderr(), "{told}");
+                }
+                server.with_cell(files)
+            }
         };
         let url = server.url();
         output::text(&format!("the studio is at {url}\n  Ctrl-C ends it\n"))?;

@@ -1,13 +1,12 @@
 //! `jointplay study`: studies of any length, over all cores, that can be interrupted and taken up again.
 
-use std::io::{IsTerminal as _, Write as _};
+use std::io::Write as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use clap::Args;
-use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use jointplay::format::report::{self, SHARES, TotalsReport};
 use jointplay::format::study::{self, MAX_BYTES, StudyFile, Table, TableError, TableKind};
 use jointplay::study::plan::{self, Block};
@@ -17,6 +16,7 @@ use super::study_text;
 use crate::arguments::{TextFormat, read_text};
 use crate::failure::Failure;
 use crate::output;
+use crate::progress::Progress;
 
 /// Compute a study of any length from a file that says what is varied and what is wanted
 ///
@@ -192,18 +192,19 @@ fn compute(file: &StudyFile, table: &Table, part: &mut PartFile) -> Result<Total
     if expected > LARGE {
         tell(&format!("{count} samples will take about {}", study_text::size(expected)));
     }
-    let progress = Progress::new(count, begun);
+    let mut progress = Progress::of_samples(count, begun);
     let done = plan::run(
         plan,
         part.chunks(),
         |blocks: &[Block]| Ok(table.encode(blocks)?),
         |blocks, encoded| {
             part.append(table, blocks, &encoded)?;
-            progress.at(part.samples());
+            progress.samples(part.samples());
             Ok(!STOP.load(Ordering::SeqCst) || part.samples() == count)
         },
     );
-    let (rate, time) = progress.finish(part.samples());
+    let (rate, time) = progress.pace();
+    drop(progress);
     if let Err(failure) = done {
         let part = part.keep(table);
         tell(&format!("what is done stays in {part}: the same command with --resume goes on"));
@@ -220,7 +221,7 @@ fn compute(file: &StudyFile, table: &Table, part: &mut PartFile) -> Result<Total
         tell(&format!(
             "{} samples in {time:.2} s, {} a second",
             samples - begun,
-            study_text::short(rate)
+            output::short(rate)
         ));
     }
     let quantiles = plan::quantiles(plan, &SHARES)?;
@@ -266,50 +267,6 @@ impl Expected {
         let share = samples as f64 / chosen.len() as f64;
         let threads = rayon::current_num_threads() as f64;
         Ok(Self { samples, bytes: bytes as f64 * share, time: time * share / threads })
-    }
-}
-
-/// A bar on standard error, for people only, and only when the work takes more than a second.
-struct Progress {
-    start: Instant,
-    begun: u64,
-    bar: ProgressBar,
-}
-
-impl Progress {
-    fn new(count: u64, begun: u64) -> Self {
-        let bar = if std::io::stderr().is_terminal() {
-            ProgressBar::new(count).with_position(begun)
-        } else {
-            ProgressBar::hidden()
-        };
-        let rate = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            let _ = write!(text, "{}", study_text::short(state.per_sec()));
-        };
-        let left = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            let _ = write!(text, "{}", HumanDuration(state.eta()));
-        };
-        let style = ProgressStyle::with_template(
-            "{human_pos} of {human_len} samples {wide_bar} {percent}%  {rate}/s  {left} left",
-        )
-        .expect("the template is well-formed")
-        .with_key("rate", rate)
-        .with_key("left", left);
-        bar.set_style(style);
-        Self { start: Instant::now(), begun, bar }
-    }
-
-    fn at(&self, samples: u64) {
-        if self.start.elapsed() > Duration::from_secs(1) {
-            self.bar.set_position(samples);
-        }
-    }
-
-    /// Samples a second, and seconds.
-    fn finish(&self, samples: u64) -> (f64, f64) {
-        self.bar.finish_and_clear();
-        let time = self.start.elapsed().as_secs_f64();
-        ((samples - self.begun) as f64 / time, time)
     }
 }
 

@@ -105,19 +105,9 @@ pub(super) fn dry_run(
     output::text(&text)
 }
 
-/// A number with a prefix, such as 3.21 M.
-pub(super) fn short(value: f64) -> String {
-    for (factor, prefix) in [(1e12, " T"), (1e9, " G"), (1e6, " M"), (1e3, " k")] {
-        if value >= factor {
-            return format!("{:.3}{prefix}", value / factor);
-        }
-    }
-    format!("{value:.0}")
-}
-
 /// How large a file is.
 pub(super) fn size(bytes: f64) -> String {
-    let text = short(bytes);
+    let text = output::short(bytes);
     if text.contains(' ') { text + "B" } else { text + " B" }
 }
 

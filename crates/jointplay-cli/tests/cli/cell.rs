@@ -94,6 +94,15 @@ fn a_wall_in_the_way_is_named_at_the_line_and_moment() {
     assert_eq!(refused.code, 1);
     assert!(refused.stderr.contains("--despite-errors"), "{}", refused.stderr);
     assert!(!desk.file("cell-export").exists());
+    // It says why as the check does: what comes again under one excerpt, with its moments.
+    let report: Value =
+        serde_json::from_str(&desk.run("cell check example.toml --format json").stdout).unwrap();
+    let all = report["violations"].as_array().unwrap().len();
+    let shown = refused.stderr.lines().filter(|line| line.ends_with('^')).count();
+    assert!(1 < shown && shown < all, "{shown} {all}: {}", refused.stderr);
+    for line in run.stdout.lines().filter(|line| line.starts_with("    at ")) {
+        assert!(refused.stderr.contains(line), "{line}: {}", refused.stderr);
+    }
 
     desk.done("cell export example.toml --despite-errors --rate 50");
     let names = desk.names("cell-export");
@@ -240,6 +249,27 @@ fn the_example_is_broken_in_three_ways_and_mended() {
 }
 
 #[test]
+fn a_program_is_laid_out_and_stays_so() {
+    let desk = desk(&[]);
+    let rough =
+        "home # first\nrepeat 2 as n\nget LP1 slot   n with A\n PUT LP1 SLOT n WITH A\nend\n";
+    let even =
+        "HOME  # first\nREPEAT 2 AS n\n  GET LP1 SLOT n WITH A\n  PUT LP1 SLOT n WITH A\nEND\n";
+    desk.write("rough.program", rough);
+    assert_eq!(desk.done("cell format rough.program"), even);
+    assert_eq!(desk.read("rough.program"), rough, "only printed");
+    assert_eq!(desk.done("cell format rough.program --write"), "");
+    assert_eq!(desk.read("rough.program"), even);
+    // The example comes along laid out.
+    desk.done("cell example --out whole");
+    assert_eq!(desk.done("cell format"), desk.read("whole/example.program"));
+    desk.write("rough.program", "GTE LP1\n");
+    let run = desk.run("cell format rough.program --write");
+    assert_eq!((run.code, desk.read("rough.program").as_str()), (2, "GTE LP1\n"));
+    assert!(run.stderr.contains("rough.program:1:1: "), "{}", run.stderr);
+}
+
+#[test]
 fn all_that_is_wrong_with_a_program_is_told_at_once() {
     let desk = desk(&[]);
     desk.write("wrong.program", "HOME\nGTE LP1 SLOT 1\nWAIT 3\n");
@@ -248,6 +278,13 @@ fn all_that_is_wrong_with_a_program_is_told_at_once() {
     for part in ["wrong.program:2:1: ", "did you mean `GET`", "wrong.program:3:", "^^^"] {
         assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }
+    // A line that cannot be read hides no name that is not known, before it or behind it.
+    let text = "GET LP3 SLOT 1 WITH A\nWAIT 3\nMOVE T 3 mm\nREPEAT 1000000\n  GET LP1 SLOT 1 WITH C\nEND\nCALL far\nREPEAT 2 AS\n  PUT LP1 SLOT n WITH A\nEND\nREPEAT 3\n";
+    desk.write("wrong.program", text);
+    let run = desk.run("cell check example.toml wrong.program");
+    let at = run.stderr.lines().filter_map(|line| line.split("wrong.program:").nth(1));
+    let at: Vec<String> = at.map(|rest| rest.split(": ").next().unwrap().to_owned()).collect();
+    assert_eq!(at, ["1:5", "2:6", "3:6", "4:1", "5:23", "8:12", "11:1"], "{}", run.stderr);
     desk.write("wrong.program", "GET LP2 SLOT 1 WITH A\n");
     let run = desk.run("cell check example wrong.program");
     assert_eq!(run.code, 2);

@@ -82,6 +82,7 @@ fn every_example_in_a_help_text_runs() {
         "cell run",
         "cell export",
         "cell teach",
+        "cell format",
         "cell example",
     ] {
         let help = desk.done(&format!("{command} --help"));
@@ -94,4 +95,51 @@ fn every_example_in_a_help_text_runs() {
             assert_eq!(run.code, 0, "{line}: {}", run.stderr);
         }
     }
+}
+
+#[test]
+fn what_the_page_on_cells_breaks_is_told_as_it_says() {
+    let page = include_str!("../../../../docs/cells.md");
+    let (_, part) = page.split_once("## Break it, and mend it").unwrap();
+    let (part, _) = part.split_once("\n## ").unwrap();
+    let desk = Desk::new();
+    let shown: Vec<&str> =
+        part.lines().filter_map(|line| line.strip_prefix("jointplay ")).collect();
+    let shown: Vec<&str> =
+        shown.iter().map(|line| line.split('#').next().unwrap().trim()).collect();
+    for line in &shown {
+        desk.done(line);
+    }
+    let check = shown.last().unwrap();
+    let files: Vec<(String, String)> = desk
+        .names("my-cell")
+        .into_iter()
+        .map(|name| format!("my-cell/{name}"))
+        .map(|name| (desk.read(&name), name))
+        .map(|(text, name)| (name, text))
+        .collect();
+    assert_eq!(files.len(), 3);
+    let rows = part.lines().filter(|line| line.contains(" → ") && line.contains('`'));
+    let mut broken = 0;
+    for row in rows {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let spans = |cell: &'static str| cell.split('`').skip(1).step_by(2);
+        let changes: Vec<&str> = spans(cells[2]).collect();
+        let mut texts = files.clone();
+        for change in changes.chunks(2) {
+            let (_, text) = texts.iter_mut().find(|(_, text)| text.contains(change[0])).unwrap();
+            *text = text.replace(change[0], change[1]);
+        }
+        for (name, text) in &texts {
+            desk.write(name, text);
+        }
+        let run = desk.run(check);
+        assert_ne!(run.code, 0, "{row}");
+        let said = run.stdout + &run.stderr;
+        for words in spans(cells[3]) {
+            assert!(said.contains(words), "{words}: {said:.2000}");
+        }
+        broken += 1;
+    }
+    assert_eq!(broken, 4);
 }

@@ -41,8 +41,9 @@ pub(super) fn bodies(
         let shape = shape(&table, files);
         table.finish();
         let (Some(name), Some(carried), Some(shape)) = (name, carried, shape) else { continue };
-        let (carrier, carrier_from_frame) = carried;
-        bodies.push(Body { name, carrier, carrier_from_shape: carrier_from_frame * pose, shape });
+        let (carrier, station) = carried;
+        let frame = station.map_or(Pose::identity(), |found| stations[found].base_from_station);
+        bodies.push(Body { name, carrier, carrier_from_shape: frame * pose, shape, station });
     }
     bodies
 }
@@ -109,17 +110,17 @@ pub(super) fn pairs(top: &Table, bodies: &[Body]) -> Vec<[usize; 2]> {
     entry.list(reader).unwrap_or_default().into_iter().filter_map(pair).collect()
 }
 
-/// What a body moves with, and the frame that its place counts in.
+/// What a body moves with, and the station in whose frame its place counts.
 fn carrier(
     table: &Table,
     robot: Option<&HybridRobot>,
     (stations, names): (&[Station], &[String]),
-) -> Option<(Carrier, Pose)> {
+) -> Option<(Carrier, Option<usize>)> {
     let reader = table.reader;
-    let Some(entry) = table.entry("on") else { return Some((Carrier::World, Pose::identity())) };
+    let Some(entry) = table.entry("on") else { return Some((Carrier::World, None)) };
     if entry.is_text() {
         let known = [("world", Carrier::World), ("platform", Carrier::Platform)];
-        return Some((entry.word(reader, "carrier", &known)?, Pose::identity()));
+        return Some((entry.word(reader, "carrier", &known)?, None));
     }
     let on = entry.table(reader, "a carrier")?;
     let (station, arm, link) = (on.entry("station"), on.entry("arm"), on.entry("link"));
@@ -127,14 +128,14 @@ fn carrier(
     let (name, link) = match (station, arm, link) {
         (Some(station), None, None) => {
             let name = station.text(reader)?;
-            let Some(found) = stations.iter().find(|known| known.name == name) else {
+            let Some(found) = stations.iter().position(|known| known.name == name) else {
                 // A station that could not be read was told of already.
                 if !names.iter().any(|known| known == name) {
                     station.unknown(reader, "station", name, names);
                 }
                 return None;
             };
-            return Some((Carrier::World, found.base_from_station));
+            return Some((Carrier::World, Some(found)));
         }
         (None, Some(arm), Some(link)) => (arm, link),
         _ => {
@@ -150,7 +151,7 @@ fn carrier(
         return None;
     };
     let link = link.count(reader, 1, robot.arms[index].joints.len())? - 1;
-    Some((Carrier::Link { arm: index, link }, Pose::identity()))
+    Some((Carrier::Link { arm: index, link }, None))
 }
 
 fn pose(table: &Table) -> Pose {

@@ -107,8 +107,16 @@ fn stl(bytes: &[u8]) -> Result<Mesh, String> {
     if is_binary {
         bytes[0] = b' ';
     }
+    let length = bytes.len();
     let mut cursor = Cursor::new(bytes);
-    let broken = |error: std::io::Error| format!("it is no STL file, or a broken one: {error}");
+    let broken = |error: std::io::Error| match error.kind() {
+        std::io::ErrorKind::UnexpectedEof => {
+            format!(
+                "it is no STL file, or a broken one: its {length} bytes end before its triangles do"
+            )
+        }
+        _ => format!("it is no STL file, or a broken one: {error}"),
+    };
     let found = stl_io::create_stl_reader(&mut cursor).map_err(broken)?;
     let mut corners = Vec::new();
     let mut triangles = Vec::new();

@@ -16,6 +16,7 @@ mod error;
 mod gltf;
 #[cfg(feature = "mcap")]
 pub mod mcap;
+mod peaks;
 mod samples;
 mod scene;
 mod solidworks;
@@ -26,7 +27,7 @@ use jointplay_cell::robot::EffectorId;
 
 pub use error::Error;
 pub use gltf::gltf;
-pub use samples::{samples, tracks};
+pub use samples::{samples, samples_with_peaks, tracks};
 pub use scene::{Frame, frames};
 pub use solidworks::{MACRO, solidworks, solidworks_names};
 

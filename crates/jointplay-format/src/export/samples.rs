@@ -1,8 +1,9 @@
 //! A motion as a table: one row a sample.
 
+use jointplay_cell::motion::Sample;
 use jointplay_cell::robot::{ChainPose, EffectorId, MotionKind};
 
-use super::{Error, Recording};
+use super::{Error, Recording, peaks};
 use crate::table::{Column, Values};
 use crate::units::{deg, mm};
 
@@ -15,6 +16,26 @@ use crate::units::{deg, mm};
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`]
 pub fn samples(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
     recording.check_rate(rate)?;
+    table(recording, recording.motion.samples(rate))
+}
+
+/// The same with rows between the even times, so that lines drawn from row to row are the motion: at the ends of steps, at peaks of speeds and where accelerations bend.
+///
+/// # Arguments
+/// * `rate` – rows a second at least [Hz]
+///
+/// # Errors
+/// As [`samples`].
+pub fn samples_with_peaks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
+    recording.check_rate(rate)?;
+    let times = peaks::times(recording, rate);
+    table(recording, times.into_iter().map(|time| recording.motion.at(time)))
+}
+
+fn table(
+    recording: &Recording<'_>,
+    samples: impl Iterator<Item = Sample>,
+) -> Result<Vec<Column>, Error> {
     let Recording { cell, motion, flaws, .. } = *recording;
     let axes = &cell.robot.axes;
     let effectors: Vec<_> = cell.robot.effectors().collect();
@@ -23,7 +44,7 @@ pub fn samples(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Erro
     let mut violations = Vec::new();
     let mut states: Vec<[Vec<f64>; 3]> = vec![Default::default(); axes.len()];
     let mut centers: Vec<[Vec<f64>; 3]> = vec![Default::default(); effectors.len()];
-    for sample in motion.samples(rate) {
+    for sample in samples {
         let pose =
             placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
         time.push(sample.time);

@@ -38,9 +38,18 @@ const MOST_PASSES: i64 = 1_000_000_000_000_000;
 /// # Errors
 /// All that is wrong, one problem a line, in the order of the text.
 pub fn parse(text: &str) -> Result<Program, Vec<Error>> {
+    let (program, errors) = parse_what_can_be(text);
+    if errors.is_empty() { Ok(program) } else { Err(errors) }
+}
+
+/// Reads the lines of a program that can be read, and tells what is wrong with the others.
+///
+/// Blocks whose first line cannot be read are left out as a whole.
+#[must_use]
+pub fn parse_what_can_be(text: &str) -> (Program, Vec<Error>) {
     if text.len() > MAX_BYTES {
         let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
-        return Err(vec![Error::at(text, 0..0, problem)]);
+        return (Program::default(), vec![Error::at(text, 0..0, problem)]);
     }
     let mut parser = Parser::default();
     for line in lines(text) {
@@ -143,9 +152,15 @@ impl Parser {
     }
 
     fn closed(&mut self, cursor: &mut Cursor<'_, '_>, end: place::Place) -> Result<(), Error> {
-        let Some(Block { kind, place, body }) = self.open.pop() else {
+        let Some(block) = self.open.pop() else {
             return Err(Error { place: end, problem: Box::new(Problem::StrayEnd) });
         };
+        self.close(block);
+        cursor.end()
+    }
+
+    /// Takes what is whole where it stands.
+    fn close(&mut self, Block { kind, place, body }: Block) {
         let place = Place { line: place.line, column: place.column };
         match kind {
             BlockKind::Repeat { times, counter } => {
@@ -154,7 +169,6 @@ impl Parser {
             BlockKind::Routine(name) => self.program.routines.push(Routine { name, body }),
             BlockKind::Lost(_) => {}
         }
-        cursor.end()
     }
 
     /// A line that starts with no command.
@@ -181,13 +195,14 @@ impl Parser {
         error
     }
 
-    fn finish(mut self) -> Result<Program, Vec<Error>> {
-        for block in self.open {
+    fn finish(mut self) -> (Program, Vec<Error>) {
+        while let Some(block) = self.open.pop() {
             let problem = Box::new(Problem::NoEnd { opened: block.word() });
-            self.errors.push(Error { place: block.place, problem });
+            self.errors.push(Error { place: block.place.clone(), problem });
+            self.close(block);
         }
         self.errors.sort_by_key(|error| (error.place.line, error.place.column));
-        if self.errors.is_empty() { Ok(self.program) } else { Err(self.errors) }
+        (self.program, self.errors)
     }
 }
 

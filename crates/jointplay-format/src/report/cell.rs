@@ -5,11 +5,12 @@ use std::ops::Range;
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{Kind, PairDistance, Report, Share, Unit, Verdict, Violation};
 use jointplay_cell::motion::Motion;
-use jointplay_cell::program::Place;
+use jointplay_cell::program::{Carried, Place, carried};
 use jointplay_cell::robot::MotionKind;
 use jointplay_core::virtualization::Kernel;
 use serde::Serialize;
 
+use super::nearest::{NearestReport, nearest};
 use crate::cell::robot::virtualization_name;
 use crate::export::Flaw;
 use crate::place;
@@ -45,6 +46,8 @@ pub struct CellReport {
     pub straight: Option<StraightReport>,
     /// Motions that run into the next, where there are some.
     pub blended: Option<BlendedReport>,
+    /// Carried wafers where they change hands, where some do.
+    pub compensated: Option<CompensatedReport>,
     /// Samples that were looked at.
     pub samples: usize,
     /// Axes, rods first.
@@ -55,6 +58,8 @@ pub struct CellReport {
     pub violations: Vec<ViolationReport>,
     /// How near bodies come, nearest first.
     pub distances: Vec<DistanceReport>,
+    /// The nearest of them, all wafers taken for one.
+    pub nearest: Vec<NearestReport>,
 }
 
 /// Motions along straight lines.
@@ -79,6 +84,26 @@ pub struct BlendedReport {
     pub overlap_s: f64,
     /// Largest distance of a wafer's centre from the way without it, at most.
     pub off_mm: f64,
+}
+
+/// Carried wafers where they change hands: what of droop and sag is made up for, and what is left.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct CompensatedReport {
+    /// How often a wafer changes hands.
+    pub handovers: usize,
+    /// Largest drop of a loaded arm, which is made up for.
+    pub drop_um: f64,
+    /// Largest slope of a loaded arm, which is made up for.
+    pub slope_mrad: f64,
+    /// Largest distance of a wafer's mean plane from its supports by its own sag, which is made up for.
+    pub sag_um: f64,
+    /// Largest distance of that plane's centre from where it should be by the slot.
+    pub left_um: f64,
+    /// Largest angle of that plane to the slot's.
+    pub left_mrad: f64,
+    /// What no platform removes: the largest root of the mean square of a wafer's distance from its mean plane.
+    pub bent_um: f64,
 }
 
 /// An axis in a motion.
@@ -125,6 +150,8 @@ pub struct InstructionReport {
     pub straight: Option<StraightReport>,
     /// Motions of it that run into the next, where there are some.
     pub blended: Option<BlendedReport>,
+    /// Carried wafers where they change hands in it, where some do.
+    pub compensated: Option<CompensatedReport>,
     /// How long each axis moves in it, in the order of `axes`.
     pub moving_s: Vec<f64>,
     /// Axis that comes nearest to its speed limit.
@@ -209,6 +236,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
             time_s: one.time,
         })
     };
+    let carried = carried(cell, &motion.steps);
     let instructions = report.by_instruction.iter().map(|row| InstructionReport {
         number: row.instruction + 1,
         line: row.place.line,
@@ -218,6 +246,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         steps: row.steps.len(),
         straight: straight(motion, row.steps.clone()),
         blended: blended(motion, row.steps.clone()),
+        compensated: compensated(&carried, row.steps.clone()),
         moving_s: row.moving.clone(),
         speed: share(&row.velocity, &axes),
         acceleration: share(&row.acceleration, &axes),
@@ -240,6 +269,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         }
         Kernel::Radial | Kernel::Planar => None,
     };
+    let distances: Vec<DistanceReport> = report.distances.iter().map(distance).collect();
     CellReport {
         cell: cell.name.clone(),
         robot: robot.name.clone(),
@@ -257,11 +287,13 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         steps: motion.steps.len(),
         straight: straight(motion, 0..motion.steps.len()),
         blended: blended(motion, 0..motion.steps.len()),
+        compensated: compensated(&carried, 0..motion.steps.len()),
         samples: report.samples,
         axes: moving.collect(),
         instructions: instructions.collect(),
         violations: report.violations.iter().map(violation).collect(),
-        distances: report.distances.iter().map(distance).collect(),
+        nearest: nearest(&distances),
+        distances,
     }
 }
 
@@ -290,6 +322,28 @@ fn blended(motion: &Motion, steps: Range<usize>) -> Option<BlendedReport> {
         motions: one.motions + other.motions,
         overlap_s: one.overlap_s + other.overlap_s,
         off_mm: one.off_mm.max(other.off_mm),
+    })
+}
+
+fn compensated(carried: &[Carried], steps: Range<usize>) -> Option<CompensatedReport> {
+    let told = carried.iter().filter(|one| steps.contains(&one.step));
+    let told = told.map(|one| CompensatedReport {
+        handovers: 1,
+        drop_um: um(one.deflection.drop),
+        slope_mrad: mm(one.deflection.slope),
+        sag_um: um(one.sag.abs()),
+        left_um: um(one.left),
+        left_mrad: mm(one.left_tilt),
+        bent_um: um(one.bent),
+    });
+    told.reduce(|one, other| CompensatedReport {
+        handovers: one.handovers + other.handovers,
+        drop_um: one.drop_um.max(other.drop_um),
+        slope_mrad: one.slope_mrad.max(other.slope_mrad),
+        sag_um: one.sag_um.max(other.sag_um),
+        left_um: one.left_um.max(other.left_um),
+        left_mrad: one.left_mrad.max(other.left_mrad),
+        bent_um: one.bent_um.max(other.bent_um),
     })
 }
 

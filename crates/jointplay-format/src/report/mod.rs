@@ -6,6 +6,7 @@ mod forward;
 mod mechanism;
 mod mobility;
 mod motion;
+mod nearest;
 mod relief;
 mod sensitivity;
 mod station;
@@ -33,6 +34,7 @@ pub use mechanism::{
 };
 pub use mobility::{FreedomsReport, MobilityReport, mobility};
 pub use motion::{MotionReport, SingularReport, motion};
+pub use nearest::NearestReport;
 pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
 pub use station::{PlaneReport, StationReport, TeachReport, teach};

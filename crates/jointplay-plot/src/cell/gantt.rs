@@ -222,6 +222,8 @@ impl Gantt {
         }
         let frame = format!("M{} {}H{}", px(band.left), px(bottom), px(band.left + band.room));
         svg.path(&frame, &format!(" stroke=\"{INK}\" stroke-width=\"1\""));
+        let unit = (band.left - 8.0, bottom + 16.0);
+        svg.text(unit, TICK, Anchor::End, "s", "");
         for tick in &ticks.major {
             let x = band.across(tick.value);
             svg.path(
@@ -229,10 +231,10 @@ impl Gantt {
                 &format!(" stroke=\"{INK}\" stroke-width=\"1\""),
             );
             let half = 0.5 * width(&tick.label, TICK);
-            let x = x.min(self.width - half - 2.0);
+            // Neither off the page nor into the unit.
+            let x = x.min(self.width - half - 2.0).max(unit.0 + half + 3.0);
             svg.text((x, bottom + 16.0), TICK, Anchor::Middle, &tick.label, "");
         }
-        svg.text((band.left - 8.0, bottom + 16.0), TICK, Anchor::End, "s", "");
     }
 
     fn legend(&self, svg: &mut Svg, y: f64, wrong: bool) {

@@ -24,6 +24,8 @@ const AXES: f64 = 26.0;
 const FORBIDDEN: &str = " fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
 const ALLOWED: &str = " fill=\"#009e73\" fill-opacity=\"0.05\" stroke=\"#009e73\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
 const BODY: &str = " fill=\"#d9d9d6\" stroke=\"#8c8c8c\" stroke-width=\"1\"";
+const BROKEN: &str =
+    " fill=\"#d55e00\" fill-opacity=\"0.25\" stroke=\"#d55e00\" stroke-width=\"2\"";
 const STATION: &str =
     " fill=\"#ffffff\" fill-opacity=\"0.8\" stroke=\"#222222\" stroke-width=\"1.4\"";
 const ROBOT: &str = " fill=\"#ececec\" stroke=\"#5c5c5c\" stroke-width=\"1.2\"";
@@ -48,6 +50,8 @@ pub struct TopView<'a> {
     pub tracks: Vec<Track>,
     /// Places to be marked as wrong, in the base frame [m].
     pub wrong: Vec<[f64; 2]>,
+    /// Names of bodies and zones that stand still and that something is wrong with.
+    pub broken: Vec<String>,
     /// Title above the picture; empty for none.
     pub title: String,
     /// Width in pixels.
@@ -71,7 +75,8 @@ impl<'a> TopView<'a> {
     #[must_use]
     pub fn new(cell: &'a Cell) -> Self {
         let title = cell.name.clone();
-        Self { cell, tracks: Vec::new(), wrong: Vec::new(), title, width: 720.0 }
+        let (tracks, wrong, broken) = (Vec::new(), Vec::new(), Vec::new());
+        Self { cell, tracks, wrong, broken, title, width: 720.0 }
     }
 
     /// The picture as SVG with real text, on white.
@@ -107,6 +112,7 @@ impl<'a> TopView<'a> {
         self.zones(&mut svg, &camera);
         self.stations(&mut svg, &camera);
         self.ways(&mut svg, &camera);
+        self.named(&mut svg, &camera);
         self.names(&mut svg, &camera, (top, bottom));
         for &at in &self.wrong {
             let (x, y) = camera.at(at);
@@ -185,6 +191,32 @@ impl<'a> TopView<'a> {
     fn bodies(&self, svg: &mut Svg, camera: &Camera) {
         for body in self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World) {
             svg.path(&polygon(camera, &outline(&body.shape, &body.carrier_from_shape)), BODY);
+        }
+    }
+
+    /// Outlines of bodies and zones that something is wrong with, by name.
+    fn broken(&self) -> impl Iterator<Item = (&str, Vec<[f64; 2]>)> {
+        let still = self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World);
+        let bodies = still.map(|body| (&body.name, &body.shape, &body.carrier_from_shape));
+        let zones = self.cell.zones.iter();
+        let zones = zones.map(|zone| (&zone.name, &zone.shape, &zone.base_from_shape));
+        let all = bodies.chain(zones).filter(|(name, ..)| self.broken.contains(name));
+        all.map(|(name, shape, pose)| (name.as_str(), outline(shape, pose)))
+    }
+
+    /// What something is wrong with, and its name.
+    fn named(&self, svg: &mut Svg, camera: &Camera) {
+        for (name, outline) in self.broken() {
+            svg.path(&polygon(camera, &outline), BROKEN);
+            let mean = |k: usize| {
+                #[expect(clippy::cast_precision_loss, reason = "a count of corners")]
+                let count = outline.len() as f64;
+                outline.iter().map(|corner| corner[k]).sum::<f64>() / count
+            };
+            let (x, y) = camera.at([mean(0), mean(1)]);
+            let half = 0.5 * width(name, TICK);
+            let x = x.clamp(half + 4.0, (self.width - half - 4.0).max(half + 4.0));
+            svg.text((x, y + HALF_CAPITAL * TICK), TICK, Anchor::Middle, name, RIM);
         }
     }
 
@@ -288,6 +320,9 @@ impl<'a> TopView<'a> {
         }
         if self.cell.bodies.iter().any(|body| body.carrier == Carrier::World) {
             entries.push((swatch(BODY), "body".to_owned()));
+        }
+        if self.broken().next().is_some() {
+            entries.push((swatch(BROKEN), "in a violation".to_owned()));
         }
         if !self.wrong.is_empty() {
             let look = format!(" stroke=\"{}\" stroke-width=\"2.4\"", Colour::VERMILLION.hex());

@@ -192,14 +192,14 @@ pub(crate) async fn samples(
     State(app): State<App>,
     Body(request): Body<MotionRequest>,
 ) -> Result<Response, Problem> {
-    let (desk, rate) = (desk(&app)?, request.rate()?);
+    let (desk, rate, peaks) = (desk(&app)?, request.rate()?, request.peaks);
     let (cell, program) = desk.texts(request.cell, request.program);
     let told = move || {
         let plan = desk.plan(cell, program);
         let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
         let recording = plan.recording().ok_or_else(|| refused(nothing(&plan)))?;
-        let columns =
-            export::samples(&recording, rate).map_err(|error| refused(error.to_string()))?;
+        let table = if peaks { export::samples_with_peaks } else { export::samples };
+        let columns = table(&recording, rate).map_err(|error| refused(error.to_string()))?;
         arrow(columns).map_err(|error| Problem::broken(&error.to_string()))
     };
     let stream = app.work.run(told).await?;

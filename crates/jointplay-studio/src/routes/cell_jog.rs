@@ -119,23 +119,16 @@ fn document(
     placing: impl Fn(jointplay::format::export::Error) -> Problem,
 ) -> Result<JogDocument, Problem> {
     let (cell, at) = (recording.cell, jogged.positions.as_slice());
-    let unknown = |error: Unreachable| Problem::request(StatusCode::CONFLICT, error.to_string());
     let loaded = carried.contains(&id);
     let effectors = cell.robot.effectors().map(|one| {
         let loaded = carried.contains(&one);
-        let pose = cell.wafer_pose(one, at, loaded).map_err(unknown)?;
+        let pose = cell.wafer_pose_as_known(one, at, loaded).map_err(robot)?;
         let free = cell.robot.heading_is_free(one).map_err(robot)?;
         Ok(effector(cell, one, &pose, loaded, free))
     });
     let effectors = effectors.collect::<Result<_, Problem>>()?;
-    let pose = cell.wafer_pose(id, at, loaded).map_err(unknown)?;
-    let seen = match slot {
-        Some(slot) => {
-            let seen = cell.seen_from_slot(at, id, loaded, slot).map_err(unknown)?;
-            Some(from_slot(cell, slot, &seen, &pose))
-        }
-        None => None,
-    };
+    let (pose, _) = cell.wafer_pose_as_known(id, at, loaded).map_err(robot)?;
+    let seen = slot.map(|slot| from_slot(cell, slot, &cell.seen_from_slot(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(robot)?;
     let ways = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(robot)?;
     let (frames, _) = frames(recording, time, at).map_err(placing)?;

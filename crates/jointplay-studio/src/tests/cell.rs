@@ -62,14 +62,18 @@ fn a_program_is_planned_shown_and_told() {
         (shown.header("content-type"), &shown.bytes[..4]),
         ("model/gltf-binary", &b"glTF"[..])
     );
-    let told =
-        ask(&server, Method::POST, "cell/samples", &json!({ "program": SHORT, "rate_hz": 10 }));
-    let batches: Vec<_> =
-        StreamReader::try_new(told.bytes.as_slice(), None).unwrap().map(Result::unwrap).collect();
+    let rows = |peaks: bool| {
+        let body = json!({ "program": SHORT, "rate_hz": 10, "peaks": peaks });
+        let told = ask(&server, Method::POST, "cell/samples", &body);
+        let read = StreamReader::try_new(told.bytes.as_slice(), None).unwrap();
+        let batches: Vec<_> = read.map(Result::unwrap).collect();
+        assert!(batches[0].column_by_name("A_z_mm").is_some());
+        batches.iter().map(arrow_array::RecordBatch::num_rows).sum::<usize>()
+    };
     let duration = report["duration_s"].as_f64().unwrap();
-    let rows: usize = batches.iter().map(arrow_array::RecordBatch::num_rows).sum();
-    assert!((rows as f64 - duration * 10.0 - 1.0).abs() <= 1.0, "{rows} rows of {duration} s");
-    assert!(batches[0].column_by_name("A_z_mm").is_some());
+    let even = rows(false);
+    assert!((even as f64 - duration * 10.0 - 1.0).abs() <= 1.0, "{even} rows of {duration} s");
+    assert!(rows(true) > even + 2 * steps.len(), "bends and peaks besides");
 }
 
 #[test]
@@ -92,11 +96,16 @@ fn all_mistakes_are_told_with_their_places() {
     let wrong = "HOME\nGET LP9 SLOT 1 WITH A\nFLY\n";
     let found = plan(&server, &json!({ "program": wrong }));
     assert_eq!(found["report"], Value::Null);
-    let first = &found["problems"][0];
-    assert_eq!(
-        (&first["of"], &first["line"], &first["column"]),
-        (&"program".into(), &3.into(), &1.into())
-    );
+    // A line that cannot be read does not hide a name that is not known.
+    for (problem, [line, column]) in
+        found["problems"].as_array().unwrap().iter().zip([[2, 5], [3, 1]])
+    {
+        assert_eq!(
+            (&problem["of"], &problem["line"], &problem["column"]),
+            (&"program".into(), &line.into(), &column.into())
+        );
+    }
+    assert_eq!(found["problems"].as_array().unwrap().len(), 2);
     let found = plan(&server, &json!({ "program": wrong.replace("FLY\n", "") }));
     let first = &found["problems"][0];
     assert_eq!(
@@ -271,12 +280,21 @@ fn the_parts_of_the_cell_are_told() {
 }
 
 #[test]
-fn a_cell_that_cannot_be_read_is_refused_with_its_line() {
+fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("wrong.toml");
     std::fs::write(&path, "kind = \"cell\"\nsize = 3\n").unwrap();
-    let why = CellFiles::open(&path).unwrap_err();
-    assert!(why.contains("wrong.toml:2:1"), "{why}");
+    let files = CellFiles::open(&path).unwrap();
+    let wrong = files.wrong();
+    assert!(wrong.iter().any(|one| one.contains("wrong.toml:2:1")), "{wrong:?}");
+    let server = server(files);
+    let found = plan(&server, &json!({}));
+    let first = &found["problems"][0];
+    assert_eq!((&first["of"], &found["robot"]), (&"cell".into(), &Value::Null), "{found}");
+    let mended =
+        plan(&server, &json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT }));
+    assert_eq!(mended["report"]["verdict"], "sound");
+    assert_eq!(CellFiles::example().wrong(), Vec::<String>::new());
     assert!(CellFiles::open(Path::new("nowhere.toml")).unwrap_err().contains("nowhere.toml"));
 }
 

@@ -151,3 +151,40 @@ fn bad_questions_name_their_field() {
     let unread = ask(&server, Method::POST, "cell/jog", &json!({ "cell": "kind = 3" }));
     assert_eq!(unread.status, StatusCode::CONFLICT);
 }
+
+#[test]
+fn an_arm_of_unknown_droop_is_shown_and_moved_to_where_it_is_known() {
+    let folder = tempfile::tempdir().unwrap();
+    let known = r#"droop = { kind = "cantilever", stiffness_n_m2 = 1500.0, mass_kg_m = 2.5 }"#;
+    let table = r#"droop = { kind = "table", row = [
+        { reach_mm = 400.0, empty_drop_mm = 0.1, empty_slope_mrad = 0.3, loaded_drop_mm = 0.15, loaded_slope_mrad = 0.4, load_g = 128.0 },
+        { reach_mm = 750.0, empty_drop_mm = 0.3, empty_slope_mrad = 0.8, loaded_drop_mm = 0.45, loaded_slope_mrad = 1.1, load_g = 128.0 },
+    ] }"#;
+    let robot = include_str!("../../../../robots/dual-arm.toml");
+    let cell = jointplay::format::cell::EXAMPLE;
+    assert!(robot.contains(known));
+    std::fs::write(folder.path().join("arm.toml"), robot.replacen(known, table, 1)).unwrap();
+    let path = folder.path().join("cell.toml");
+    std::fs::write(&path, cell.replace("\"dual-arm\"", "\"arm.toml\"")).unwrap();
+    let server = server(CellFiles::open(&path).unwrap());
+    // Retracted, nearer than the table begins: told as rigid, and why, in millimetres.
+    let home = jog(&server, json!({ "seen_from": { "station": "LP1", "slot": 1 } }));
+    let unknown = home["effectors"][0]["droop_unknown"].as_str().unwrap();
+    assert!(unknown.contains("4.318 mm") && unknown.contains("400.000 to 750.000 mm"), "{unknown}");
+    assert_eq!(home["effectors"][1]["droop_unknown"], Value::Null);
+    assert!(home["from_slot"]["radial_m"].as_f64().unwrap() < -0.5, "{}", home["from_slot"]);
+    assert!(!home["frames"].as_array().unwrap().is_empty());
+    // From there into the slot, where it is known.
+    let into = json!({ "kind": "slot", "radial_m": 0.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
+    let there = jog(&server, json!({ "seen_from": { "station": "LP1", "slot": 1 }, "to": into }));
+    assert_eq!(there["stopped"], Value::Null);
+    assert_eq!(there["effectors"][0]["droop_unknown"], Value::Null);
+    assert!(there["from_slot"]["height_m"].as_f64().unwrap().abs() < 1e-10);
+    // And toward where it is not, it stops and says so.
+    let back = json!({ "kind": "slot", "radial_m": -0.6, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
+    let stopped = jog(
+        &server,
+        json!({ "from": positions(&there), "seen_from": { "station": "LP1", "slot": 1 }, "to": back }),
+    );
+    assert_eq!(stopped["stopped"]["kind"], "droop", "{}", stopped["stopped"]);
+}

@@ -65,6 +65,9 @@ pub(crate) struct MotionRequest {
     #[serde(default = "usual_rate")]
     #[schema(required = false, default = 25.0, minimum = 0.1, maximum = 10000)]
     pub(crate) rate_hz: f64,
+    /// Of samples: others between, so that lines from one to the next are the motion, at peaks of speeds and where accelerations bend.
+    #[serde(default)]
+    pub(crate) peaks: bool,
 }
 
 fn usual_rate() -> f64 {

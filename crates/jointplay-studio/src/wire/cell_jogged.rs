@@ -4,7 +4,7 @@ use jointplay::cell::cell::Cell;
 use jointplay::cell::jog::{FromSlot, Stopped};
 use jointplay::cell::robot::{Branch, BrokenLimit, EffectorId, MotionKind, Standing, WaferTarget};
 use jointplay::cell::station::{SlotId, teach};
-use jointplay::cell::wafer::Unreachable;
+use jointplay::cell::wafer::{DroopError, Unreachable};
 use jointplay::format::cell::explain::{explain_branch, explain_stopped};
 use jointplay::format::export::Frame;
 use jointplay::nalgebra::Vector3;
@@ -94,6 +94,9 @@ pub(crate) struct EffectorDocument {
     pub(crate) about_y_rad: f64,
     /// Where the wafer heads, from x before it leans [rad].
     pub(crate) heading_rad: f64,
+    /// Why nothing is known of how its arm droops here, so that it is told as if the arm were rigid; `null` where it is known.
+    #[schema(required = true)]
+    pub(crate) droop_unknown: Option<String>,
 }
 
 /// A wafer as seen from a slot, and what it would teach.
@@ -287,7 +290,7 @@ pub(crate) fn platform(cell: &Cell, positions: &[f64]) -> PlatformDocument {
 pub(crate) fn effector(
     cell: &Cell,
     id: EffectorId,
-    pose: &Pose,
+    (pose, unknown): &(Pose, Option<DroopError>),
     loaded: bool,
     heading_free: bool,
 ) -> EffectorDocument {
@@ -301,6 +304,7 @@ pub(crate) fn effector(
         about_x_rad,
         about_y_rad,
         heading_rad: target.heading.unwrap_or_default(),
+        droop_unknown: unknown.map(|why| why.to_string()),
     }
 }
 

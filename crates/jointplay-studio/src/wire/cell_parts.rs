@@ -5,7 +5,7 @@ use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station, teach};
 use jointplay::format::report::{self, StationReport};
 use jointplay::nalgebra::Vector3;
-use jointplay::spatial::Tilt;
+use jointplay::spatial::{Pose, Tilt};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -114,9 +114,12 @@ pub(crate) struct BodyDocument {
     pub(crate) name: String,
     /// What it moves with: `base`, `platform`, or a link as frames that move are called.
     pub(crate) moves_with: String,
+    /// The station that it belongs to, in whose frame its place is told; `null` where it belongs to none.
+    #[schema(required = true)]
+    pub(crate) station: Option<String>,
     /// Its shape.
     pub(crate) shape: ShapeDocument,
-    /// Where the shape's own origin is, in the frame that it moves with [m].
+    /// Where the shape's own origin is, in the frame of its station, else in that of what it moves with [m].
     pub(crate) origin_m: Triple,
 }
 
@@ -261,7 +264,12 @@ pub(crate) fn bodies(cell: &Cell) -> Vec<BodyDocument> {
             Carrier::Link { arm, link } => link_name(cell, arm, link),
         },
         shape: (&body.shape).into(),
-        origin_m: Triple(body.carrier_from_shape.translation.vector.into()),
+        origin_m: {
+            let station = body.station.map(|k| cell.stations[k].base_from_station.inverse());
+            let place = station.unwrap_or(Pose::identity()) * body.carrier_from_shape;
+            Triple(place.translation.vector.into())
+        },
+        station: body.station.map(|k| cell.stations[k].name.clone()),
     };
     cell.bodies.iter().map(of).collect()
 }

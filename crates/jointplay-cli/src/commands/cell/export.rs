@@ -10,6 +10,7 @@ use jointplay::format::{place, table};
 use serde::Serialize;
 
 use super::input::{InputArgs, Planned};
+use super::text::{counted, violations};
 use crate::arguments::{finite, read_text};
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -98,12 +99,11 @@ impl Export {
         let dialect = dialect(&self.dialect)?;
         let planned = self.input.plan()?;
         if !planned.is_sound() && !self.despite_errors {
-            let violations = planned.report.violations.iter();
-            let told = violations
-                .map(|one| (one.place, jointplay::format::report::explain_violation(one)));
+            let count = counted(planned.report.violations.len(), "violation");
             return Err(Failure::Unsolved(format!(
-                "{}\nnothing is exported, as this is not safe to run; --despite-errors exports it all the same",
-                planned.input.shown(told)
+                "{}: {count}, not safe to run\n{}nothing is exported; --despite-errors exports it all the same",
+                planned.input.label,
+                violations(&planned)
             )));
         }
         let files = self.files(&planned, &dialect)?;

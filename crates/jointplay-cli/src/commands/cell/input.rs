@@ -6,7 +6,7 @@ use clap::Args;
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report, Verdict, check};
 use jointplay::cell::motion::{Motion, MotionOptions, timed};
-use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, expand};
+use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, expand, wrong_lines};
 use jointplay::cell::robot::EffectorId;
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
@@ -114,17 +114,21 @@ impl InputArgs {
     }
 
     pub(super) fn load(&self) -> Result<Input, Failure> {
-        let program = self.text().and_then(|(text, label)| {
-            let parsed = program::parse(&text);
-            let parsed = parsed.map_err(|problems| Failure::Robot(excerpts(&problems, &label)))?;
-            Ok((parsed, text, label))
-        });
         // What is wrong with either is told at once.
-        match (self.cell.load(), program) {
-            (Ok(named), Ok((program, text, label))) => Ok(Input { named, program, text, label }),
-            (Err(cell), Err(program)) => Err(Failure::Robot(format!("{cell}\n{program}"))),
-            (Err(failure), Ok(_)) | (Ok(_), Err(failure)) => Err(failure),
+        let (named, text) = (self.cell.load(), self.text());
+        let (text, label) = match (text, &named) {
+            (Ok(found), _) => found,
+            (Err(program), Ok(_)) => return Err(program),
+            (Err(program), Err(cell)) => return Err(Failure::Robot(format!("{cell}\n{program}"))),
+        };
+        let (program, problems) = program::parse_what_can_be(&text);
+        if problems.is_empty() {
+            return Ok(Input { named: named?, program, text, label });
         }
+        Err(Failure::Robot(match named {
+            Ok(named) => wrong(&problems, &wrong_lines(&named.cell, &program), &text, &label),
+            Err(cell) => format!("{cell}\n{}", excerpts(&problems, &label)),
+        }))
     }
 
     /// The program, and what messages call it.
@@ -243,8 +247,19 @@ impl Planned {
     }
 }
 
+/// What is wrong with a program, as a text and in its cell, in the order of the text.
+fn wrong(unread: &[program::Error], misfits: &[ProgramError], text: &str, label: &str) -> String {
+    let at = |place: &jointplay::format::place::Place| (place.line, place.column);
+    let unread = unread.iter().map(|one| (at(&one.place), one.with_excerpt(label)));
+    let misfits = misfits.iter().map(|one| program::explain(text, one));
+    let misfits = misfits.map(|one| (at(&one.place), one.with_excerpt(label)));
+    let mut all: Vec<_> = unread.chain(misfits).collect();
+    all.sort_by_key(|&(at, _)| at);
+    all.into_iter().map(|(_, told)| told).collect::<Vec<_>>().join("\n")
+}
+
 /// What is wrong with a file, each with its line.
-fn excerpts<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> String {
+pub(super) fn excerpts<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> String {
     problems.iter().map(|one| one.with_excerpt(label)).collect::<Vec<_>>().join("\n")
 }
 

@@ -3,6 +3,7 @@
 mod check;
 mod example;
 mod export;
+mod format;
 mod input;
 mod pictures;
 mod run;
@@ -23,6 +24,7 @@ Examples:
   jointplay cell run --out example-run
   jointplay cell export --to gltf,csv
   jointplay cell teach
+  jointplay cell format
   jointplay cell example --out my-cell")]
 pub(crate) struct CellCommand {
     #[command(subcommand)]
@@ -35,6 +37,7 @@ enum Action {
     Run(run::Run),
     Export(export::Export),
     Teach(teach::Teach),
+    Format(format::Format),
     Example(example::ExampleCommand),
 }
 
@@ -45,6 +48,7 @@ impl CellCommand {
             Action::Run(command) => command.run(),
             Action::Export(command) => command.run(),
             Action::Teach(command) => command.run(),
+            Action::Format(command) => command.run(),
             Action::Example(command) => command.run(),
         }
     }
@@ -55,7 +59,7 @@ impl CellCommand {
             Action::Run(command) => command.input.json(),
             Action::Export(command) => command.input.json(),
             Action::Teach(command) => command.cell.json(),
-            Action::Example(_) => false,
+            Action::Format(_) | Action::Example(_) => false,
         }
     }
 }

@@ -47,6 +47,9 @@ fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
             let at = pose.base_from_wafer[id.arm][id.effector].translation.vector;
             view.wrong.push([at.x, at.y]);
         }
+        let known = |name: &&String| !view.broken.contains(name);
+        let names: Vec<String> = one.names.iter().filter(known).cloned().collect();
+        view.broken.extend(names);
     }
     Ok(view)
 }

@@ -9,8 +9,6 @@ use jointplay::format::report::{CellReport, InstructionReport, ShareReport, expl
 use super::input::Planned;
 use crate::output::fixed;
 
-/// Pairs of bodies that are listed.
-const PAIRS: usize = 6;
 /// Times that are listed of one violation that comes again and again.
 const TIMES: usize = 4;
 
@@ -64,6 +62,23 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             fixed(blended.off_mm, 3)
         );
     }
+    if let Some(made) = &report.compensated {
+        let _ = writeln!(
+            text,
+            "  made up for          droop to {} µm and {} mrad, sag of {} µm, in {}",
+            fixed(made.drop_um, 1),
+            fixed(made.slope_mrad, 3),
+            fixed(made.sag_um, 1),
+            counted(made.handovers, "handover")
+        );
+        let _ = writeln!(
+            text,
+            "  left of it           {} µm and {} mrad off the slots' planes; wafers stay bent by {} µm",
+            fixed(made.left_um, 3),
+            fixed(made.left_mrad, 4),
+            fixed(made.bent_um, 1)
+        );
+    }
     let _ = writeln!(text, "  looked at            {}", counted(report.samples, "sample"));
     if !report.assumed.is_empty() {
         let assumed = counted(report.assumed.len(), "parameter");
@@ -73,17 +88,23 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         }
     }
     if count > 0 {
-        violations(&mut text, planned);
+        text.push_str("violations\n");
+        text.push_str(&violations(planned));
     }
     lines(&mut text, report);
     axes(&mut text, report);
-    if !report.distances.is_empty() {
+    if !report.nearest.is_empty() {
         let _ = writeln!(text, "bodies that come nearest");
-        for pair in report.distances.iter().take(PAIRS) {
+        for pair in &report.nearest {
             let [a, b] = &pair.bodies;
+            let others = match pair.others {
+                0 => String::new(),
+                1 => "; another such pair comes no nearer".to_owned(),
+                others => format!("; {others} more such pairs come no nearer"),
+            };
             let _ = writeln!(
                 text,
-                "  {:>10} mm at {:>9} s   {a}, {b}",
+                "  {:>10} mm at {:>9} s   {a}, {b}{others}",
                 fixed(pair.distance_mm, 3),
                 fixed(pair.time_s, 3)
             );
@@ -93,8 +114,8 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
 }
 
 /// Every violation with its moment; those of one line and kind under one excerpt.
-fn violations(text: &mut String, planned: &Planned) {
-    let _ = writeln!(text, "violations");
+pub(super) fn violations(planned: &Planned) -> String {
+    let mut text = String::new();
     type About<'a> = (Place, Kind, &'a [String]);
     let mut told: Vec<(About<'_>, Vec<&Violation>)> = Vec::new();
     for one in &planned.report.violations {
@@ -129,6 +150,7 @@ fn violations(text: &mut String, planned: &Planned) {
         };
         let _ = writeln!(text, "    at {} s{more}", times.join(", "));
     }
+    text
 }
 
 /// A row for each line of the program, over all its runs.

@@ -140,7 +140,9 @@ impl Parts {
             });
             for slot in 1..=station.slots {
                 let name = slot_name(station, slot);
-                nodes.push(document.node(&name, mesh, &station.slot_frame(slot)));
+                let node = document.node(&name, mesh, &station.slot_frame(slot));
+                document.nodes[node]["extras"] = json!({ "station": station.name });
+                nodes.push(node);
             }
         }
         for zone in &cell.zones {
@@ -159,7 +161,7 @@ pub(super) fn slot_name(station: &Station, slot: usize) -> String {
     format!("{} {slot}", station.name)
 }
 
-/// Nodes of the bodies with one carrier.
+/// Nodes of the bodies with one carrier; those of stations tell which.
 fn bodies(
     document: &mut Document,
     cell: &Cell,
@@ -167,8 +169,14 @@ fn bodies(
     material: Material,
 ) -> Vec<usize> {
     let carried = cell.bodies.iter().filter(|body| body.carrier == carrier);
-    let show =
-        |body: &Body| document.show(&body.name, &body.shape, &body.carrier_from_shape, material);
+    let show = |body: &Body| {
+        let shown = document.show(&body.name, &body.shape, &body.carrier_from_shape, material);
+        if let (Some(station), &[node]) = (body.station, shown.as_slice()) {
+            let name = &cell.stations[station].name;
+            document.nodes[node]["extras"] = json!({ "station": name });
+        }
+        shown
+    };
     carried.flat_map(show).collect()
 }
 

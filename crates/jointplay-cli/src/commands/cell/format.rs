@@ -1,0 +1,46 @@
+//! `jointplay cell format`: a program laid out evenly.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use jointplay::format::program;
+
+use super::input::{EXAMPLE, excerpts};
+use crate::arguments::read_text;
+use crate::failure::Failure;
+use crate::{folder, output};
+
+/// Lay a program out evenly: words in capitals, blocks set in, comments kept
+///
+/// A program that cannot be read stays as it is, and what is wrong with it is told.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay cell format
+  jointplay cell format one.program --write
+
+Exit codes: 0 done, 2 bad input or usage.")]
+pub(super) struct Format {
+    /// Program; without it, that of the example
+    #[arg(value_name = "PROGRAM")]
+    program: Option<PathBuf>,
+    /// Write it into the file instead of printing it
+    #[arg(long, requires = "program")]
+    write: bool,
+}
+
+impl Format {
+    pub(super) fn run(&self) -> Result<(), Failure> {
+        let (text, label) = match &self.program {
+            Some(path) => (read_text(path, program::MAX_BYTES as u64)?, path.display().to_string()),
+            None => (program::EXAMPLE.to_owned(), format!("{EXAMPLE}.program")),
+        };
+        let even = program::format(&text)
+            .map_err(|problems| Failure::Robot(excerpts(&problems, &label)))?;
+        match &self.program {
+            Some(path) if self.write && even != text => folder::write_file(path, even.as_bytes()),
+            Some(_) if self.write => Ok(()),
+            _ => output::raw(&even),
+        }
+    }
+}
