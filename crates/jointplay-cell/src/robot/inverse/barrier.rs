@@ -16,7 +16,7 @@ pub(super) const ENDS: usize = 2;
 /// Newton steps at most; it takes two to four, and from a ten-thousandth before a pole ten.
 const MOST_STEPS: usize = 30;
 
-/// A step that gains this share of what was gained before is the last: the next one would gain the square of it.
+/// A step that gains this share of what was gained before, and of the cost, is the last: the next one would gain the square of it.
 const FINE: f64 = 0.01;
 
 /// And so is one that gains this share of the cost.
@@ -190,8 +190,8 @@ impl Model {
             let Gain { step, gain } = here.step().or_else(|| self.at(&x, 0.0).step())?;
             let gained = start - here.cost;
             let mut share = room(&x, &step, radius);
-            if gain <= f64::max(FINE * gained, LEAST * start) {
-                return Some(Gain { step: x + step * share, gain: gained + gain });
+            if gain <= f64::max(FINE * gained.min(here.cost), LEAST * here.cost) {
+                return Some(Gain { step: x + step * share, gain: gained + gain * share });
             }
             let next = loop {
                 let to = x + step * share;
@@ -266,10 +266,11 @@ mod tests {
             let found = model.least(1.0).unwrap();
             let there = model.at(&found.step, 1.0);
             let start = model.at(&Vector2::zeros(), 1.0).cost;
-            assert!((start - found.gain - there.cost).abs() <= 1e-3 * there.cost);
+            let stated = start - found.gain;
+            assert!((stated - there.cost).abs() <= FINE * there.cost, "{stated} {}", there.cost);
             // What is left to gain is little of what was gained.
             let left = there.step().unwrap().gain;
-            assert!(left <= FINE * FINE * found.gain, "{left:e} {:e}", found.gain);
+            assert!(left <= FINE * found.gain.min(there.cost), "{left:e} {:e}", found.gain);
             // Within a box that is too small, on its edge.
             let near = model.least(0.01).unwrap();
             assert!((near.step.amax() - 0.01).abs() <= 1e-12 && near.gain > 0.0);
