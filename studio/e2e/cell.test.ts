@@ -393,6 +393,7 @@ test('a cell that cannot be read is opened, told in its line, and mended', async
   try {
     await second.goto(other.address);
     await second.getByTestId('problems').getByText('leans 2.000°').waitFor();
+    await second.getByText('The cell is shown when its file is right.').waitFor();
     const line = CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;
     await second.getByTestId('problems').getByRole('button', { name: `cell, line ${line}, column 8` }).click();
     await second.getByTestId('text-cell').locator('.cm-content').click();

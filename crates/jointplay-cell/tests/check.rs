@@ -310,6 +310,115 @@ fn a_wall_between_two_samples_is_seen() {
     assert!((nearest.distance - 9.5e-3).abs() < 2e-4, "{}", nearest.distance);
 }
 
+/// Numbers from 0 to 1.
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut state = seed;
+    move || {
+        state =
+            state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    }
+}
+
+/// In along a straight line, a turn, and down while tilting.
+fn in_round_and_down(cell: &Cell) -> Motion {
+    let from = vec![0.5, 0.5, 0.5, 0.3, 0.9];
+    let mut target = WaferTarget::of(&cell.wafer_pose(A, &from, true).unwrap());
+    let out = (target.center.xy()).push(0.0).normalize();
+    target.center -= out * 0.3;
+    let reached = cell.reach(A, &target, true, &from).unwrap().positions;
+    let mut turned = reached.clone();
+    turned[T] -= 0.8;
+    let mut lower = turned.clone();
+    for (rod, by) in [0.02, 0.022, 0.018].into_iter().enumerate() {
+        lower[rod] -= by;
+    }
+    lower[T] += 0.1;
+    let line = Step { path: Path::Line(A), ..step(0, &from, &reached) };
+    let steps = vec![line, step(1, &reached, &turned), step(2, &turned, &lower)];
+    timed(cell, steps, &MotionOptions::default()).unwrap()
+}
+
+#[test]
+fn least_distances_are_those_of_all_samples() {
+    let mut random = random(5);
+    let mut cell = cell();
+    cell.carried.clear();
+    cell.clearance = 0.0;
+    let motion = in_round_and_down(&cell);
+    // Of each step from its start on, and at its end.
+    let times = motion.times.windows(2).flat_map(|step| {
+        let whole = ((step[1] - step[0]) * 1000.0).floor() as usize;
+        (0..=whole).map(|k| step[0] + 1e-3 * k as f64).chain([step[1]])
+    });
+    let samples: Vec<_> = times.map(|time| motion.at(time)).collect();
+    let chains: Vec<_> =
+        samples.iter().map(|sample| cell.robot.forward(&sample.positions).unwrap()).collect();
+    let (radius, place) = (0.01, [0.05, 0.08, 0.0]);
+    let balls: Vec<Vector3<f64>> = chains
+        .iter()
+        .map(|chain| (chain.base_from_link[0][2] * nalgebra::Point3::from(place)).coords)
+        .collect();
+    let mut followed = [0; 3];
+    for round in 0..600 {
+        // Long and thin, as walls are, near somewhere on the way and often along it.
+        let near = balls[(random() * balls.len() as f64) as usize % balls.len()];
+        let half = [0.02 + 0.4 * random(), 0.002 + 0.05 * random(), 0.01 + 0.1 * random()];
+        let spin = 6.3 * random();
+        let lean = if round % 2 == 0 { 0.0 } else { random() };
+        let turn = Rotation3::from_euler_angles(lean, 0.3 * lean, spin);
+        let off = turn * Vector3::new(0.0, half[1] + 0.06 * random(), 0.0);
+        let base_from_wall = Pose::from_parts((near + off).into(), turn);
+        let (carrier, frames): (Carrier, Vec<Pose>) = match round % 3 {
+            0 => (Carrier::World, vec![Pose::identity(); samples.len()]),
+            1 => {
+                let platforms = chains.iter().map(|chain| chain.platform.base_from_platform);
+                (Carrier::Platform, platforms.collect())
+            }
+            _ => {
+                let links = chains.iter().map(|chain| chain.base_from_link[0][0]);
+                (Carrier::Link { arm: 0, link: 0 }, links.collect())
+            }
+        };
+        let middle = (random() * samples.len() as f64) as usize % samples.len();
+        let carrier_from_shape = frames[middle].inverse() * base_from_wall;
+        let ball = Shape::Capsule { ends: [place, place], radius };
+        let body = |name: &str, carrier, carrier_from_shape, shape| Body {
+            name: name.into(),
+            station: None,
+            carrier,
+            carrier_from_shape,
+            shape,
+        };
+        cell.bodies = vec![
+            body("ball", Carrier::Link { arm: 0, link: 2 }, Pose::identity(), ball),
+            body("wall", carrier, carrier_from_shape, Shape::Box { half }),
+        ];
+        // Of a point and a box.
+        let apart = |(ball, frame): (&Vector3<f64>, &Pose)| {
+            let at = (frame * carrier_from_shape).inverse() * nalgebra::Point3::from(*ball);
+            let beyond = |k: usize| (at[k].abs() - half[k]).max(0.0);
+            (Vector3::new(beyond(0), beyond(1), beyond(2)).norm() - radius).max(0.0)
+        };
+        let least = balls.iter().zip(&frames).map(apart).fold(f64::INFINITY, f64::min);
+        let report = check(&cell, &motion, &CheckOptions::default());
+        let found = report.distances.iter().find(|row| row.names.contains(&"wall".to_string()));
+        let Some(found) = found else {
+            assert!(least >= CheckOptions::default().near - 1e-9, "{round}: {least} is not told");
+            continue;
+        };
+        followed[round % 3] += usize::from(least > 1e-3);
+        assert!(found.distance >= least - 1e-8, "{round}: {} below {least}", found.distance);
+        assert!(
+            found.distance - found.within <= least + 1e-8,
+            "{round}: {} within {}, but {least}",
+            found.distance,
+            found.within
+        );
+    }
+    assert!(followed.iter().all(|&count| count > 40), "{followed:?}");
+}
+
 #[test]
 fn bodies_too_near_touching_allowed_and_zones() {
     let standing = cell();

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
 use jointplay_cell::motion::{Motion, MotionOptions, timed};
-use jointplay_cell::program::{Handover, Path, Step, expand};
+use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::SlotId;
 use jointplay_cell::{Memory, Reuse};
@@ -262,4 +262,37 @@ fn only_what_a_change_touches_is_made_anew() {
     cell.robot.axes[3].empty.velocity *= 0.5;
     planned(&mut memory, &cell, SHORT);
     assert!(none(memory.reuse_of_ways()) && none(memory.reuse_of_moves()));
+}
+
+#[test]
+fn an_arm_waits_at_one_place_whatever_slot_it_was_in() {
+    let mut cell = example();
+    let text = "HOME\nTRANSFER LP1 SLOT 3 TO LP2 SLOT 7 WITH A\nTRANSFER LP2 SLOT 7 TO ALIGN WITH A\n\
+        TRANSFER PM1 TO LP2 SLOT 9 WITH B\nTRANSFER LP2 SLOT 9 TO LP1 SLOT 3 WITH B\nGET ALIGN WITH A\n";
+    let mut memory = Memory::default();
+    let (motion, _) = planned(&mut memory, &cell, text);
+    let axis = |name: &str| cell.robot.axes.iter().position(|axis| axis.name == name).unwrap();
+    // What reaches out, of each arm from its first GET on.
+    for (name, from) in [("RA", 1), ("RB", 3)] {
+        let axis = axis(name);
+        let retracted = |step: &&Step| matches!(step.phase, Phase::Retract | Phase::Level);
+        let waits: BTreeSet<u64> = motion
+            .steps
+            .iter()
+            .filter(|step| retracted(step) && step.instruction >= from)
+            .map(|step| step.to[axis].to_bits())
+            .collect();
+        assert_eq!(waits.len(), 1, "{name}");
+    }
+    // So a station that leans, moved, changes the moves there, and not those of the other arm elsewhere.
+    let port = cell.stations.iter().position(|station| station.name == "LP2").unwrap();
+    cell.stations[port].base_from_station.translation.vector.y += 1e-4;
+    let (moved, _) = planned(&mut memory, &cell, text);
+    let last = moved.steps.last().unwrap().instruction;
+    for (step, same) in motion.steps.iter().zip(&moved.steps) {
+        let away = step.instruction == last;
+        assert!(
+            !away || step.phase == Phase::Turn || (&step.from, &step.to) == (&same.from, &same.to)
+        );
+    }
 }

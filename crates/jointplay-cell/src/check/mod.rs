@@ -62,8 +62,13 @@ impl Default for CheckOptions {
 /// ```text
 ///    min d  ≥  (d_0 + d_1 − way) / 2
 /// ```
-/// over an interval with the distances d_0 and d_1 at its ends, in which no point of either goes farther than the way.
-/// An interval in which this keeps a pair apart is passed over, any other is halved, also below the samples: so a wall that is thinner than a sample's way is not jumped, nor a place that is too narrow.
+/// over an interval with the distances d_0 and d_1 at its ends, in which no point of either goes farther than the way, or
+///
+/// ```text
+///    min d  ≥  min(g_0, g_1) - bend dt / 4
+/// ```
+/// with the gaps g_0 and g_1 along one direction, the same side ahead: of what slides along something, whose points change their speed by no more than the bend in all.
+/// An interval in which either keeps a pair apart is passed over, any other is halved, also below the samples: so a wall that is thinner than a sample's way is not jumped, nor a place that is too narrow.
 ///
 /// # Numerics
 /// Least distances are exact at the samples looked at; those passed over may be nearer by `within` of each row.

@@ -7,9 +7,9 @@ use nalgebra::Vector3;
 use super::course::Course;
 use super::found::{Found, Hit, Stretch, When};
 use super::report::{Kind, Unit};
-use super::scene::{Places, Rule, Scene};
+use super::scene::{Holder, Places, Rule, Scene};
 use super::solid::{Placed, apart, between_balls, between_centers, depth, distance, gap_along};
-use super::travel::{Gearing, Levers, Travel};
+use super::travel::{Gearing, Levers, Travel, common};
 use crate::motion::{Motion, Sample};
 
 /// By how much a least distance may be passed over, as a share of it.
@@ -65,9 +65,10 @@ impl Look<'_> {
     ///
     /// ```text
     ///    min d  ≥  (d_0 + d_1 − way) / 2
+    ///    min d  ≥  min(g_0, g_1) - bend dt / 4 - across
     /// ```
-    /// over an interval with the distances d_0 and d_1 at its ends, or lower bounds of them, where no point goes farther than the way:
-    /// as long as this does not keep a pair apart, the interval is halved, down to the samples, and between them where they do not rule out that the pair comes too near.
+    /// over an interval with the distances d_0 and d_1 at its ends, or lower bounds of them, where no point goes farther than the way, and with the gaps g_0 and g_1 along one direction, from which points that go straight beside what is there do not stray:
+    /// as long as neither keeps a pair apart, the interval is halved, down to the samples, and between them where they do not rule out that the pair comes too near.
     pub(super) fn at(&mut self, pairs: &[Pair], runs: &[Range<usize>]) -> Near {
         let (mut least, mut found) = (Vec::new(), Found::default());
         for pair in pairs {
@@ -75,12 +76,13 @@ impl Look<'_> {
                 Rule::Apart(limit) | Rule::Slots(limit) => limit,
                 Rule::Free | Rule::Out => 0.0,
             };
-            let levers = self.levers(pair.items);
+            let (levers, common) = self.levers(pair.items);
             let mut search = Search {
                 look: self,
                 pair,
                 limit,
                 levers,
+                common,
                 least: None,
                 seen: Vec::new(),
                 along: None,
@@ -100,13 +102,15 @@ impl Look<'_> {
         Near { least, found: found.finished() }
     }
 
-    /// Of a pair, and whether both move: then against each other, on the platform that carries both.
-    fn levers(&self, [a, b]: [usize; 2]) -> (Levers, bool) {
+    /// Of a pair, and what they are taken to move against: the world, or what carries both.
+    fn levers(&self, [a, b]: [usize; 2]) -> (Levers, Holder) {
         if b < self.levers.len() {
+            let robot = &self.scene.cell.robot;
             let [one, other] = [a, b].map(|item| &self.scene.items[self.items[item]]);
-            (Levers::between(&self.scene.cell.robot, one, other), true)
+            let common = common(robot, one, other);
+            (Levers::between(robot, one, other, common), common)
         } else {
-            (self.levers[a], false)
+            (self.levers[a], Holder::World)
         }
     }
 
@@ -141,11 +145,13 @@ struct Search<'l, 'a> {
     look: &'l mut Look<'a>,
     pair: &'l Pair,
     limit: f64,
-    levers: (Levers, bool),
+    levers: Levers,
+    /// What they move against.
+    common: Holder,
     /// Least distance, and when.
     least: Option<(f64, f64)>,
     seen: Vec<Seen>,
-    /// Along what the second was from the first where that was looked at last, in the frame of the second: it is about the same near by.
+    /// Along what the second was from the first where that was looked at last, as seen from what they move against: it is about the same near by.
     along: Option<Vector3<f64>>,
 }
 
@@ -168,6 +174,21 @@ struct Way {
     whole: f64,
     /// Along the platform's normal [m].
     along: f64,
+    /// By the rods alone [m].
+    plane: f64,
+    /// By the arms alone [m].
+    arm: f64,
+    /// How far from straight the arms took anything [m].
+    bent: f64,
+}
+
+impl Way {
+    /// In either half of the interval, about: that no more than all of it is counted twice is what matters.
+    fn half(self) -> Self {
+        let Self { whole, along, plane, arm, bent } = self;
+        let [whole, along, plane, arm] = [whole, along, plane, arm].map(|way| 0.5 * way);
+        Self { whole, along, plane, arm, bent }
+    }
 }
 
 /// A lower bound of the distance in an interval.
@@ -205,13 +226,13 @@ impl Search<'_, '_> {
         }
         self.tighten(between.start, left);
         self.tighten(between.end, right);
-        if bound(left, right, way) > self.threshold() {
+        if bound(left, right, way).max(self.beside(&between, way)) > self.threshold() {
             return;
         }
         if between.len() == 1 {
             self.matters(between.start, left);
             self.matters(between.end, right);
-            if bound(left, right, way) > self.limit {
+            if bound(left, right, way).max(self.beside(&between, way)) > self.limit {
                 return;
             }
             self.exact(between.start, left);
@@ -269,7 +290,7 @@ impl Search<'_, '_> {
             self.note(0.0, time);
             return true;
         }
-        let half = Way { whole: 0.5 * way.whole, along: 0.5 * way.along };
+        let half = way.half();
         self.between(sample, [times[0], time], [*left, middle], half)
             || self.between(sample, [time, times[1]], [middle, *right], half)
     }
@@ -285,8 +306,8 @@ impl Search<'_, '_> {
         let (false, Some(along)) = (known.is_exact, &self.along) else { return };
         let Some(places) = self.look.course.placed(sample) else { return };
         let [a, b] = self.look.placed(places, self.pair.items);
-        let gap = gap_along(a, b, &(b.base_from_carrier.rotation * along));
-        known.apart = known.apart.max(gap);
+        let turned = self.look.scene.turned(self.common, places);
+        known.apart = known.apart.max(gap_along(a, b, &(turned * along)));
     }
 
     /// Finds the distance at a sample, unless it is known not to matter.
@@ -307,11 +328,11 @@ impl Search<'_, '_> {
         let look = &mut *self.look;
         let Some(places) = look.course.placed(sample) else { return };
         let [a, b] = look.placed(places, self.pair.items);
-        let guess = self.along.map(|along| b.base_from_carrier.rotation * along);
+        let turned = look.scene.turned(self.common, places);
+        let guess = self.along.map(|along| turned * along);
         let found = apart(a, b, guess.as_ref());
         let apart = found.distance;
-        let in_second = |along: Vector3<f64>| b.base_from_carrier.rotation.inverse() * along;
-        self.along = found.along.map(in_second).or(self.along);
+        self.along = found.along.map(|along| turned.inverse() * along).or(self.along);
         (known.apart, known.most, known.is_exact) = (apart, apart, true);
         let time = look.course.samples()[sample].time;
         if apart <= self.limit {
@@ -341,14 +362,40 @@ impl Search<'_, '_> {
     }
 
     fn way(&self, between: &Range<usize>) -> Way {
-        let moved = self.look.course.moved(between);
-        let (levers, both) = &self.levers;
-        let Travel { plane, arm } = self.look.gearing.travel(levers, &moved);
-        if *both {
+        let Look { course, gearing, .. } = &*self.look;
+        let moved = course.moved(between);
+        let levers = &self.levers;
+        let Travel { plane, arm } = gearing.travel(levers, &moved);
+        let [from, to] = [between.start, between.end].map(|k| course.samples()[k].time);
+        let bent = 0.25 * (to - from) * gearing.bend(levers, &moved);
+        if self.common != Holder::World {
             // The platform carries both, and changes no more than how they droop.
             let plane = DROOPING * plane;
-            return Way { whole: plane + arm, along: plane + DROOPING * arm };
+            let along = plane + DROOPING * arm;
+            return Way { whole: plane + arm, along, plane, arm, bent };
         }
-        Way { whole: plane + arm, along: plane + (DROOPING + moved.lean).min(1.0) * arm }
+        let along = plane + (DROOPING + moved.lean).min(1.0) * arm;
+        Way { whole: plane + arm, along, plane, arm, bent }
+    }
+
+    /// A lower bound of the distance in an interval, by the gap along what the two were apart when last looked at.
+    ///
+    /// A point whose coordinate along it changes its speed by `bend` in all strays from the straight way between two times by `bend dt / 4` at most.
+    fn beside(&self, between: &Range<usize>, way: Way) -> f64 {
+        let Some(along) = &self.along else { return f64::NEG_INFINITY };
+        let look = &*self.look;
+        let mut least = f64::INFINITY;
+        let mut across = 0.0_f64;
+        for sample in [between.start, between.end] {
+            let Some(places) = look.course.placed(sample) else { return f64::NEG_INFINITY };
+            let [a, b] = look.placed(places, self.pair.items);
+            let along = look.scene.turned(self.common, places) * along;
+            // On the same side at both ends: what passes through something is apart from it before and after.
+            least = least.min(b.span(&along).least - a.span(&along).most);
+            across = across.max(along.dot(&places.normal).abs());
+        }
+        // What droops goes down, and hardly aside.
+        let droop = DROOPING * (across + DROOPING) * way.arm;
+        least - way.bent - 2.0 * (way.plane + droop)
     }
 }

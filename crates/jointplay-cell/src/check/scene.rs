@@ -2,7 +2,7 @@
 
 use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::course::bounds;
 use super::solid::{Placed, Solid, Solids, Span};
@@ -217,6 +217,18 @@ impl<'a> Scene<'a> {
         Placed { solid: &item.solid, base_from_carrier }
     }
 
+    /// How what holds things is turned against the base; the world, and slots, not at all.
+    pub(super) fn turned(&self, holder: Holder, places: &Places) -> Rotation3<f64> {
+        match holder {
+            Holder::World | Holder::Slot(_) => Rotation3::identity(),
+            Holder::Platform => places.base_from_platform.rotation,
+            Holder::Link { arm, link } => places.poses[self.first_of(arm) + link].rotation,
+            Holder::Effector(EffectorId { arm, .. }) => {
+                places.poses[self.first_of(arm) + self.last_link(arm)].rotation
+            }
+        }
+    }
+
     /// The wafer that an effector carries, by index among the items.
     pub(super) fn carried_by(&self, id: EffectorId) -> Option<usize> {
         self.carried.iter().find(|(by, _)| *by == id).map(|(_, item)| *item)
@@ -357,8 +369,11 @@ impl Scene<'_> {
     }
 
     fn is_last_link(&self, holder: Holder, id: EffectorId) -> bool {
-        let last = self.cell.robot.arms[id.arm].joints.len() - 1;
-        holder == Holder::Link { arm: id.arm, link: last }
+        holder == Holder::Link { arm: id.arm, link: self.last_link(id.arm) }
+    }
+
+    fn last_link(&self, arm: usize) -> usize {
+        self.cell.robot.arms[arm].joints.len() - 1
     }
 
     /// Whether two items are on one carrier, or on two that a joint connects, or one carries the other.

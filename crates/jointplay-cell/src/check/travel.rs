@@ -12,6 +12,8 @@ const SLACK: f64 = 1.1;
 pub(super) struct Levers {
     /// By each motor of the arms [m/m or m/rad].
     arms: [f64; MAX_AXES],
+    /// By the square of its speed, how hard they bend from straight [1/m or m/rad²].
+    turns: [f64; MAX_AXES],
     /// Largest distance of a point from the platform's origin [m].
     far: f64,
 }
@@ -36,6 +38,10 @@ impl Travel {
 pub(super) struct Moved {
     /// Path of each axis [m or rad].
     axes: [f64; MAX_AXES],
+    /// ∫|q̈| dt of each [m/s or rad/s].
+    hurries: [f64; MAX_AXES],
+    /// ∫q̇² dt of each [m²/s or rad²/s].
+    squares: [f64; MAX_AXES],
     /// Path of the platform's height over its origin [m].
     height: f64,
     /// Angle that its normal turned by [rad].
@@ -54,8 +60,13 @@ impl Moved {
     }
 
     fn with(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
+        let each = |one: &[f64; MAX_AXES], other: &[f64; MAX_AXES]| {
+            std::array::from_fn(|axis| of(one[axis], other[axis]))
+        };
         Self {
-            axes: std::array::from_fn(|axis| of(self.axes[axis], other.axes[axis])),
+            axes: each(&self.axes, &other.axes),
+            hurries: each(&self.hurries, &other.hurries),
+            squares: each(&self.squares, &other.squares),
             height: of(self.height, other.height),
             lean: of(self.lean, other.lean),
         }
@@ -103,20 +114,31 @@ impl Gearing {
     pub(super) fn moved(&self, from: &Sample, to: &Sample, moving: &[usize]) -> Moved {
         let dt = to.time - from.time;
         let mut moved = Moved::default();
+        let jerk_of =
+            |limit: f64, axis: usize| limit.max(from.jerks[axis].abs()).max(to.jerks[axis].abs());
         for &axis in moving {
-            let of = |s: &Sample| [s.velocities[axis], s.accelerations[axis], s.jerks[axis]];
-            moved.axes[axis] = path(dt, of(from), of(to), self.jerks[axis]);
+            let far = to.positions[axis] - from.positions[axis];
+            let accelerations = [from, to].map(|sample| sample.accelerations[axis]);
+            let jerk = jerk_of(self.jerks[axis], axis);
+            let hurry = most(dt, accelerations, jerk);
+            let speed = most(dt, [from, to].map(|sample| sample.velocities[axis]), hurry);
+            moved.axes[axis] = path(dt, far, hurry);
+            moved.hurries[axis] = dt * hurry;
+            moved.squares[axis] = dt * speed * speed;
         }
         if moving.first().is_some_and(|&axis| axis < RODS) {
-            let mean = |v: &[f64]| (v[0] + v[1] + v[2]) / 3.0;
-            let means = |s: &Sample| [mean(&s.velocities), mean(&s.accelerations), mean(&s.jerks)];
-            let (first, last) = (means(from), means(to));
-            let jerk = 2.0 * self.jerks[..RODS].iter().copied().fold(0.0, f64::max);
+            let mean = |values: [f64; RODS]| (values[0] + values[1] + values[2]) / 3.0;
+            let far: [f64; RODS] =
+                std::array::from_fn(|rod| to.positions[rod] - from.positions[rod]);
+            let accelerations = [from, to].map(|sample| {
+                let of: [f64; RODS] = std::array::from_fn(|rod| sample.accelerations[rod]);
+                of.map(|rod| rod - mean(of))
+            });
+            let jerks = (0..RODS).map(|rod| jerk_of(self.jerks[rod], rod));
+            let jerk = 2.0 * jerks.fold(0.0, f64::max);
             for rod in 0..RODS {
-                let off = |s: &Sample, [v, a, j]: [f64; 3]| {
-                    [s.velocities[rod] - v, s.accelerations[rod] - a, s.jerks[rod] - j]
-                };
-                moved.lean += path(dt, off(from, first), off(to, last), jerk) / self.heights[rod];
+                let hurry = most(dt, accelerations.map(|of| of[rod]), jerk);
+                moved.lean += path(dt, far[rod] - mean(far), hurry) / self.heights[rod];
             }
             moved.lean *= SLACK;
             let rods = moved.axes[..RODS].iter().copied().fold(0.0, f64::max);
@@ -131,12 +153,33 @@ impl Gearing {
         let arm: f64 = levers.arms.iter().zip(&moved.axes).map(|(lever, path)| lever * path).sum();
         Travel { plane: SLACK * plane, arm: SLACK * arm }
     }
+
+    /// How fast the arms' part of the way of a point changed, in all [m/s].
+    ///
+    /// ```text
+    ///    p̈  =  Σ_g |v_g| (φ̈_g e_⊥ - φ̇_g² e)         g: links from the first that moves on, φ_g: angle of each
+    /// ```
+    pub(super) fn bend(&self, levers: &Levers, moved: &Moved) -> f64 {
+        let each = |levers: &[f64; MAX_AXES], moved: &[f64; MAX_AXES]| -> f64 {
+            levers.iter().zip(moved).map(|(lever, moved)| lever * moved).sum()
+        };
+        SLACK * (each(&levers.arms, &moved.hurries) + each(&levers.turns, &moved.squares))
+    }
 }
 
-/// Length of the way of one coordinate between two samples, at most: its largest speed for the whole time.
-fn path(dt: f64, [v0, a0, j0]: [f64; 3], [v1, a1, j1]: [f64; 3], jerk: f64) -> f64 {
-    let acceleration = a0.abs().max(a1.abs()) + dt * jerk.max(j0.abs()).max(j1.abs());
-    dt * (v0.abs().max(v1.abs()) + 0.5 * dt * acceleration)
+/// What lies between two values, at most, of something that changes no faster than so.
+fn most(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
+    0.5 * (first.abs() + last.abs() + dt * rate)
+}
+
+/// Length of the way of one coordinate between two samples, at most.
+///
+/// ```text
+///    where it turns back, at t:   |q̇(τ)| ≤ A |τ - t|,   ∫|q̇| dτ  ≤  A dt²/2         A ≥ |q̈|
+///    where it does not:           ∫|q̇| dτ  =  |far|
+/// ```
+fn path(dt: f64, far: f64, acceleration: f64) -> f64 {
+    far.abs().max(0.5 * dt * dt * acceleration)
 }
 
 impl Levers {
@@ -146,17 +189,17 @@ impl Levers {
     }
 
     /// Of two items that move, against each other: what carries both alike counts for neither.
-    pub(super) fn between(robot: &HybridRobot, one: &Item, other: &Item) -> Self {
-        let common = match (joints_of(robot, one), joints_of(robot, other)) {
-            (Some((a, m)), Some((b, n))) if a == b => m.min(n),
-            (Some((a, _)), Some((b, _))) => {
-                usize::from(begin_alike(&robot.arms[a], &robot.arms[b]))
-            }
-            _ => 0,
-        };
+    pub(super) fn between(robot: &HybridRobot, one: &Item, other: &Item, common: Holder) -> Self {
+        let common = if let Holder::Link { link, .. } = common { link + 1 } else { 0 };
         let (one, other) = (Self::beyond(robot, one, common), Self::beyond(robot, other, common));
-        let arms = std::array::from_fn(|axis| one.arms[axis] + other.arms[axis]);
-        Self { arms, far: one.far + other.far }
+        let both = |one: [f64; MAX_AXES], other: [f64; MAX_AXES]| {
+            std::array::from_fn(|axis| one[axis] + other[axis])
+        };
+        Self {
+            arms: both(one.arms, other.arms),
+            turns: both(one.turns, other.turns),
+            far: one.far + other.far,
+        }
     }
 
     /// By joints from a place on.
@@ -166,10 +209,10 @@ impl Levers {
     /// ```
     /// so that a wafer that a belt keeps from turning has none of the levers that it would have about each joint.
     fn beyond(robot: &HybridRobot, item: &Item, common: usize) -> Self {
-        let mut arms = [0.0; MAX_AXES];
+        let (mut arms, mut turns) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
         let reach = item.solid.reach();
         let Some((arm, joints)) = joints_of(robot, item) else {
-            return Self { arms, far: reach };
+            return Self { arms, turns, far: reach };
         };
         let described = &robot.arms[arm];
         let own = match item.holder {
@@ -189,17 +232,40 @@ impl Levers {
                 length += slide(robot, joint);
             }
             far += length + joint.rise.abs();
+            let whole: f64 = turning.iter().map(|turning| turning.abs()).sum();
             for &(axis, ratio) in joint.drives.iter().filter(|_| place >= common) {
                 match joint.kind {
                     MotionKind::Turn => turning[axis] += ratio,
-                    MotionKind::Slide => arms[axis] += ratio.abs(),
+                    MotionKind::Slide => {
+                        // 2 ḋ φ̇ e_⊥, and 2 |ȧ| |ḃ| ≤ ȧ² + ḃ².
+                        arms[axis] += ratio.abs();
+                        turns[axis] += ratio.abs() * whole;
+                        for (lever, turning) in turns.iter_mut().zip(&turning) {
+                            *lever += ratio.abs() * turning.abs();
+                        }
+                    }
                 }
             }
-            for (lever, turning) in arms.iter_mut().zip(&turning) {
-                *lever += turning.abs() * length;
+            // φ̇²  ≤  Σ_a |m_a| ȧ² Σ_a |m_a|
+            let whole: f64 = turning.iter().map(|turning| turning.abs()).sum();
+            for axis in 0..MAX_AXES {
+                let turning = turning[axis].abs();
+                arms[axis] += turning * length;
+                turns[axis] += turning * whole * length;
             }
         }
-        Self { arms, far }
+        Self { arms, turns, far }
+    }
+}
+
+/// What carries two items that move alike, the last of it.
+pub(super) fn common(robot: &HybridRobot, one: &Item, other: &Item) -> Holder {
+    match (joints_of(robot, one), joints_of(robot, other)) {
+        (Some((a, m)), Some((b, n))) if a == b => Holder::Link { arm: a, link: m.min(n) - 1 },
+        (Some((a, _)), Some((b, _))) if begin_alike(&robot.arms[a], &robot.arms[b]) => {
+            Holder::Link { arm: a, link: 0 }
+        }
+        _ => Holder::Platform,
     }
 }
 

@@ -20,6 +20,9 @@ const LEVEL_ENOUGH: f64 = 1e-6;
 /// Motors that are nearer to where they should turn to go there while the rods do, without a step of their own [m or rad].
 const TURNED_ENOUGH: f64 = 1e-6;
 
+/// Motors that are nearer to where their arm always is when retracted are there: the droop of a retracted arm moves them by less [m or rad].
+const RETRACTED_ENOUGH: f64 = 1e-6;
+
 /// The robot where it is, and the steps that brought it there.
 pub(super) struct Robot<'c> {
     pub(super) cell: &'c Cell,
@@ -35,6 +38,8 @@ pub(super) struct Robot<'c> {
     turning: Vec<bool>,
     /// How high the plane of the sagging wafer is over the supports of each effector that has carried one [m].
     sag: BTreeMap<EffectorId, f64>,
+    /// Motors that reach out, and where they are with their arm retracted for a station, the platform level.
+    retracted: BTreeMap<(EffectorId, usize), Vec<(usize, f64)>>,
     instruction: usize,
     place: Place,
     loaded: Vec<EffectorId>,
@@ -62,6 +67,7 @@ impl<'c> Robot<'c> {
             tucked: true,
             turning: (0..axes.len()).map(|axis| turns_arms(cell, axis)).collect(),
             sag: BTreeMap::new(),
+            retracted: BTreeMap::new(),
             instruction: 0,
             place: Place::default(),
             loaded: Vec::new(),
@@ -244,7 +250,8 @@ impl<'c> Robot<'c> {
     fn before(&mut self, goal: Goal<'_>) -> Result<(), ProgramProblem> {
         self.tuck_in();
         self.level();
-        let to = self.reached(goal)?;
+        let mut to = self.reached(goal)?;
+        self.retract(&mut to, (goal.effector, goal.slot.station));
         let mut turned = to.clone();
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
         let way = |(to, from): (&f64, &f64)| (to - from).abs();
@@ -275,6 +282,17 @@ impl<'c> Robot<'c> {
         if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
             let to = self.leaning(Tilt::LEVEL);
             self.push(Phase::Level, to, Path::Axes);
+        }
+    }
+
+    /// Brings an arm that is as good as retracted for a station to where it then always is, so that moves repeat and others find it at one place.
+    fn retract(&mut self, to: &mut [f64], arm: (EffectorId, usize)) {
+        let found = self.retracted.entry(arm).or_insert_with(|| {
+            let motors = retracted(self.cell, arm).unwrap_or_default();
+            motors.into_iter().filter(|&(axis, _)| !self.turning[axis]).collect()
+        });
+        if found.iter().all(|&(axis, at)| (to[axis] - at).abs() <= RETRACTED_ENOUGH) {
+            found.iter().for_each(|&(axis, at)| to[axis] = at);
         }
     }
 
@@ -324,7 +342,10 @@ impl<'c> Robot<'c> {
 
     /// Straight to a place.
     fn line(&mut self, phase: Phase, goal: Goal<'_>) -> Result<(), ProgramProblem> {
-        let to = self.reached(goal)?;
+        let mut to = self.reached(goal)?;
+        if phase == Phase::Retract {
+            self.retract(&mut to, (goal.effector, goal.slot.station));
+        }
         self.push(phase, to, Path::Line(goal.effector));
         if matches!(phase, Phase::Lift | Phase::Lower) {
             let speed = self.cell.stations[goal.slot.station].stroke.speed;
@@ -392,4 +413,18 @@ fn turns_arms(cell: &Cell, axis: usize) -> bool {
     let joints = cell.robot.arms.iter().flat_map(|arm| arm.joints.iter().enumerate());
     let mut driven = joints.filter(|(_, joint)| joint.drives.iter().any(|drive| drive.0 == axis));
     axis >= RODS && driven.all(|(index, joint)| index == 0 && joint.kind == MotionKind::Turn)
+}
+
+/// Where the motors of an arm are with its wafer as far from its axis as counts as retracted for a station, over a level platform.
+fn retracted(cell: &Cell, (effector, station): (EffectorId, usize)) -> Option<Vec<(usize, f64)>> {
+    let robot = &cell.robot;
+    let home: Vec<f64> = robot.axes.iter().map(|axis| axis.home).collect();
+    let [x, y, _] = robot.arms[effector.arm].mount;
+    let height = robot.effector_pose(&home, effector).ok()?.translation.z;
+    let center = Vector3::new(x + cell.stations[station].retract_reach, y, height);
+    let target = WaferTarget { center, normal: Vector3::z(), heading: None };
+    let found = robot.inverse(effector, &target, &home).ok()?;
+    let branch = found.branches.get(found.chosen?)?;
+    let motors = robot.axes_of(effector).ok()?.into_iter().filter(|&axis| axis >= RODS);
+    Some(motors.map(|axis| (axis, branch.positions[axis])).collect())
 }

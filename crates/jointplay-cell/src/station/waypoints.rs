@@ -53,9 +53,9 @@ impl Station {
     /// The places that a wafer passes for a slot, counted from 1.
     ///
     /// # Arguments
-    /// * `axis` – where the axis that the arm turns about crosses the slot's plane: x, y in the base frame [m]; [`Cell::waypoints`] finds it
+    /// * `axis` – where the axis that the arm turns about crosses the slot's plane as the wafer rests, and as the arm is retracted below and above it: x, y in the base frame [m]; [`Cell::waypoints`] finds it
     #[must_use]
-    pub fn waypoints(&self, slot: usize, axis: [f64; 2]) -> Waypoints {
+    pub fn waypoints(&self, slot: usize, [axis, below, above]: [[f64; 2]; 3]) -> Waypoints {
         let frame = self.slot_frame(slot);
         let normal = frame.rotation * Vector3::z();
         let heading = match self.approach {
@@ -68,7 +68,7 @@ impl Station {
         let target = |center: Vector3<f64>| WaferTarget { center, normal, heading };
         let resting = frame.translation.vector;
         let out = self.outward(&frame, axis);
-        let far = resting + out * self.way_out(&resting, &out, axis);
+        let far = |axis| resting + out * self.way_out(-within(&frame, axis), &out);
         let via = |lift: f64| {
             let place =
                 |via: &[f64; 3]| target((frame * Point3::from(*via)).coords + normal * lift);
@@ -76,48 +76,53 @@ impl Station {
         };
         let (down, up) = (-self.stroke.below, self.stroke.above);
         Waypoints {
-            retracted_below: target(far + normal * down),
+            retracted_below: target(far(below) + normal * down),
             via_below: via(down),
             below: target(resting + normal * down),
             resting: target(resting),
             above: target(resting + normal * up),
             via_above: via(up),
-            retracted_above: target(far + normal * up),
+            retracted_above: target(far(above) + normal * up),
         }
     }
 
     /// The direction out of the slot, within its plane.
     fn outward(&self, frame: &Pose, axis: [f64; 2]) -> Vector3<f64> {
-        let normal = frame.rotation * Vector3::z();
         let straight = -(frame.rotation * Vector3::y());
         match self.approach {
             Approach::Line => straight,
+            // Within the plane, so that the line stays in it and above the one on the floor.
             Approach::Radial => {
-                let center = frame.translation.vector;
-                let (x, y) = (axis[0] - center.x, axis[1] - center.y);
-                // The height within the plane, so that the line stays in it and above the one on the floor.
-                let z = -(normal.x * x + normal.y * y) / normal.z;
-                Vector3::new(x, y, z).try_normalize(f64::MIN_POSITIVE).unwrap_or(straight)
+                within(frame, axis).try_normalize(f64::MIN_POSITIVE).unwrap_or(straight)
             }
         }
     }
 
     /// How far out the place is that counts as retracted: where the way comes as near to the axis as the retracted reach, or else as near as it comes [m].
-    fn way_out(&self, resting: &Vector3<f64>, out: &Vector3<f64>, axis: [f64; 2]) -> f64 {
-        let (x, y) = (resting.x - axis[0], resting.y - axis[1]);
-        // |(x, y) + t out|² = reach², the smaller root.
-        let (a, b) = (out.x * out.x + out.y * out.y, x * out.x + y * out.y);
-        let c = x * x + y * y - self.retract_reach * self.retract_reach;
-        let nearest = -b / a;
-        let root = (b * b - a * c).max(0.0).sqrt() / a;
-        (nearest - root).max(0.0)
+    ///
+    /// # Arguments
+    /// * `resting` – from the axis to where the wafer rests, within the slot's plane [m]
+    fn way_out(&self, resting: Vector3<f64>, out: &Vector3<f64>) -> f64 {
+        // |resting + t out|² = reach², the smaller root.
+        let along = resting.dot(out);
+        let rest = resting.norm_squared() - self.retract_reach * self.retract_reach;
+        let root = (along * along - rest).max(0.0).sqrt();
+        (-along - root).max(0.0)
     }
+}
+
+/// From the origin of a slot's frame to where an upright line crosses its plane: x, y of the line in the base frame [m].
+fn within(frame: &Pose, [x, y]: [f64; 2]) -> Vector3<f64> {
+    let (center, normal) = (frame.translation.vector, frame.rotation * Vector3::z());
+    let (x, y) = (x - center.x, y - center.y);
+    Vector3::new(x, y, -(normal.x * x + normal.y * y) / normal.z)
 }
 
 impl Cell {
     /// The places that a wafer passes for a slot, on the line that the arm extends along as the platform then leans.
     ///
     /// The axis of a leaning arm crosses the slot's plane beside the robot's: at a height of 150 mm over the platform and 1° by 3 mm, which is much for a wafer that is retracted to a few.
+    /// How far out counts as retracted is measured from where it crosses then, within that plane: the arm's own motors are at the same place whatever the lean.
     ///
     /// # Arguments
     /// * `near` – positions of all axes that the robot is at
@@ -134,11 +139,18 @@ impl Cell {
         near: &[f64],
     ) -> Result<Waypoints, Unreachable> {
         let station = &self.stations[slot.station];
-        let crossing = self.turning_axis(effector, slot, near)?;
-        Ok(station.waypoints(slot.slot, [crossing.x, crossing.y]))
+        let axis = self.turning_axis(effector, slot, near)?;
+        let way = |axes: [Vector3<f64>; 3]| {
+            station.waypoints(slot.slot, axes.map(|axis| [axis.x, axis.y]))
+        };
+        let Waypoints { retracted_below, retracted_above, .. } = way([axis; 3]);
+        // Who cannot come to a retracted place learns that where it is asked for.
+        let retracted =
+            |place: &WaferTarget| self.crossing((effector, slot), place, near).unwrap_or(axis);
+        Ok(way([axis, retracted(&retracted_below), retracted(&retracted_above)]))
     }
 
-    /// Where the axis that the arm turns about crosses the plane of a slot, the platform leaning as it does there, in the base frame [m].
+    /// Where the axis that the arm turns about crosses the plane of a slot as the wafer rests there, in the base frame [m].
     ///
     /// # Errors
     /// As [`Cell::waypoints`].
@@ -151,10 +163,19 @@ impl Cell {
         slot: SlotId,
         near: &[f64],
     ) -> Result<Vector3<f64>, Unreachable> {
-        let station = &self.stations[slot.station];
-        let frame = station.slot_frame(slot.slot);
-        let resting = station.waypoints(slot.slot, [0.0, 0.0]).resting;
-        let positions = self.reach(effector, &resting, true, near)?.positions;
+        let resting = self.stations[slot.station].waypoints(slot.slot, [[0.0; 2]; 3]).resting;
+        self.crossing((effector, slot), &resting, near)
+    }
+
+    /// Where that axis crosses the plane of a slot, the platform leaning as it does with the loaded wafer at a target.
+    fn crossing(
+        &self,
+        (effector, slot): (EffectorId, SlotId),
+        target: &WaferTarget,
+        near: &[f64],
+    ) -> Result<Vector3<f64>, Unreachable> {
+        let frame = self.stations[slot.station].slot_frame(slot.slot);
+        let positions = self.reach(effector, target, true, near)?.positions;
         let rods = [positions[0], positions[1], positions[2]];
         let platform = self.robot.model.forward(&self.robot.gpr, rods).map_err(CellError::from)?;
         let mount = self.robot.arms[effector.arm].mount;
@@ -199,7 +220,7 @@ mod tests {
                     < 1e-15
             );
             let axis = [0.02, -0.01];
-            let way = station.waypoints(7, axis);
+            let way = station.waypoints(7, [axis; 3]);
             let height = |target: &WaferTarget| (frame.inverse() * Point3::from(target.center)).z;
             for (target, expected) in [
                 (&way.retracted_below, -0.004),
@@ -215,7 +236,10 @@ mod tests {
             // Straight below the way in the slot's plane, and as far from the axis as asked for.
             let out = way.retracted_below.center - way.below.center;
             let retracted = way.resting.center + out - Vector3::new(axis[0], axis[1], 0.0);
-            assert!((retracted.xy().norm() - 0.4).abs() < 1e-12);
+            let normal = frame.rotation * Vector3::z();
+            let center = way.resting.center - Vector3::new(axis[0], axis[1], 0.0);
+            let crossing = Vector3::z() * (normal.dot(&center) / normal.z);
+            assert!(((retracted - crossing).norm() - 0.4).abs() < 1e-12);
             assert!((way.retracted_above.center - way.above.center - out).norm() < 1e-15);
         }
     }
@@ -223,13 +247,13 @@ mod tests {
     #[test]
     fn the_way_in_is_radial_or_along_the_station() {
         let radial = station(Approach::Radial, 0.2);
-        let way = radial.waypoints(1, [0.0, 0.0]);
+        let way = radial.waypoints(1, [[0.0; 2]; 3]);
         let (near, far) = (way.retracted_below.center.xy(), way.below.center.xy());
         // Both on a line through the axis but for the little that the plane of passing lies aside.
         assert!((near.x * far.y - near.y * far.x).abs() < 1e-4);
         assert_eq!(way.resting.heading, None);
         let line = station(Approach::Line, 0.45);
-        let way = line.waypoints(1, [0.0, 0.0]);
+        let way = line.waypoints(1, [[0.0; 2]; 3]);
         let along = line
             .base_from_station
             .inverse_transform_vector(&(way.below.center - way.retracted_below.center));
@@ -243,7 +267,7 @@ mod tests {
     #[test]
     fn a_way_that_passes_the_axis_ends_where_it_is_nearest() {
         let station = station(Approach::Line, 0.01);
-        let way = station.waypoints(1, [0.0, 0.0]);
+        let way = station.waypoints(1, [[0.0; 2]; 3]);
         let inward = station.base_from_station.rotation * Vector3::y();
         let retracted = way.retracted_below.center;
         assert!(retracted.xy().norm() > 0.01);
