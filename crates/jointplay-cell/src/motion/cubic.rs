@@ -68,14 +68,32 @@ impl Curve {
         after(&piece.state, (time - piece.start).max(0.0))
     }
 
+    /// [`Self::at`] of times that grow.
+    pub(crate) fn walk(&self) -> impl FnMut(f64) -> State + '_ {
+        let mut place = 0;
+        move |time| {
+            if time >= self.duration {
+                return [self.end, 0.0, 0.0, 0.0];
+            }
+            while self.pieces.get(place + 1).is_some_and(|piece| piece.start <= time) {
+                place += 1;
+            }
+            let piece = &self.pieces[place];
+            after(&piece.state, (time - piece.start).max(0.0))
+        }
+    }
+
     /// When a curve that never goes back comes to a position [s].
     pub(crate) fn when(&self, position: f64) -> f64 {
-        let (mut early, mut late) = (0.0, self.duration);
+        let next = self.pieces.partition_point(|piece| piece.state[0] < position);
+        let piece = &self.pieces[next.saturating_sub(1)];
+        let end = self.pieces.get(next).map_or(self.duration, |next| next.start);
+        let (mut early, mut late) = (0.0, end - piece.start);
         for _ in 0..30 {
             let middle = 0.5 * (early + late);
-            if self.at(middle)[0] < position { early = middle } else { late = middle }
+            if after(&piece.state, middle)[0] < position { early = middle } else { late = middle }
         }
-        late
+        piece.start + late
     }
 
     /// The same way, `factor` times as long.
@@ -121,6 +139,13 @@ mod tests {
                 let slope = (next[order] - past[order]) / (2.0 * h);
                 assert!((slope - now[order + 1]).abs() < 1e-6, "{t} {order}");
             }
+        }
+        let mut walk = curve.walk();
+        for k in 0..=40 {
+            let t = 0.05 * f64::from(k);
+            assert_eq!(walk(t), curve.at(t));
+            let when = curve.when(curve.at(t)[0]);
+            assert!((when - t).abs() < 1e-5 && curve.at(when)[0] >= curve.at(t)[0] - 1e-15, "{t}");
         }
         let slow = curve.slowed(2.0);
         assert_eq!(slow.duration(), 4.0);

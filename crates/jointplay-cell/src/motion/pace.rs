@@ -222,9 +222,10 @@ impl<'a> Pace<'a> {
     fn excess(&self, curve: &Curve) -> f64 {
         let duration = curve.duration();
         let mut worst = 1e-9;
+        let (mut at, mut interval) = (curve.walk(), self.spline.walk());
         for k in 1..PROBES {
-            let state = curve.at(duration * k as f64 / PROBES as f64);
-            self.exceed(&mut worst, state, self.spline.interval(state[0]));
+            let state = at(duration * k as f64 / PROBES as f64);
+            self.exceed(&mut worst, state, interval(state[0]));
         }
         // The jerk jumps where the pieces meet: both sides are looked at.
         for t in curve.breaks() {
@@ -302,20 +303,22 @@ fn averaged(way: &[(f64, f64)], width: f64) -> Curve {
         time += duration;
     }
     starts.push(time);
-    let mut breaks: Vec<f64> =
-        starts.iter().copied().chain(starts.iter().map(|start| start + width)).collect();
-    breaks.sort_by(f64::total_cmp);
-    let acceleration = |t: f64| {
-        let place = starts.partition_point(|&start| start <= t);
-        if place == 0 || place > way.len() { 0.0 } else { way[place - 1].1 }
+    // Where a stretch begins, now or a window ago, one after the other.
+    let acceleration = |begun: usize| match begun {
+        0 => 0.0,
+        begun => way.get(begun - 1).map_or(0.0, |(_, acceleration)| *acceleration),
     };
-    let stretches: Vec<(f64, f64)> = breaks
-        .windows(2)
-        .map(|pair| {
-            let middle = 0.5 * (pair[0] + pair[1]);
-            (pair[1] - pair[0], (acceleration(middle) - acceleration(middle - width)) / width)
-        })
-        .collect();
+    let mut stretches = Vec::with_capacity(2 * starts.len());
+    let (mut now, mut before) = (0, 0);
+    let mut last = 0.0;
+    while before < starts.len() {
+        let ago = starts[before] + width;
+        let next = starts.get(now).copied().filter(|&start| start <= ago);
+        let time = next.unwrap_or(ago);
+        stretches.push((time - last, (acceleration(now) - acceleration(before)) / width));
+        last = time;
+        if next.is_some() { now += 1 } else { before += 1 }
+    }
     Curve::through(0.0, 1.0, &stretches)
 }
 

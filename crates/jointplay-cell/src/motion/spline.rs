@@ -42,6 +42,17 @@ impl Spline {
         self.knots.partition_point(|&knot| knot <= s).clamp(1, self.jets.len()) - 1
     }
 
+    /// [`Self::interval`] of parameters that grow.
+    pub(crate) fn walk(&self) -> impl FnMut(f64) -> usize + '_ {
+        let mut interval = 0;
+        move |s| {
+            while interval + 1 < self.jets.len() && self.knots[interval + 1] <= s {
+                interval += 1;
+            }
+            interval
+        }
+    }
+
     /// The jet of an axis at `s` by the cubic of an interval.
     pub(crate) fn jet(&self, interval: usize, axis: usize, s: f64) -> Jet {
         let [y, slope, curvature, third] = self.jets[interval][axis];
