@@ -374,6 +374,26 @@ fn whole_turns_are_branches_where_limits_admit_them() {
     assert!((found.chosen().unwrap().positions[3] - (1.0 - TAU)).abs() < 1e-12);
 }
 
+/// The turns that are nearest to where the arm is may take it beyond a limit that others keep.
+#[test]
+fn a_free_heading_is_found_by_other_whole_turns() {
+    for number in [5, 7, 8, FOUR_LINKS] {
+        let robot = kind(number, [0.2, 0.2, 0.3]);
+        let at = positions(&robot, Tilt::LEVEL, 0.5, [0.35, 0.6, 0.55, 0.45, 0.0]);
+        let target = target_of(&robot.effector_pose(&at, A).unwrap(), false);
+        let last = robot.axes.len() - 1;
+        for (first, other) in [(0.05, 0.05), (0.05, 0.95), (0.95, 0.05), (0.95, 0.95)] {
+            let mut near = at.clone();
+            for (axis, share) in [(3, first), (last, other)] {
+                let (min, max) = (robot.axes[axis].min, robot.axes[axis].max);
+                near[axis] = min + share * (max - min);
+            }
+            let found = robot.inverse(A, &target, &near).unwrap();
+            assert!(found.chosen.is_some(), "{number} {near:?} {found:?}");
+        }
+    }
+}
+
 /// One arm's station tilts the platform under the other arm, and a shared motor turns it.
 #[test]
 fn the_other_arm_is_told() {

@@ -14,6 +14,10 @@ const STRETCHED: f64 = 1e-14;
 pub(super) struct Found {
     pub(super) pair: [f64; 2],
     pub(super) configuration: Configuration,
+    /// Both arrows of two links; of a slide the whole span, and its direction [m].
+    pub(super) arrows: [Vector2<f64>; 2],
+    /// How far the bend is from its ends: the cosine of the angle between two links, otherwise how far the wafer is ahead [m].
+    pub(super) from_end: f64,
 }
 
 /// Up to four ways.
@@ -51,36 +55,27 @@ impl Plan {
         }
     }
 
-    /// How the span changes with both unknowns.
+    /// How the span of a point changes with both unknowns.
     #[inline]
-    pub(super) fn span_change(&self, planar: &Planar, pair: [f64; 2]) -> SpanChange {
-        let arrows = planar.arrows();
-        let at = |k: usize, turn: f64| turned(&arrows[k].vector, turn);
+    pub(super) fn span_change(&self, found: &Found, point: &Vector2<f64>) -> SpanChange {
+        let [one, other] = found.arrows;
         match &self.pair {
-            Pair::Links([i, j]) => {
-                let (one, other) = (at(i.arrow, pair[0]), at(j.arrow, pair[1]));
-                SpanChange {
-                    velocities: [ahead(&one), ahead(&other)],
-                    second: [-one, Vector2::zeros(), -other],
-                }
-            }
-            Pair::Belt([i, j], carried) => {
-                let (one, other) = (at(i.arrow, pair[0]), at(j.arrow, pair[1]));
-                let quarter = at(carried.arrow, 0.5 * (pair[0] + pair[1])) * 0.25;
+            Pair::Links(_) => SpanChange {
+                velocities: [ahead(&one), ahead(&other)],
+                second: [-one, Vector2::zeros(), -other],
+            },
+            Pair::Belt(..) => {
+                let quarter = (point - one - other) * 0.25;
                 let half = ahead(&quarter) * 2.0;
                 SpanChange {
                     velocities: [ahead(&one) + half, ahead(&other) + half],
                     second: [-one - quarter, -quarter, -other - quarter],
                 }
             }
-            Pair::Slide(g) => {
-                let along = turned(&planar.slides()[0].along.vector, pair[0]);
-                let reach = at(*g, pair[0]) + along * pair[1];
-                SpanChange {
-                    velocities: [ahead(&reach), along],
-                    second: [-reach, ahead(&along), Vector2::zeros()],
-                }
-            }
+            Pair::Slide(_) => SpanChange {
+                velocities: [ahead(&one), other],
+                second: [-one, ahead(&other), Vector2::zeros()],
+            },
         }
     }
 
@@ -170,9 +165,17 @@ fn links(
         let configuration = Configuration { elbow: elbow(-side * sine), reaching: None };
         configuration.agrees_with(bend).then(|| {
             let aside = Vector2::new(reach.x, side * reach.y);
-            let first = if d > 0.0 { angle(&within(&aside, point)) } else { like[0] + one.angle };
+            // The first link times the square of the distance.
+            let along = within(&aside, point);
+            let (first, link) = if d > 0.0 {
+                (angle(&along), along / (d * d))
+            } else {
+                let first = like[0] + one.angle;
+                (first, turned(&Vector2::new(a, 0.0), first))
+            };
             let pair = [first - one.angle, first + side * angle_between - other.angle];
-            Found { pair, configuration }
+            let from_end = cosine / (a * b);
+            Found { pair, configuration, arrows: [link, point - link], from_end }
         })
     };
     // Stretched or folded, both are one.
@@ -212,18 +215,24 @@ fn belt(
         // cos δ and sin δ without cancelling near the stretched arm.
         let across = ((stretched - grown) * (stretched + grown)).max(0.0).sqrt();
         let half = across.atan2(grown);
-        let direction = if d > 0.0 {
-            angle(point) - angle(&Vector2::new(sign * along, w.y))
+        let (direction, unit) = if d > 0.0 {
+            let unit = within(&Vector2::new(sign * along, w.y), point) / (d * d);
+            (angle(&unit), unit)
         } else {
-            0.5 * (like[0] + like[1]) + carried.middle
+            let direction = 0.5 * (like[0] + like[1]) + carried.middle;
+            (direction, turned(&Vector2::x(), direction))
         };
-        for half in [half, -half] {
-            let configuration = Configuration { elbow: elbow(half.sin()), reaching };
-            if !configuration.agrees_with(bend) || (across == 0.0 && half < 0.0) || count == 4 {
+        for side in [1.0, -1.0] {
+            let configuration = Configuration { elbow: elbow(side * across), reaching };
+            if !configuration.agrees_with(bend) || (across == 0.0 && side < 0.0) || count == 4 {
                 continue;
             }
+            let half = side * half;
             let pair = [direction + half - one.angle, direction - half - other.angle];
-            ways[count] = Some(Found { pair, configuration });
+            let (along, aside) = (unit * (0.5 * grown), ahead(&unit) * (0.5 * side * across));
+            let arrows = [along + aside, along - aside];
+            let from_end = grown + w.x;
+            ways[count] = Some(Found { pair, configuration, arrows, from_end });
             count += 1;
         }
     }
@@ -250,12 +259,15 @@ fn slide(
         let reaching = (along > 0.0).then_some(reaching);
         let configuration = Configuration { elbow: None, reaching };
         configuration.agrees_with(bend).then(|| {
-            let turn = if d > 0.0 {
-                angle(point) - angle(&Vector2::new(sign * along, w.y)) - angle(unit)
+            let from_end = sign * along;
+            let (turn, direction) = if d > 0.0 {
+                let direction = within(&Vector2::new(from_end, w.y), point) / (d * d);
+                (angle(&within(unit, &direction)), direction)
             } else {
-                like[0]
+                (like[0], turned(unit, like[0]))
             };
-            Found { pair: [turn, sign * along - w.x], configuration }
+            let pair = [turn, from_end - w.x];
+            Found { pair, configuration, arrows: [*point, direction], from_end }
         })
     };
     let backward = if along > 0.0 { way(-1.0, Reaching::Backward) } else { None };

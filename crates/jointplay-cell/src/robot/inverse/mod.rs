@@ -1,5 +1,6 @@
 //! From a wafer's plane, centre and heading to all positions that reach it.
 
+mod barrier;
 mod closed;
 mod newton;
 mod plan;

@@ -57,15 +57,19 @@ impl Missing {
 
 impl HybridRobot {
     /// Corrects positions of all axes together, where they are not exact yet; hands out how many steps it took and what is left.
+    ///
+    /// # Arguments
+    /// * `base_from_wafer` – where the positions put the wafer
     pub(super) fn polish(
         &self,
         id: EffectorId,
+        base_from_wafer: &Pose,
         target: &WaferTarget,
         normal: &Vector3<f64>,
         with_heading: bool,
         positions: &mut Positions,
     ) -> Result<(usize, Missing), CellError> {
-        let mut missing = Missing::of(&self.effector_pose(positions, id)?, target, normal);
+        let mut missing = Missing::of(base_from_wafer, target, normal);
         for step in 0..MOST_STEPS {
             if missing.is_exact(with_heading) {
                 return Ok((step, missing));

@@ -1,5 +1,6 @@
 //! Positions that differ by whole turns of arrows.
 
+use std::array::from_fn;
 use std::f64::consts::TAU;
 
 use nalgebra::Vector4;
@@ -10,7 +11,10 @@ use super::plan::{Pair, Plan};
 /// Most combinations of whole turns that are tried; with axes of at most ten turns there are fewer on any usual arm.
 const MOST: i64 = 20_000;
 
-/// Limits of the axes of an arm, with a slack for round-off.
+/// Slack of limits for round-off, as a share of the ranges.
+const SLACK: f64 = 1e-12;
+
+/// Limits of the axes of an arm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ranges {
     pub(super) min: Slopes,
@@ -26,16 +30,6 @@ impl Ranges {
     pub(super) fn half(&self, axis: usize) -> f64 {
         0.5 * (self.max[axis] - self.min[axis])
     }
-
-    /// How far positions are beyond limits, as shares of the ranges.
-    fn excess(&self, own: &Slopes) -> f64 {
-        (0..self.count)
-            .map(|a| {
-                let beyond = (self.min[a] - own[a]).max(own[a] - self.max[a]).max(0.0);
-                beyond / (self.max[a] - self.min[a])
-            })
-            .sum()
-    }
 }
 
 /// The lattice of whole turns: positions a + Σ_m k_m generator_m are one pose for whole numbers k.
@@ -45,6 +39,25 @@ pub(super) struct Turns {
     /// k = duals · a
     duals: [Vector4<f64>; 4],
     count: usize,
+}
+
+impl Plan {
+    /// The same pose by unknowns near others.
+    #[inline]
+    pub(super) fn wound(&self, unknown: &Slopes, near: &Slopes) -> Slopes {
+        let mut wound = *unknown;
+        for (r, (wound, near)) in wound.iter_mut().zip(near).enumerate() {
+            if r != 1 || matches!(self.pair, Pair::Links(_)) {
+                *wound += TAU * ((near - *wound) / TAU).round();
+            }
+        }
+        if let Pair::Belt(..) = self.pair {
+            // The third arrow turns by the mean: both turn alike, or one of them by two whole turns.
+            let other = unknown[1] + wound[0] - unknown[0];
+            wound[1] = other + 2.0 * TAU * ((near[1] - other) / (2.0 * TAU)).round();
+        }
+        wound
+    }
 }
 
 impl Turns {
@@ -85,13 +98,22 @@ impl Turns {
     }
 
     /// The same pose by positions near others.
-    pub(super) fn nearest(&self, own: &Slopes, to: &Slopes) -> Slopes {
+    fn nearest(&self, own: &Slopes, to: &Slopes) -> Slopes {
         let away = Vector4::from(*to) - Vector4::from(*own);
         let mut k = [0; 4];
         for (k, dual) in k.iter_mut().zip(&self.duals).take(self.count) {
             *k = dual.dot(&away).round() as i64;
         }
         self.shifted(own, &k)
+    }
+
+    /// How far an axis is beyond its limits once it is shifted by whole turns.
+    #[inline]
+    fn beyond(&self, own: &Slopes, k: &[f64; 4], ranges: &Ranges, axis: usize) -> f64 {
+        let [a, b, c, d] = &self.generators;
+        let shift = (a[axis] * k[0] + b[axis] * k[1]) + (c[axis] * k[2] + d[axis] * k[3]);
+        let position = own[axis] + shift;
+        f64::max(ranges.min[axis] - position, position - ranges.max[axis])
     }
 
     /// Hands out the same pose by all positions within limits; where there are none, by those that are least beyond.
@@ -112,11 +134,12 @@ impl Turns {
         }
         let mut found = false;
         if combinations <= MOST {
+            let slack: Slopes = from_fn(|a| SLACK * (ranges.max[a] - ranges.min[a]));
             for_each(&low[..self.count], &high[..self.count], |k| {
-                let shifted = self.shifted(own, k);
-                if ranges.excess(&shifted) <= 1e-12 {
+                let turns = k.map(|k| k as f64);
+                if (0..ranges.count).all(|a| self.beyond(own, &turns, ranges, a) <= slack[a]) {
                     found = true;
-                    each(&shifted);
+                    each(&self.shifted(own, k));
                 }
             });
         }
@@ -128,16 +151,20 @@ impl Turns {
             *middle = ranges.middle(a);
         }
         let about = self.nearest(own, &middle);
-        let (mut best, mut least) = (about, f64::INFINITY);
+        let (mut best, mut least) = ([0; 4], f64::INFINITY);
+        let weights: Slopes = from_fn(|a| 1.0 / (ranges.max[a] - ranges.min[a]));
         let (low, high) = ([-1; 4], [1; 4]);
         for_each(&low[..self.count], &high[..self.count], |k| {
-            let shifted = self.shifted(&about, k);
-            let excess = ranges.excess(&shifted);
-            if excess < least {
-                (best, least) = (shifted, excess);
+            let (turns, mut excess) = (k.map(|k| k as f64), 0.0);
+            for (a, weight) in weights.iter().enumerate().take(ranges.count) {
+                excess += self.beyond(&about, &turns, ranges, a).max(0.0) * weight;
+                if excess >= least {
+                    return;
+                }
             }
+            (best, least) = (*k, excess);
         });
-        each(&best);
+        each(&self.shifted(&about, &best));
     }
 }
 

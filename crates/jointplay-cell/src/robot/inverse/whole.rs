@@ -124,12 +124,15 @@ impl HybridRobot {
         let mut branches: Vec<Branch> = Vec::new();
         let mut failure = None;
         let tilt = Tilt::from_normal(normal);
+        // The rods are those of the start in all of them.
+        let base_from_platform = self.platform(&start)?.base_from_platform;
         let mut add = |own: &Slopes, configuration: Configuration| {
             let mut positions = start;
             for (&axis, &position) in planar.axes().iter().zip(own) {
                 positions[axis] = position;
             }
-            let polished = self.polish(id, target, normal, with_heading, &mut positions);
+            let pose = base_from_platform * planar.wafer(&positions);
+            let polished = self.polish(id, &pose, target, normal, with_heading, &mut positions);
             let (corrections, missing) = match polished {
                 Ok(found) => found,
                 Err(error) => {
@@ -278,9 +281,9 @@ impl Solver<'_> {
         let last = heading.map(|heading| heading - planar.heading.0);
         if plan.first.is_some() || (plan.last.is_some() && last.is_none()) {
             let redundant =
-                Redundant { planar, plan, turns: &turns, ranges: self.ranges, point, last };
+                Redundant::new(planar, plan, &turns, self.ranges, point, last, self.near);
             for bend in bends(plan) {
-                if let Some(own) = redundant.away_from_limits(bend, self.near) {
+                if let Some(own) = redundant.away_from_limits(bend) {
                     turns.within(&own, self.ranges, |own| add(own, bend));
                 }
             }

@@ -1,0 +1,286 @@
+//! A cost with poles where its terms end, and how it is made least.
+
+use std::array::from_fn;
+
+use nalgebra::Vector2;
+
+/// Beyond this share of a range the cost goes on as its parabola there, so that it is finite beyond the limit too.
+const EDGE: f64 = 0.9999;
+
+/// Axes at most; those that an arm has not stand in the middle of their range and cost 1.
+pub(super) const AXES: usize = 4;
+
+/// Ends of a bend at most.
+pub(super) const ENDS: usize = 2;
+
+/// Newton steps at most; it takes two to four, and from a ten-thousandth before a pole ten.
+const MOST_STEPS: usize = 30;
+
+/// A step that gains this share of what was gained before, and of the cost, is the last: the next one would gain the square of it.
+const FINE: f64 = 0.01;
+
+/// And so is one that gains this share of the cost.
+pub(super) const LEAST: f64 = 2e-9;
+
+/// One number for each axis.
+pub(super) type Each = [f64; AXES];
+
+/// 1/(1 − u²) of axes from −1 at one limit to 1 at the other, beyond both the parabola that it comes in with; its slopes and its curvatures.
+#[inline]
+pub(super) fn of_limits(u: &Each) -> [Each; 3] {
+    let within: Each = from_fn(|a| u[a].clamp(-EDGE, EDGE));
+    let beyond: Each = from_fn(|a| u[a] - within[a]);
+    let cost: Each = from_fn(|a| 1.0 / (1.0 - within[a] * within[a]));
+    let slope: Each = from_fn(|a| 2.0 * within[a] * cost[a] * cost[a]);
+    let curvature: Each =
+        from_fn(|a| (2.0 + 6.0 * within[a] * within[a]) * (cost[a] * cost[a]) * cost[a]);
+    [
+        from_fn(|a| cost[a] + (slope[a] + 0.5 * curvature[a] * beyond[a]) * beyond[a]),
+        from_fn(|a| slope[a] + curvature[a] * beyond[a]),
+        curvature,
+    ]
+}
+
+/// How the end of a bend costs.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Pole {
+    /// Not at all: there is none.
+    None,
+    /// 1/(1 − u²), infinite beyond.
+    Bend,
+    /// k²/u² of a positive number, infinite beyond.
+    Ahead(f64),
+}
+
+impl Pole {
+    /// The cost, its slope and its curvature.
+    #[inline]
+    pub(super) fn of(self, u: f64) -> [f64; 3] {
+        match self {
+            Self::None => [0.0; 3],
+            Self::Bend if u.abs() < 1.0 => {
+                let cost = 1.0 / (1.0 - u * u);
+                let square = cost * cost;
+                [cost, 2.0 * u * square, (2.0 + 6.0 * u * u) * square * cost]
+            }
+            Self::Ahead(k) if u > 0.0 => {
+                let by = 1.0 / u;
+                let cost = k * k * by * by;
+                [cost, -2.0 * cost * by, 6.0 * cost * by * by]
+            }
+            Self::Bend | Self::Ahead(_) => [f64::INFINITY; 3],
+        }
+    }
+}
+
+/// Numbers about where they are, to second order in two unknowns.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bent<const N: usize> {
+    pub(super) values: [f64; N],
+    pub(super) slopes: [[f64; N]; 2],
+    /// By the first, by both, by the second.
+    pub(super) curvatures: [[f64; N]; 3],
+}
+
+impl<const N: usize> Bent<N> {
+    /// They and their slopes a step away.
+    #[inline]
+    fn at(&self, x: &Vector2<f64>) -> ([f64; N], [[f64; N]; 2]) {
+        let [one, both, other] = &self.curvatures;
+        let [first, second] = &self.slopes;
+        let by_first: [f64; N] = from_fn(|t| first[t] + (one[t] * x[0] + both[t] * x[1]));
+        let by_second: [f64; N] = from_fn(|t| second[t] + (both[t] * x[0] + other[t] * x[1]));
+        let values = from_fn(|t| {
+            let twice = (first[t] + by_first[t]) * x[0] + (second[t] + by_second[t]) * x[1];
+            self.values[t] + 0.5 * twice
+        });
+        (values, [by_first, by_second])
+    }
+}
+
+/// A cost about a place.
+pub(super) struct Model {
+    pub(super) limits: Bent<AXES>,
+    pub(super) ends: Bent<ENDS>,
+    pub(super) poles: [Pole; ENDS],
+    /// Which of the unknowns there are.
+    pub(super) free: [bool; 2],
+}
+
+/// The cost at a place, with its derivatives.
+#[derive(Default)]
+struct Local {
+    cost: f64,
+    slope: [f64; 2],
+    curvature: [f64; 3],
+}
+
+/// A step, and what is gained by it.
+pub(super) struct Gain {
+    pub(super) step: Vector2<f64>,
+    pub(super) gain: f64,
+}
+
+impl Local {
+    #[inline]
+    fn add<const N: usize>(
+        &mut self,
+        bent: &Bent<N>,
+        [first, second]: &[[f64; N]; 2],
+        [costs, rising, curving]: &[[f64; N]; 3],
+        share: f64,
+    ) {
+        let sum = |of: [f64; N]| of.iter().sum::<f64>();
+        let [one, both, other] = &bent.curvatures;
+        self.cost += sum(*costs);
+        self.slope[0] += sum(from_fn(|t| first[t] * rising[t]));
+        self.slope[1] += sum(from_fn(|t| second[t] * rising[t]));
+        let rising: [f64; N] = from_fn(|t| rising[t] * share);
+        self.curvature[0] +=
+            sum(from_fn(|t| first[t] * first[t] * curving[t] + one[t] * rising[t]));
+        self.curvature[1] +=
+            sum(from_fn(|t| first[t] * second[t] * curving[t] + both[t] * rising[t]));
+        self.curvature[2] +=
+            sum(from_fn(|t| second[t] * second[t] * curving[t] + other[t] * rising[t]));
+    }
+
+    /// Newton's step and what it gains; `None` where it would lead uphill.
+    #[inline]
+    fn step(&self) -> Option<Gain> {
+        let [one, both, other] = self.curvature;
+        let determinant = one * other - both * both;
+        let is_bowl = one > 0.0 && determinant > 0.0;
+        let [x, y] = self.slope;
+        let step = Vector2::new(both * y - other * x, both * x - one * y) / determinant;
+        let decrement = -(x * step[0] + y * step[1]);
+        let share = 1.0 - 1.5 * decrement / (self.cost - (AXES as f64 - 1.0));
+        // Beyond a limit the parabola asks for steps as they are.
+        let longer = if share > 0.2 && share < 1.0 { 1.0 / share } else { 1.0 };
+        is_bowl.then_some(Gain { step: step * longer, gain: 0.5 * decrement })
+    }
+}
+
+impl Model {
+    /// # Arguments
+    /// * `share` – 1, or 0 to leave out the curvature of the numbers: what then remains of that of the cost is never negative
+    #[inline]
+    fn at(&self, x: &Vector2<f64>, share: f64) -> Local {
+        let mut local = Local::default();
+        let (numbers, along) = self.limits.at(x);
+        local.add(&self.limits, &along, &of_limits(&numbers), share);
+        let (numbers, along) = self.ends.at(x);
+        let [one, other]: [[f64; 3]; ENDS] = from_fn(|t| self.poles[t].of(numbers[t]));
+        local.add(&self.ends, &along, &from_fn(|k| [one[k], other[k]]), share);
+        for (k, free) in self.free.into_iter().enumerate() {
+            if !free {
+                local.curvature[2 * k] = 1.0;
+            }
+        }
+        local
+    }
+
+    /// Where the cost is least, near where it is and within a box about it; the way there.
+    ///
+    /// Newton's method on −(cost − c)^(−1/2), c what all axes but one cost at least: towards its pole a term is then straight, where steps for the cost itself would cover half of the way at a time.
+    pub(super) fn least(&self, radius: f64) -> Option<Gain> {
+        let mut x = Vector2::zeros();
+        let mut here = self.at(&x, 1.0);
+        let start = here.cost;
+        for _ in 0..MOST_STEPS {
+            let Gain { step, gain } = here.step().or_else(|| self.at(&x, 0.0).step())?;
+            let gained = start - here.cost;
+            let mut share = room(&x, &step, radius);
+            if gain <= f64::max(FINE * gained.min(here.cost), LEAST * here.cost) {
+                return Some(Gain { step: x + step * share, gain: gained + gain * share });
+            }
+            let next = loop {
+                let to = x + step * share;
+                let there = self.at(&to, 1.0);
+                if there.cost < here.cost {
+                    break Some((to, there));
+                }
+                share *= 0.25;
+                if share < 1e-5 {
+                    break None;
+                }
+            };
+            let Some((to, there)) = next else { break };
+            (x, here) = (to, there);
+        }
+        Some(Gain { step: x, gain: start - here.cost })
+    }
+}
+
+/// The share of a step that stays within a box.
+#[inline]
+fn room(x: &Vector2<f64>, step: &Vector2<f64>, radius: f64) -> f64 {
+    let mut share = 1.0_f64;
+    for (x, step) in x.iter().zip(step.iter()) {
+        let room = radius - x * step.signum();
+        if step.abs() * share > room {
+            share = (room / step.abs()).max(0.0);
+        }
+    }
+    share
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn limits(values: Each) -> Model {
+        let slopes = [[0.9, -0.4, 0.3, 0.0], [0.1, 0.8, -0.5, 0.2]];
+        let curvatures = [[0.2, -0.1, 0.3, 0.1], [0.05, 0.1, -0.2, 0.1], [-0.1, 0.2, 0.1, 0.0]];
+        let ends = Bent {
+            values: [0.3, 0.8],
+            slopes: [[-0.6, 0.2], [0.4, 0.3]],
+            curvatures: [[0.3, 0.1], [-0.2, 0.0], [0.1, -0.1]],
+        };
+        let poles = [Pole::Bend, Pole::Ahead(0.3)];
+        Model { limits: Bent { values, slopes, curvatures }, ends, poles, free: [true; 2] }
+    }
+
+    #[test]
+    fn derivatives_are_what_differences_say() {
+        let step = 1e-5;
+        for values in [[0.1, -0.3, 0.6, -0.8], [0.1, 1.2, 0.6, -1.1]] {
+            let model = limits(values);
+            let x = Vector2::new(0.03, -0.05);
+            let here = model.at(&x, 1.0);
+            for (k, along) in [Vector2::x() * step, Vector2::y() * step].into_iter().enumerate() {
+                let (before, after) = (model.at(&(x - along), 1.0), model.at(&(x + along), 1.0));
+                let slope = (after.cost - before.cost) / (2.0 * step);
+                assert!((slope - here.slope[k]).abs() <= 1e-6 * here.slope[k].abs());
+                let curvature = (after.slope[k] - before.slope[k]) / (2.0 * step);
+                assert!((curvature - here.curvature[2 * k]).abs() <= 1e-6 * here.curvature[2 * k]);
+                let mixed = (after.slope[1 - k] - before.slope[1 - k]) / (2.0 * step);
+                assert!((mixed - here.curvature[1]).abs() <= 1e-6 * here.curvature[2 * k]);
+            }
+        }
+    }
+
+    #[test]
+    fn the_least_cost_is_found_from_before_a_pole_and_from_beyond() {
+        for values in [[0.1, -0.3, 0.6, -0.8], [0.9999, 0.2, 0.6, 0.1], [1.3, 0.2, -0.4, 0.1]] {
+            let model = limits(values);
+            let found = model.least(1.0).unwrap();
+            let there = model.at(&found.step, 1.0);
+            let start = model.at(&Vector2::zeros(), 1.0).cost;
+            let stated = start - found.gain;
+            assert!((stated - there.cost).abs() <= FINE * there.cost, "{stated} {}", there.cost);
+            // What is left to gain is little of what was gained.
+            let left = there.step().unwrap().gain;
+            assert!(left <= FINE * found.gain.min(there.cost), "{left:e} {:e}", found.gain);
+            // Within a box that is too small, on its edge.
+            let near = model.least(0.01).unwrap();
+            assert!((near.step.amax() - 0.01).abs() <= 1e-12 && near.gain > 0.0);
+        }
+        let mut held = limits([0.5, 0.0, 0.0, 0.0]);
+        held.free[1] = false;
+        (held.limits.slopes[1], held.ends.slopes[1]) = ([0.0; AXES], [0.0; ENDS]);
+        for k in [1, 2] {
+            (held.limits.curvatures[k], held.ends.curvatures[k]) = ([0.0; AXES], [0.0; ENDS]);
+        }
+        assert_eq!(held.least(1.0).unwrap().step[1], 0.0);
+    }
+}
