@@ -55,11 +55,12 @@ impl Course {
         let left = self.places.drain(..).flatten().flatten();
         self.rooms.extend(left.map(Places::into_room));
         self.places.resize_with(self.count, || None);
+        let mut moved = Moved::default();
         self.moved.clear();
-        self.moved.push(Moved::default());
-        for (k, pair) in self.samples[..self.count].windows(2).enumerate() {
-            let moved = gearing.moved(&pair[0], &pair[1], &self.moving);
-            self.moved.push(self.moved[k].and(&moved));
+        self.moved.push(moved);
+        for pair in self.samples[..self.count].windows(2) {
+            gearing.add(&mut moved, [&pair[0], &pair[1]], &self.moving);
+            self.moved.push(moved);
         }
     }
 

@@ -49,26 +49,17 @@ pub(super) struct Moved {
 }
 
 impl Moved {
-    /// What they did in two intervals, one after the other.
-    pub(super) fn and(&self, more: &Self) -> Self {
-        self.with(more, |one, other| one + other)
-    }
-
     /// What they did beyond the first of two intervals.
     pub(super) fn beyond(&self, first: &Self) -> Self {
-        self.with(first, |one, other| one - other)
-    }
-
-    fn with(&self, other: &Self, of: impl Fn(f64, f64) -> f64) -> Self {
-        let each = |one: &[f64; MAX_AXES], other: &[f64; MAX_AXES]| {
-            std::array::from_fn(|axis| of(one[axis], other[axis]))
+        let each = |whole: &[f64; MAX_AXES], first: &[f64; MAX_AXES]| {
+            std::array::from_fn(|axis| whole[axis] - first[axis])
         };
         Self {
-            axes: each(&self.axes, &other.axes),
-            hurries: each(&self.hurries, &other.hurries),
-            squares: each(&self.squares, &other.squares),
-            height: of(self.height, other.height),
-            lean: of(self.lean, other.lean),
+            axes: each(&self.axes, &first.axes),
+            hurries: each(&self.hurries, &first.hurries),
+            squares: each(&self.squares, &first.squares),
+            height: self.height - first.height,
+            lean: self.lean - first.lean,
         }
     }
 }
@@ -107,13 +98,13 @@ impl Gearing {
         }
     }
 
-    /// What all axes did between two samples, at most.
+    /// Adds what all axes did between two samples, at most.
     ///
     /// # Arguments
     /// * `moving` – axes that do anything there, in growing order
-    pub(super) fn moved(&self, from: &Sample, to: &Sample, moving: &[usize]) -> Moved {
+    pub(super) fn add(&self, moved: &mut Moved, [from, to]: [&Sample; 2], moving: &[usize]) {
         let dt = to.time - from.time;
-        let mut moved = Moved::default();
+        let mut rods = 0.0_f64;
         let jerk_of =
             |limit: f64, axis: usize| limit.max(from.jerks[axis].abs()).max(to.jerks[axis].abs());
         for &axis in moving {
@@ -122,9 +113,13 @@ impl Gearing {
             let jerk = jerk_of(self.jerks[axis], axis);
             let hurry = most(dt, accelerations, jerk);
             let speed = most(dt, [from, to].map(|sample| sample.velocities[axis]), hurry);
-            moved.axes[axis] = path(dt, far, hurry);
-            moved.hurries[axis] = dt * hurry;
-            moved.squares[axis] = dt * speed * speed;
+            let path = path(dt, far, hurry);
+            moved.axes[axis] += path;
+            moved.hurries[axis] += dt * hurry;
+            moved.squares[axis] += dt * speed * speed;
+            if axis < RODS {
+                rods = rods.max(path);
+            }
         }
         if moving.first().is_some_and(|&axis| axis < RODS) {
             let mean = |values: [f64; RODS]| (values[0] + values[1] + values[2]) / 3.0;
@@ -138,13 +133,11 @@ impl Gearing {
             let jerk = 2.0 * jerks.fold(0.0, f64::max);
             for rod in 0..RODS {
                 let hurry = most(dt, accelerations.map(|of| of[rod]), jerk);
-                moved.lean += path(dt, far[rod] - mean(far), hurry) / self.heights[rod];
+                let path = path(dt, far[rod] - mean(far), hurry);
+                moved.lean += SLACK * path / self.heights[rod];
             }
-            moved.lean *= SLACK;
-            let rods = moved.axes[..RODS].iter().copied().fold(0.0, f64::max);
-            moved.height = self.weights * rods;
+            moved.height += self.weights * rods;
         }
-        moved
     }
 
     /// How far points of an item went, at most.

@@ -181,6 +181,7 @@ impl HybridRobot {
     }
 
     /// Where the platform is over its rods.
+    #[inline]
     pub(crate) fn platform(&self, positions: &[f64]) -> Result<Forward, CellError> {
         let rods = [positions[0], positions[1], positions[2]];
         Ok(self.model.forward(&self.gpr, rods)?)
