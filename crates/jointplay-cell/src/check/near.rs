@@ -183,7 +183,7 @@ struct Way {
 }
 
 impl Way {
-    /// In either half of the interval, about: that no more than all of it is counted twice is what matters.
+    /// In either half of the interval: ways are those at the largest speed for the whole time.
     fn half(self) -> Self {
         let Self { whole, along, plane, arm, bent } = self;
         let [whole, along, plane, arm] = [whole, along, plane, arm].map(|way| 0.5 * way);
