@@ -237,7 +237,7 @@ impl Search<'_, '_> {
             }
             self.exact(between.start, left);
             self.exact(between.end, right);
-            let times = [between.start, between.end].map(|k| self.look.course.samples()[k].time);
+            let times = [between.start, between.end].map(|k| self.look.course.times()[k]);
             self.between(between.end, times, [*left, *right], way);
             return;
         }
@@ -334,7 +334,7 @@ impl Search<'_, '_> {
         let apart = found.distance;
         self.along = found.along.map(|along| turned.inverse() * along).or(self.along);
         (known.apart, known.most, known.is_exact) = (apart, apart, true);
-        let time = look.course.samples()[sample].time;
+        let time = look.course.times()[sample];
         if apart <= self.limit {
             let deep = if apart == 0.0 && self.pair.rule != Rule::Out { depth(a, b) } else { 0.0 };
             self.seen.push(Seen { when: When { time, sample }, apart, deep });
@@ -366,7 +366,7 @@ impl Search<'_, '_> {
         let moved = course.moved(between);
         let levers = &self.levers;
         let Travel { plane, arm } = gearing.travel(levers, &moved);
-        let [from, to] = [between.start, between.end].map(|k| course.samples()[k].time);
+        let [from, to] = [between.start, between.end].map(|k| course.times()[k]);
         let bent = 0.25 * (to - from) * gearing.bend(levers, &moved);
         if self.common != Holder::World {
             // The platform carries both, and changes no more than how they droop.

@@ -101,7 +101,7 @@ impl<'a> Steps<'a> {
     pub(super) fn alone(&self, start: &Start, index: usize, course: &mut Course) -> Alone {
         self.take(index, course);
         let scene = self.scene(start);
-        let mut alone = Alone::new(scene, &self.motion.steps[index], course);
+        let mut alone = Alone::new(scene, &self.motion.steps[index], (course, &self.gearing));
         let around =
             |(&item, levers)| course.around(scene, item, (&self.gearing, levers), &alone.runs);
         alone.around = start.movers.iter().zip(&start.levers).map(around).collect();
