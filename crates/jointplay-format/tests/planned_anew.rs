@@ -221,6 +221,28 @@ fn slip_is_that_of_all_samples() {
     }
 }
 
+#[test]
+fn running_into_each_other_makes_no_wafer_slip() {
+    let mut cell = example();
+    let blended = format!("BLEND 40 mm\n{SHORT}");
+    let planned = |cell: &Cell, text: &str| {
+        let motion = timed(cell, steps(cell, text), &MotionOptions::default()).unwrap();
+        let report = check(cell, &motion, &CheckOptions::default());
+        let most = report.by_instruction.iter().filter_map(|row| row.slip);
+        let most = most.map(|slip| slip.share).fold(0.0, f64::max);
+        (motion.duration(), most)
+    };
+    let most = planned(&cell, SHORT).1;
+    let free = planned(&cell, &blended).0;
+    // Just so much friction that no wafer slips where all come to rest between moves.
+    for arm in &mut cell.robot.arms {
+        arm.effectors.iter_mut().for_each(|effector| effector.friction *= most / 0.98);
+    }
+    let ((plain, alone), (shorter, together)) = (planned(&cell, SHORT), planned(&cell, &blended));
+    assert!((alone - 0.98).abs() < 1e-3 && together < 1.0, "{alone} {together}");
+    assert!(free < shorter && shorter < 0.95 * plain, "{free} {shorter} {plain}");
+}
+
 fn by_two_threads() -> Memory {
     Memory::run_by(|count, job| {
         std::thread::scope(|scope| {
