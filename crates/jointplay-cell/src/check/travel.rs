@@ -16,6 +16,8 @@ pub(super) struct Levers {
     arms: [f64; MAX_AXES],
     /// By the square of its speed, how hard they bend from straight [1/m or m/rad²].
     turns: [f64; MAX_AXES],
+    /// What each motor of the arms does to the reach of a wafer, which droops by it: all but turn it about the first joint [m/m or m/rad].
+    reaches: [f64; MAX_AXES],
     /// Largest distance of a point from the platform's origin [m].
     far: f64,
 }
@@ -27,6 +29,8 @@ pub(super) struct Travel {
     pub(super) plane: f64,
     /// By the arms, parallel to the platform [m].
     pub(super) arm: f64,
+    /// How far the reach of what droops changed [m].
+    pub(super) reach: f64,
 }
 
 impl Travel {
@@ -202,8 +206,11 @@ impl Gearing {
     /// How far points of an item went, at most.
     pub(super) fn travel(&self, levers: &Levers, moved: &Moved) -> Travel {
         let plane = moved.height + moved.lean * (levers.far + 0.5 * self.radius);
-        let arm: f64 = levers.arms.iter().zip(&moved.axes).map(|(lever, path)| lever * path).sum();
-        Travel { plane: SLACK * plane, arm: SLACK * arm }
+        let by = |levers: &[f64; MAX_AXES]| -> f64 {
+            levers.iter().zip(&moved.axes).map(|(lever, path)| lever * path).sum()
+        };
+        let [arm, reach] = [&levers.arms, &levers.reaches].map(by);
+        Travel { plane: SLACK * plane, arm: SLACK * arm, reach: SLACK * reach }
     }
 
     /// How fast the arms' part of the way of a point changed, in all [m/s].
@@ -248,8 +255,20 @@ impl Levers {
         Self {
             arms: both(one.arms, other.arms),
             turns: both(one.turns, other.turns),
+            reaches: both(one.reaches, other.reaches),
             far: one.far + other.far,
         }
+    }
+
+    /// By joints from a place on, and of a wafer's reach by all.
+    fn beyond(robot: &HybridRobot, (holder, reach): (Holder, f64), common: usize) -> Self {
+        let mut levers = Self::by_joints(robot, (holder, reach), common);
+        if let Holder::Effector(id) = holder {
+            // Turned about its first joint, an arm reaches as far.
+            let turns = robot.arms[id.arm].joints[0].kind == MotionKind::Turn;
+            levers.reaches = Self::by_joints(robot, (holder, 0.0), usize::from(turns)).arms;
+        }
+        levers
     }
 
     /// By joints from a place on.
@@ -261,10 +280,10 @@ impl Levers {
     ///
     /// # Arguments
     /// * `reach` – of the farthest point from the origin of what holds it [m]
-    fn beyond(robot: &HybridRobot, (holder, reach): (Holder, f64), common: usize) -> Self {
+    fn by_joints(robot: &HybridRobot, (holder, reach): (Holder, f64), common: usize) -> Self {
         let (mut arms, mut turns) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
         let Some((arm, joints)) = joints_of(robot, holder) else {
-            return Self { arms, turns, far: reach };
+            return Self { arms, turns, reaches: [0.0; MAX_AXES], far: reach };
         };
         let described = &robot.arms[arm];
         let own = match holder {
@@ -306,7 +325,7 @@ impl Levers {
                 turns[axis] += turning * whole * length;
             }
         }
-        Self { arms, turns, far }
+        Self { arms, turns, reaches: [0.0; MAX_AXES], far }
     }
 }
 
