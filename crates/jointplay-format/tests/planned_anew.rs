@@ -197,7 +197,12 @@ fn slip_is_that_of_all_samples() {
             let found = row.slip.map(|slip| slip.share);
             match (most, found) {
                 (Some(most), Some(found)) => {
-                    assert!((most - found).abs() < 2e-6, "{}: {most} {found}", row.instruction);
+                    // As closely as the report says.
+                    assert!(
+                        found <= most + 1e-9 && found > most - 1.01e-4,
+                        "{}: {most} {found}",
+                        row.instruction
+                    );
                 }
                 (most, found) => assert_eq!(most, found),
             }

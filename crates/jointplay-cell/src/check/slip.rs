@@ -12,8 +12,8 @@ use crate::wafer::Slip;
 const SLACK: f64 = 1.1;
 /// How much of what an arm does may go across its plane as the droop changes with reach.
 const DROOPING: f64 = 0.02;
-/// By how much the largest share may be passed over: more than the round-off of a platform's acceleration.
-const PASSED: f64 = 1e-6;
+/// By how much the largest share may be passed over.
+const PASSED: f64 = 1e-4;
 
 /// A carried wafer at the samples of a step.
 pub(super) struct Carried<'a> {
@@ -128,23 +128,33 @@ fn changed(
     let described = &cell.robot.arms[effector.arm].effectors[effector.effector];
     let radius = 0.5 * cell.wafer.diameter;
     let twisting = 0.5 * radius * radius / described.support.lever(&cell.wafer);
-    let mut all = 0.0;
-    let mut changed = Vec::with_capacity(course.times().len());
-    changed.push(all);
+    let (moving, count) = (course.track().moving(), course.times().len());
+    let rods_move = moving.first().is_some_and(|&axis| axis < RODS);
+    let arm_moves = moving.iter().any(|axis| planar.axes().contains(axis));
     let mut before = course.rates(0);
-    for sample in 1..course.times().len() {
+    let mut doing = planar.doing(&before);
+    let mut arm = planar.change(&doing, &doing);
+    let mut all = 0.0;
+    let mut changed = Vec::with_capacity(count);
+    changed.push(all);
+    for sample in 1..count {
         let after = course.rates(sample);
-        let rods = |order: usize| -> [f64; RODS] {
-            std::array::from_fn(|rod| after[order][rod] - before[order][rod])
-        };
-        let arm = planar.change([&before, &after]);
-        let mut change = arm.acceleration * (1.0 + DROOPING)
-            + DROOPING * arm.speed * arm.velocity
-            + cell.gravity * tilt * arm.turn
-            + twisting * arm.spin;
-        if course.track().moving().first().is_some_and(|&axis| axis < RODS) {
-            let [lean, turning, spinning] = [0, 1, 2].map(|order| gearing.leaning(&rods(order)));
+        let mut change = 0.0;
+        if arm_moves {
+            let now = planar.doing(&after);
+            arm = planar.change(&doing, &now);
+            doing = now;
+            change += arm.acceleration * (1.0 + DROOPING)
+                + DROOPING * arm.speed * arm.velocity
+                + cell.gravity * tilt * arm.turn
+                + twisting * arm.spin;
+        }
+        if rods_move {
+            let rods = |order: usize| -> [f64; RODS] {
+                std::array::from_fn(|rod| after[order][rod] - before[order][rod])
+            };
             let of = |order: usize| gearing.leaning(&std::array::from_fn(|rod| after[order][rod]));
+            let [lean, turning, spinning] = [0, 1, 2].map(|order| gearing.leaning(&rods(order)));
             change += gearing.lift(&rods(2))
                 + spinning * arm.reach
                 + of(2) * (arm.way + arm.turn * arm.reach)

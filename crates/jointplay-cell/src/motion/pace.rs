@@ -26,6 +26,8 @@ pub(crate) struct Pace<'a> {
     spline: &'a Spline,
     /// Of each axis that moves.
     limits: Vec<(usize, Dynamics)>,
+    /// One by each of them: speed, acceleration and jerk.
+    by: Vec<[f64; 3]>,
     /// Largest rate of the parameter [1/s].
     rate: f64,
 }
@@ -36,8 +38,12 @@ impl<'a> Pace<'a> {
     /// * `rate` – the largest of the parameter [1/s]
     pub(crate) fn new(spline: &'a Spline, limits: &[Dynamics], rate: f64) -> Self {
         let limits = limits.iter().copied().enumerate();
-        let limits = limits.filter(|(axis, _)| spline.moves(*axis)).collect();
-        Self { spline, limits, rate }
+        let limits: Vec<(usize, Dynamics)> =
+            limits.filter(|(axis, _)| spline.moves(*axis)).collect();
+        let by = limits.iter().map(|(_, limits)| {
+            [limits.velocity, limits.acceleration, limits.jerk].map(|limit| 1.0 / limit)
+        });
+        Self { spline, by: by.collect(), limits, rate }
     }
 
     /// The parameter from 0 to 1 in time.
@@ -235,14 +241,14 @@ impl<'a> Pace<'a> {
     fn exceed(&self, worst: &mut f64, [s, rate, acceleration, jerk]: [f64; 4], interval: usize) {
         let mut most = rate / self.rate;
         let (mut squared, mut cubed) = (0.0_f64, 0.0_f64);
-        for &(axis, limits) in &self.limits {
+        for (&(axis, _), by) in self.limits.iter().zip(&self.by) {
             let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
             let v = slope * rate;
             let a = curvature * rate * rate + slope * acceleration;
             let j = third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk;
-            most = most.max(v.abs() / limits.velocity);
-            squared = squared.max(a.abs() / limits.acceleration);
-            cubed = cubed.max(j.abs() / limits.jerk);
+            most = most.max(v.abs() * by[0]);
+            squared = squared.max(a.abs() * by[1]);
+            cubed = cubed.max(j.abs() * by[2]);
         }
         *worst = worst.max(most);
         // Roots only of what is worse: there are far more states than worst ones.

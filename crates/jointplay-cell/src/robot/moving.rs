@@ -5,7 +5,7 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
 use super::planar::{Planar, Slopes, ahead, dot, turned};
-use super::{EffectorId, HybridRobot, Positions, RODS};
+use super::{EffectorId, HybridRobot, MAX_JOINTS, Positions, RODS};
 use crate::CellError;
 
 /// Half of the step of differences in time [s]: short against what jerk does, long against round-off.
@@ -147,26 +147,49 @@ pub(crate) struct Change {
     pub(crate) reach: f64,
 }
 
+/// Position, velocity and acceleration of something.
+type Rates = [f64; 3];
+
+/// What an arm does at one time: turns of its heading, of its arrows and of its slides, and lengths of these.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Doing {
+    heading: Rates,
+    arrows: [Rates; MAX_JOINTS],
+    slides: [[Rates; 2]; MAX_JOINTS],
+}
+
 impl Planar {
-    /// How much a wafer's motion changes from one state of the axes to the next, each their positions, velocities and accelerations.
-    pub(crate) fn change(&self, states: [&[Positions; 3]; 2]) -> Change {
-        let own = states.map(|state| [0, 1, 2].map(|order| self.own(&state[order])));
-        let by = |slopes: &Slopes| {
-            own.each_ref().map(|state| state.each_ref().map(|rates| dot(slopes, rates)))
+    /// What it does at one time, by positions, velocities and accelerations of all axes.
+    pub(crate) fn doing(&self, rates: &[Positions; 3]) -> Doing {
+        let own = rates.each_ref().map(|rates| self.own(rates));
+        let by = |slopes: &Slopes| own.each_ref().map(|rates| dot(slopes, rates));
+        let mut doing = Doing {
+            heading: by(&self.heading.1),
+            arrows: Default::default(),
+            slides: Default::default(),
         };
-        let heading = by(&self.heading.1);
-        let turn = heading[1][0] - heading[0][0];
+        for (rates, arrow) in doing.arrows.iter_mut().zip(self.arrows()) {
+            *rates = by(&arrow.turn);
+        }
+        for (rates, slide) in doing.slides.iter_mut().zip(self.slides()) {
+            *rates = [by(&slide.along.turn), by(&slide.growth)];
+        }
+        doing
+    }
+
+    /// How much a wafer's motion changes from one time to the next.
+    pub(crate) fn change(&self, from: &Doing, to: &Doing) -> Change {
+        let turn = to.heading[0] - from.heading[0];
         let mut change = Change {
             turn: turn.abs(),
-            spin: (heading[1][2] - heading[0][2]).abs(),
+            spin: (to.heading[2] - from.heading[2]).abs(),
             reach: self.origin.norm() + self.height.abs(),
             ..Change::default()
         };
-        for arrow in self.arrows() {
-            let [before, after] = by(&arrow.turn);
+        for ((arrow, before), after) in self.arrows().iter().zip(&from.arrows).zip(&to.arrows) {
             let length = arrow.vector.norm();
             let aside = (after[0] - before[0] - turn).abs();
-            let squares = [before, after].map(|state| state[1] * state[1]);
+            let squares = [before, after].map(|rates| rates[1] * rates[1]);
             change.acceleration += length
                 * ((after[2] - before[2]).abs()
                     + (squares[1] - squares[0]).abs()
@@ -176,27 +199,24 @@ impl Planar {
             change.speed += length * after[1].abs();
             change.reach += length;
         }
-        for slide in self.slides() {
-            let [before, after] = by(&slide.along.turn);
-            let [short, long] = by(&slide.growth);
-            let aside = (after[0] - before[0] - turn).abs();
+        for (before, after) in from.slides.iter().zip(&to.slides).take(self.slides().len()) {
+            let aside = (after[0][0] - before[0][0] - turn).abs();
             // Along and across.
-            let hurries = [(before, short), (after, long)].map(|(angle, length)| {
+            let hurries = [before, after].map(|[angle, length]| {
                 [
                     length[2] - length[0] * angle[1] * angle[1],
                     2.0 * length[1] * angle[1] + length[0] * angle[2],
                 ]
             });
-            let speeds = [(before, short), (after, long)]
-                .map(|(angle, length)| [length[1], length[0] * angle[1]]);
+            let speeds = [before, after].map(|[angle, length]| [length[1], length[0] * angle[1]]);
             let changed = |of: [[f64; 2]; 2]| -> f64 {
                 (0..2).map(|k| (of[1][k] - of[0][k]).abs() + aside * of[1][k].abs()).sum()
             };
             change.acceleration += changed(hurries);
             change.velocity += changed(speeds);
-            change.way += (long[0] - short[0]).abs() + aside * long[0].abs();
+            change.way += (after[1][0] - before[1][0]).abs() + aside * after[1][0].abs();
             change.speed += speeds[1][0].abs() + speeds[1][1].abs();
-            change.reach += long[0].abs();
+            change.reach += after[1][0].abs();
         }
         change
     }

@@ -148,7 +148,7 @@ impl Planar {
 
     /// Axes that move it, as indices into those of the robot.
     #[inline]
-    pub(super) fn axes(&self) -> &[usize] {
+    pub(crate) fn axes(&self) -> &[usize] {
         &self.axes[..self.count]
     }
 
