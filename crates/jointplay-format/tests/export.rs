@@ -386,6 +386,34 @@ fn controller_text_says_how_motions_run_into_each_other() {
 }
 
 #[test]
+fn a_wait_that_takes_no_time_is_no_motion() {
+    let cell = cell();
+    let mut steps = motion(&cell).steps;
+    let wait = Path::Processed { since: 0, seconds: 0.1 };
+    steps.insert(2, Step { path: wait, ..steps[2].clone() });
+    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    assert_eq!(motion.times[2], motion.times[3]);
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    let text = Dialect::neutral().write(&recording, 100.0).unwrap();
+    let told = text.lines().map(|line| line.split(' ').take(2).collect::<Vec<_>>());
+    let waits: Vec<_> = told.filter(|words| words[0] == "WAIT").collect();
+    assert_eq!(waits, [["WAIT", "0.250000"]]);
+    #[cfg(feature = "mcap")]
+    {
+        let file = jointplay_format::export::mcap::write(&recording, 100.0).unwrap();
+        let messages = mcap::MessageStream::new(&file).unwrap().map(Result::unwrap);
+        let trajectories = messages.filter(|one| one.channel.topic == "/joint_trajectory");
+        assert_eq!(trajectories.count(), 3);
+    }
+    // The others keep their numbers.
+    let columns = samples(&recording, 100.0).unwrap();
+    let column = columns.iter().find(|one| one.name == "step").unwrap();
+    let Values::Count(mut numbers) = column.values.clone() else { panic!("not counted") };
+    numbers.dedup();
+    assert_eq!(numbers, [1, 2, 4]);
+}
+
+#[test]
 fn controller_text_reads_well() {
     let cell = cell();
     let motion = motion(&cell);

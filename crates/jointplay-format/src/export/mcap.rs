@@ -134,11 +134,13 @@ pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
                 file.push(program, start, text(recording.line(step)))?;
             }
             let of_step = [start, motion.times[step + 1]];
-            file.push(
-                trajectory,
-                start,
-                joint_trajectory(recording, &names, of_step, &samples[k..]),
-            )?;
+            if motion.lasts(step) {
+                file.push(
+                    trajectory,
+                    start,
+                    joint_trajectory(recording, &names, of_step, &samples[k..]),
+                )?;
+            }
             step += 1;
         }
         while let Some(flaw) = flaws.next_if(|flaw| flaw.from <= sample.time) {
