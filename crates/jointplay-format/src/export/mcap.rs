@@ -77,7 +77,7 @@ struct File {
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`], [`Error::Mcap`]
 pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
-    let scene = Scene::of(recording, rate)?;
+    let scene = Scene::of(recording, rate, false)?;
     let samples: Vec<Sample> = recording.motion.samples(rate).collect();
     let options = WriteOptions::new()
         .compression(None)
