@@ -349,6 +349,7 @@ fn a_station_is_waited_for_from_when_its_wafer_was_left() {
             .unwrap();
     assert!((motion.step_duration(2) - 3.0).abs() < 1e-12);
     assert_eq!(motion.step_duration(3), 0.0);
+    assert_eq!([0, 1, 2, 3].map(|step| motion.lasts(step)), [true, true, true, false]);
 }
 
 #[test]

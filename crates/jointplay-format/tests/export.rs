@@ -16,7 +16,9 @@ use jointplay_format::export::dialect::{DIALECTS, Dialect};
 use jointplay_format::export::{Flaw, Frame, MACRO, Recording, frames, gltf, samples, solidworks};
 use jointplay_format::table::Values;
 use jointplay_format::{cell, program};
+use nalgebra::SVector;
 use serde_json::Value;
+use std::collections::BTreeMap;
 
 const PROGRAM: &str = "HOME\nGET port WITH A\nWAIT 0.25\n";
 const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
@@ -264,7 +266,10 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
         let taken = at(recording.motion.times[1]);
         let slot = recording.cell.stations[0].slot_frame(1);
         let expected = at(recording.motion.duration()) * taken.inverse() * slot;
-        let last: Vec<f64> = places[places.len() - 3..].iter().map(|&one| f64::from(one)).collect();
+        // A key is how fast it comes, where it is, and how fast it goes.
+        let key = &places[places.len() - 9..];
+        let last: Vec<f64> = key[3..6].iter().map(|&one| f64::from(one)).collect();
+        assert_eq!((&key[..3], &key[6..]), (&[0.0; 3][..], &[0.0; 3][..]));
         let off = nalgebra::Vector3::from_row_slice(&last) - expected.translation.vector;
         assert!(off.norm() < 1e-6, "{off}");
         let warned = root["asset"]["extras"]["warning"].is_string();
@@ -386,6 +391,34 @@ fn controller_text_says_how_motions_run_into_each_other() {
 }
 
 #[test]
+fn a_wait_that_takes_no_time_is_no_motion() {
+    let cell = cell();
+    let mut steps = motion(&cell).steps;
+    let wait = Path::Processed { since: 0, seconds: 0.1 };
+    steps.insert(2, Step { path: wait, ..steps[2].clone() });
+    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    assert_eq!(motion.times[2], motion.times[3]);
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    let text = Dialect::neutral().write(&recording, 100.0).unwrap();
+    let told = text.lines().map(|line| line.split(' ').take(2).collect::<Vec<_>>());
+    let waits: Vec<_> = told.filter(|words| words[0] == "WAIT").collect();
+    assert_eq!(waits, [["WAIT", "0.250000"]]);
+    #[cfg(feature = "mcap")]
+    {
+        let file = jointplay_format::export::mcap::write(&recording, 100.0).unwrap();
+        let messages = mcap::MessageStream::new(&file).unwrap().map(Result::unwrap);
+        let trajectories = messages.filter(|one| one.channel.topic == "/joint_trajectory");
+        assert_eq!(trajectories.count(), 3);
+    }
+    // The others keep their numbers.
+    let columns = samples(&recording, 100.0).unwrap();
+    let column = columns.iter().find(|one| one.name == "step").unwrap();
+    let Values::Count(mut numbers) = column.values.clone() else { panic!("not counted") };
+    numbers.dedup();
+    assert_eq!(numbers, [1, 2, 4]);
+}
+
+#[test]
 fn controller_text_reads_well() {
     let cell = cell();
     let motion = motion(&cell);
@@ -452,4 +485,81 @@ fn mcap_has_every_sample_and_the_steps() {
         assert_eq!((counts["/joint_trajectory"], counts["/program"]), (3, 2));
         assert_eq!(counts.get("/violations").copied().unwrap_or(0), recording.flaws.len());
     });
+}
+
+/// Times, and three values for each.
+type Keys = (Vec<f32>, Vec<f32>);
+
+/// What a viewer makes of an animated node at a time [s]: place and turn.
+struct Animated<'a> {
+    root: &'a Value,
+    /// By node and path.
+    channels: BTreeMap<(usize, &'a str), Keys>,
+}
+
+impl<'a> Animated<'a> {
+    fn new(root: &'a Value, bytes: &[u8]) -> Self {
+        let index = |value: &Value| usize::try_from(value.as_u64().unwrap()).unwrap();
+        let animation = &root["animations"][0];
+        let channels = animation["channels"].as_array().unwrap().iter().map(|channel| {
+            let sampler = &animation["samplers"][index(&channel["sampler"])];
+            assert_eq!(sampler["interpolation"], "CUBICSPLINE");
+            let [times, values] =
+                ["input", "output"].map(|which| numbers(root, bytes, index(&sampler[which])));
+            let target = &channel["target"];
+            ((index(&target["node"]), target["path"].as_str().unwrap()), (times, values))
+        });
+        Self { root, channels: channels.collect() }
+    }
+
+    /// The value of a path, by the cubics of the specification.
+    fn value<const N: usize>(&self, node: usize, path: &str, time: f64) -> SVector<f64, N> {
+        let Some((times, values)) = self.channels.get(&(node, path)) else {
+            let at = &self.root["nodes"][node][path];
+            return SVector::from_fn(|k, _| at[k].as_f64().unwrap());
+        };
+        let told = |key: usize, part: usize| {
+            SVector::<f64, N>::from_fn(|k, _| f64::from(values[(3 * key + part) * N + k]))
+        };
+        let after = times.partition_point(|&at| f64::from(at) <= time).clamp(1, times.len() - 1);
+        let [from, to] = [after - 1, after].map(|key| f64::from(times[key]));
+        let (span, s) = (to - from, ((time - from) / (to - from)).min(1.0));
+        let (s2, s3) = (s * s, s * s * s);
+        (2.0 * s3 - 3.0 * s2 + 1.0) * told(after - 1, 1)
+            + span * (s3 - 2.0 * s2 + s) * told(after - 1, 2)
+            + (3.0 * s2 - 2.0 * s3) * told(after, 1)
+            + span * (s3 - s2) * told(after, 0)
+    }
+}
+
+#[test]
+fn between_keys_a_3d_scene_is_where_the_motion_is() {
+    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    // Late in a long motion, where single precision tells times only to some 30 µs unless they are of a rate that is a power of two.
+    let text = "WAIT 800 s\nHOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 25 WITH B\nHOME\n";
+    let program = program::parse(text).unwrap();
+    let motion = timed(&cell, expand(&cell, &program).unwrap(), &MotionOptions::default()).unwrap();
+    let recording = Recording { cell: &cell, motion: &motion, program: text, flaws: &[] };
+    let rate = 32.0;
+    let (root, bytes) = parts(&gltf(&recording, rate).unwrap());
+    let scene = Animated::new(&root, &bytes);
+    let nodes = root["nodes"].as_array().unwrap();
+    let wafer = nodes.iter().position(|node| node["name"] == "wafer of LP1 1").unwrap();
+    // As it is handed over its arm droops at once, for which a viewer takes the time between two keys.
+    let ends = motion.steps.iter().zip(&motion.times[1..]);
+    let handed: Vec<f64> =
+        ends.filter(|(step, _)| step.handover.is_some()).map(|(_, &time)| time).collect();
+    let between = |at: f64| handed.iter().all(|time| (time - at).abs() > 1.0 / rate);
+    let (mut off, mut turned) = (0_f64, 0_f64);
+    let fine = motion.samples(5.0 * rate).filter(|at| at.time > 800.0 && between(at.time));
+    for at in fine {
+        let (frames, _) = frames(&recording, at.time, &at.positions).unwrap();
+        let real = frames.iter().find(|frame| frame.name == "wafer of LP1 1").unwrap();
+        let place = scene.value::<3>(wafer, "translation", at.time);
+        off = off.max((place - SVector::from(real.place)).norm());
+        let (turn, real) = (scene.value::<4>(wafer, "rotation", at.time), SVector::from(real.turn));
+        let turn = turn.normalize();
+        turned = turned.max(2.0 * (turn - real).norm().min((turn + real).norm()));
+    }
+    assert!(off > 0.0 && off < 5e-6 && turned < 20e-6, "{off} m, {turned} rad");
 }

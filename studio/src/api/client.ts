@@ -161,17 +161,20 @@ export async function plan(texts: CellTexts, signal: AbortSignal): Promise<PlanD
   return (await ask('cell/plan', texts, signal)).json() as Promise<PlanDocument>;
 }
 
-/** Keys of the motion, between which the page interpolates [Hz]. */
-const CELL_RATE_HZ = 25;
+/** Keys of the motion, between which the page goes by cubics; a power of two, whose times single precision holds exactly [Hz]. */
+const CELL_KEYS_HZ = 32;
+
+/** Even samples of the motion, for plots [Hz]. */
+const CELL_SAMPLES_HZ = 25;
 
 /** The cell in motion, as binary glTF. */
 export async function cellMotion(texts: CellTexts, signal: AbortSignal): Promise<ArrayBuffer> {
-  return (await ask('cell/motion.glb', { ...texts, rate_hz: CELL_RATE_HZ }, signal)).arrayBuffer();
+  return (await ask('cell/motion.glb', { ...texts, rate_hz: CELL_KEYS_HZ }, signal)).arrayBuffer();
 }
 
 /** The motion sample by sample, no peak left out, as a stream in Arrow's format. */
 export async function cellSamples(texts: CellTexts, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
-  const response = await ask('cell/samples', { ...texts, rate_hz: CELL_RATE_HZ, peaks: true }, signal);
+  const response = await ask('cell/samples', { ...texts, rate_hz: CELL_SAMPLES_HZ, peaks: true }, signal);
   if (!response.body) throw new Away('the server sent no samples');
   return response.body;
 }

@@ -201,6 +201,12 @@ impl Motion {
         matches!(*self.ways[step], Way::Still { .. })
     }
 
+    /// Whether a step takes any time: waiting for a station that is done already takes none.
+    #[must_use]
+    pub fn lasts(&self, step: usize) -> bool {
+        self.ways[step].duration() > 0.0
+    }
+
     /// The axes that do anything in a step, as indices.
     pub(crate) fn moving(&self, index: usize) -> Vec<usize> {
         let [lead, tail] = self.overlaps(index);

@@ -77,7 +77,10 @@ pub enum Unreachable {
     #[error("no positions were found that bring the wafer there")]
     NoWay,
     /// The droop changes faster with the reach than can be made up for.
-    #[error("the droop cannot be made up for: {:.3e} m were left after {steps} steps", residual)]
+    #[error(
+        "the droop cannot be made up for: {:.3e} mm were left after {steps} steps",
+        residual * 1e3
+    )]
     NotConverged {
         /// Distance from the target that was left [m].
         residual: f64,

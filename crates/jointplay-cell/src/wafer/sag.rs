@@ -60,7 +60,8 @@ pub enum SagError {
     },
     /// Supports that the wafer does not reach, or does not rest on safely.
     #[error(
-        "{what} of {found} m does not carry a wafer of {diameter} m: it has to lie between 0 and {most} m"
+        "{what} of {:.3} mm does not carry a wafer of {:.3} mm: it has to be more than 0 and at most {:.3} mm",
+        found * 1e3, diameter * 1e3, most * 1e3
     )]
     Support {
         /// What is wrong.
@@ -431,6 +432,10 @@ mod tests {
             let error = refused(Support::ThreePoints { radius });
             assert!(error.to_string().contains("does not carry"), "{error}");
         }
+        assert_eq!(
+            refused(Support::ThreePoints { radius: 1.01 }).to_string(),
+            "a circle of three points with a radius of 1010.000 mm does not carry a wafer of 2000.000 mm: it has to be more than 0 and at most 1000.000 mm"
+        );
         assert!(matches!(refused(Support::TwoRails { distance: 2.1 }), SagError::Support { .. }));
         let mut wafer = unit(0.28);
         wafer.material.poisson = 0.5;

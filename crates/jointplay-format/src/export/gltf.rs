@@ -30,7 +30,7 @@ struct Document {
 /// Rods, platform and links are drawn by simple shapes where the cell gives them no bodies.
 ///
 /// # Arguments
-/// * `rate` – keys a second, between which viewers interpolate; the last key is the end of the motion [Hz]
+/// * `rate` – keys a second, between which viewers interpolate by cubics; the last key is the end of the motion [Hz]
 ///
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`], [`Error::TooLarge`]
@@ -38,7 +38,7 @@ struct Document {
 /// # Numerics
 /// Numbers are single precision, as glTF has them; keys that follow from their neighbours are left out.
 pub fn gltf(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
-    let scene = Scene::of(recording, rate)?;
+    let scene = Scene::of(recording, rate, true)?;
     let mut document = Document::default();
     let mut parts = Parts::default();
     // The first node is the base, whose children are known at the end.
@@ -82,6 +82,19 @@ fn standing(track: &Track, cell: &Cell) -> Value {
     node
 }
 
+/// A value at a time, and how fast it changes there.
+#[derive(Clone, Copy, PartialEq)]
+struct Key<const N: usize> {
+    value: [f32; N],
+    rate: [f32; N],
+}
+
+impl<const N: usize> Key<N> {
+    fn new(value: &[f64; N], rate: &[f64; N]) -> Self {
+        Self { value: value.map(single), rate: rate.map(single) }
+    }
+}
+
 /// A number as the file holds it.
 #[expect(clippy::cast_possible_truncation, reason = "glTF has single precision only")]
 fn single(value: f64) -> f32 {
@@ -91,8 +104,10 @@ fn single(value: f64) -> f32 {
 impl Document {
     /// Moves a node along its track, in place and turn where either changes.
     fn animate(&mut self, node: usize, track: &Track, times: &[f64]) {
-        let places: Vec<[f32; 3]> = track.places.iter().map(|at| at.map(single)).collect();
-        let turns: Vec<[f32; 4]> = track.turns.iter().map(|turn| turn.map(single)).collect();
+        let places = track.places.iter().zip(&track.rates);
+        let places: Vec<_> = places.map(|(at, rate)| Key::new(at, &rate.place)).collect();
+        let turns = track.turns.iter().zip(&track.rates);
+        let turns: Vec<_> = turns.map(|(turn, rate)| Key::new(turn, &rate.turn)).collect();
         self.channel(node, "translation", "VEC3", times, &places);
         self.channel(node, "rotation", "VEC4", times, &turns);
     }
@@ -103,23 +118,24 @@ impl Document {
         path: &str,
         kind: &str,
         times: &[f64],
-        values: &[[f32; N]],
+        keys: &[Key<N>],
     ) {
-        if values.windows(2).all(|pair| pair[0] == pair[1]) {
+        if keys.windows(2).all(|pair| pair[0] == pair[1]) {
             return;
         }
         let (mut at, mut told): (Vec<f32>, Vec<[f32; N]>) = (Vec::new(), Vec::new());
-        for (k, (&time, &value)) in times.iter().zip(values).enumerate() {
+        for (k, (&time, key)) in times.iter().zip(keys).enumerate() {
             let time = single(time);
             // Late in a long motion neighbouring times may be one in single precision.
-            if is_key(values, k) && at.last().is_none_or(|&last| last < time) {
+            if is_key(keys, k) && at.last().is_none_or(|&last| last < time) {
                 at.push(time);
-                told.push(value);
+                told.extend([key.rate, key.value, key.rate]);
             }
         }
         let input = self.buffer.times(&at);
         let output = self.buffer.floats(kind, &told);
-        self.samplers.push(json!({ "input": input, "output": output, "interpolation": "LINEAR" }));
+        let sampler = json!({ "input": input, "output": output, "interpolation": "CUBICSPLINE" });
+        self.samplers.push(sampler);
         let target = json!({ "node": node, "path": path });
         self.channels.push(json!({ "sampler": self.samplers.len() - 1, "target": target }));
     }

@@ -77,7 +77,7 @@ struct File {
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`], [`Error::Mcap`]
 pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
-    let scene = Scene::of(recording, rate)?;
+    let scene = Scene::of(recording, rate, false)?;
     let samples: Vec<Sample> = recording.motion.samples(rate).collect();
     let options = WriteOptions::new()
         .compression(None)
@@ -134,11 +134,13 @@ pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
                 file.push(program, start, text(recording.line(step)))?;
             }
             let of_step = [start, motion.times[step + 1]];
-            file.push(
-                trajectory,
-                start,
-                joint_trajectory(recording, &names, of_step, &samples[k..]),
-            )?;
+            if motion.lasts(step) {
+                file.push(
+                    trajectory,
+                    start,
+                    joint_trajectory(recording, &names, of_step, &samples[k..]),
+                )?;
+            }
             step += 1;
         }
         while let Some(flaw) = flaws.next_if(|flaw| flaw.from <= sample.time) {

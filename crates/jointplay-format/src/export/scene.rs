@@ -5,10 +5,13 @@ use jointplay_cell::program::Handover;
 use jointplay_cell::robot::{ChainPose, EffectorId, RODS};
 use jointplay_cell::station::SlotId;
 use jointplay_core::spatial::Pose;
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{SVector, UnitQuaternion, Vector4};
 
 use super::samples::{loaded, placed};
 use super::{Error, Recording};
+
+/// How much before and after a sample it is looked where things are, to find how fast they go [s].
+const MOMENT: f64 = 1e-5;
 
 /// A frame that may move.
 pub(super) struct Track {
@@ -21,8 +24,19 @@ pub(super) struct Track {
     pub(super) places: Vec<[f64; 3]>,
     /// Unit quaternion x, y, z, w in the parent, at each time; neighbours on the same side.
     pub(super) turns: Vec<[f64; 4]>,
+    /// How fast both change, at each time; empty where that is not asked for.
+    pub(super) rates: Vec<Rate>,
     /// Of a wafer: in which slots it lies, and when.
     pub(super) lies: Vec<Lying>,
+}
+
+/// How fast a frame goes in its parent.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Rate {
+    /// Of its origin [m/s].
+    pub(super) place: [f64; 3],
+    /// Of its unit quaternion, a second.
+    pub(super) turn: [f64; 4],
 }
 
 /// A wafer lying in a slot.
@@ -39,8 +53,12 @@ pub(super) struct Lying {
 pub(super) enum Part {
     Rod(usize),
     Platform,
-    Link { arm: usize, link: usize },
-    Wafer,
+    Link {
+        arm: usize,
+        link: usize,
+    },
+    /// Counted as those of slots, then those of effectors.
+    Wafer(usize),
 }
 
 /// All frames that move.
@@ -78,74 +96,114 @@ impl Wafer {
 
 impl Scene {
     /// The frames of a motion at even times and at its end.
-    pub(super) fn of(recording: &Recording<'_>, rate: f64) -> Result<Self, Error> {
+    ///
+    /// # Arguments
+    /// * `with_rates` – whether it is told how fast they go
+    pub(super) fn of(
+        recording: &Recording<'_>,
+        rate: f64,
+        with_rates: bool,
+    ) -> Result<Self, Error> {
         recording.check_rate(rate)?;
         let Recording { cell, motion, .. } = *recording;
         let mut scene = Self { times: Vec::new(), tracks: tracks(cell) };
         let mut wafers = Wafers::new(recording);
-        let first = scene.tracks.len();
-        let tracks = wafers.all.iter().map(|wafer| Track::new(&wafer.name, Part::Wafer, None));
-        scene.tracks.extend(tracks);
+        scene.tracks.extend(wafers.tracks());
         for sample in motion.samples(rate) {
             wafers.until(recording, sample.time)?;
-            let pose =
-                placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
+            let carried = loaded(recording, sample.step);
+            let pose = |moment: f64| {
+                let gone = sample.positions.iter().zip(&sample.velocities);
+                let positions: Vec<f64> = gone.map(|(at, speed)| at + moment * speed).collect();
+                placed(recording, sample.time, &positions, carried)
+            };
+            let now = pose(0.0)?;
             scene.times.push(sample.time);
-            scene.place_robot(cell, &pose);
-            for (track, wafer) in scene.tracks[first..].iter_mut().zip(&wafers.all) {
-                track.push(&wafer.place(&pose));
+            for track in &mut scene.tracks {
+                track.push(&track.pose(cell, &wafers.all, &now));
+            }
+            if !with_rates {
+                continue;
+            }
+            if sample.velocities.iter().all(|&speed| speed == 0.0) {
+                scene.tracks.iter_mut().for_each(|track| track.rates.push(Rate::default()));
+                continue;
+            }
+            let [before, after] = [pose(-MOMENT)?, pose(MOMENT)?];
+            for track in &mut scene.tracks {
+                let poses = [&before, &now, &after].map(|it| track.pose(cell, &wafers.all, it));
+                track.push_rate(&poses);
             }
         }
-        for (track, wafer) in scene.tracks[first..].iter_mut().zip(wafers.all) {
-            track.lies = wafer.lies;
+        for track in &mut scene.tracks {
+            if let Part::Wafer(k) = track.of {
+                track.lies = std::mem::take(&mut wafers.all[k].lies);
+            }
         }
         Ok(scene)
-    }
-
-    fn place_robot(&mut self, cell: &Cell, pose: &ChainPose) {
-        let platform = &pose.platform;
-        for track in &mut self.tracks {
-            let at = match track.of {
-                Part::Rod(k) => {
-                    let base = cell.robot.gpr.base_points()[k];
-                    Pose::translation(base.x, base.y, platform.rods[k])
-                }
-                Part::Platform => platform.base_from_platform,
-                Part::Link { arm, link: 0 } => {
-                    platform.base_from_platform.inverse() * pose.base_from_link[arm][0]
-                }
-                Part::Link { arm, link } => {
-                    let links = &pose.base_from_link[arm];
-                    links[link - 1].inverse() * links[link]
-                }
-                Part::Wafer => continue,
-            };
-            track.push(&at);
-        }
     }
 }
 
 impl Track {
     fn new(name: &str, of: Part, parent: Option<usize>) -> Self {
         let name = name.to_owned();
-        Self { name, of, parent, places: Vec::new(), turns: Vec::new(), lies: Vec::new() }
+        let (places, turns, rates) = (Vec::new(), Vec::new(), Vec::new());
+        Self { name, of, parent, places, turns, rates, lies: Vec::new() }
+    }
+
+    /// Where it is in its parent, the robot being posed like this.
+    fn pose(&self, cell: &Cell, wafers: &[Wafer], pose: &ChainPose) -> Pose {
+        let platform = &pose.platform;
+        match self.of {
+            Part::Rod(k) => {
+                let base = cell.robot.gpr.base_points()[k];
+                Pose::translation(base.x, base.y, platform.rods[k])
+            }
+            Part::Platform => platform.base_from_platform,
+            Part::Link { arm, link: 0 } => {
+                platform.base_from_platform.inverse() * pose.base_from_link[arm][0]
+            }
+            Part::Link { arm, link } => {
+                let links = &pose.base_from_link[arm];
+                links[link - 1].inverse() * links[link]
+            }
+            Part::Wafer(k) => wafers[k].place(pose),
+        }
     }
 
     fn push(&mut self, pose: &Pose) {
-        let place: Vector3<f64> = pose.translation.vector;
-        let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation).into_inner().coords;
-        let mut turn: [f64; 4] = turn.into();
-        // q and −q are one rotation; what is interpolated between must not go the long way round.
-        if let Some(last) = self.turns.last() {
-            let dot: f64 = last.iter().zip(&turn).map(|(a, b)| a * b).sum();
-            if dot < 0.0 {
-                turn = turn.map(|part| -part);
-            }
-        }
+        let turn = self.turn(pose);
         // What does not move is told as such, round-off or not.
-        self.places.push(<[f64; 3]>::from(place).map(|part| rounded(part, 1e9)));
-        self.turns.push(turn.map(|part| rounded(part, 1e12)));
+        self.places.push(<[f64; 3]>::from(pose.translation.vector).map(|part| rounded(part, 1e9)));
+        self.turns.push(<[f64; 4]>::from(turn).map(|part| rounded(part, 1e12)));
     }
+
+    /// How fast it goes where it was pushed last, by where it is a [`MOMENT`] before, then, and as much after.
+    fn push_rate(&mut self, poses: &[Pose; 3]) {
+        // As most wafers do.
+        if poses[0] == poses[1] && poses[1] == poses[2] {
+            return self.rates.push(Rate::default());
+        }
+        let place = slower(poses.each_ref().map(|pose| pose.translation.vector));
+        let turn = slower(poses.each_ref().map(|pose| self.turn(pose)));
+        self.rates.push(Rate { place, turn });
+    }
+
+    /// The unit quaternion x, y, z, w of a pose.
+    fn turn(&self, pose: &Pose) -> Vector4<f64> {
+        let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation).into_inner().coords;
+        // q and −q are one rotation; what is interpolated between must not go the long way round.
+        let other_side =
+            self.turns.last().is_some_and(|&last| turn.dot(&Vector4::from(last)) < 0.0);
+        if other_side { -turn } else { turn }
+    }
+}
+
+/// How fast something goes, of both differences of neighbours the smaller: where the droop jumps, at the edge of what is known of it, the other holds the jump.
+fn slower<const N: usize>([before, now, after]: [SVector<f64, N>; 3]) -> [f64; N] {
+    let (one, other) = (now - before, after - now);
+    let gone = if one.norm() < other.norm() { one } else { other };
+    <[f64; N]>::from(gone / MOMENT).map(|part| rounded(part, 1e6))
 }
 
 /// A number to the nearest fraction.
@@ -200,6 +258,12 @@ impl Wafers {
         });
         let in_slot = cell.occupied.iter().copied().enumerate().map(|(k, slot)| (slot, k));
         Self { all: in_slots.chain(carried).collect(), in_slot: in_slot.collect(), step: 0 }
+    }
+
+    /// A track for each, nowhere yet.
+    fn tracks(&self) -> impl Iterator<Item = Track> {
+        let named = self.all.iter().enumerate();
+        named.map(|(k, wafer)| Track::new(&wafer.name, Part::Wafer(k), None))
     }
 
     /// Hands over what is handed over until a time [s].
@@ -278,14 +342,10 @@ pub fn frames(
     });
     let carried: Vec<EffectorId> = carried.collect();
     let pose = placed(recording, time, positions, &carried)?;
-    let mut scene = Scene { times: Vec::new(), tracks: tracks(recording.cell) };
-    scene.place_robot(recording.cell, &pose);
-    for wafer in &wafers.all {
-        let mut track = Track::new(&wafer.name, Part::Wafer, None);
-        track.push(&wafer.place(&pose));
-        scene.tracks.push(track);
-    }
-    let frame =
-        |track: Track| Frame { place: track.places[0], turn: track.turns[0], name: track.name };
-    Ok((scene.tracks.into_iter().map(frame).collect(), carried))
+    let frame = |mut track: Track| {
+        track.push(&track.pose(recording.cell, &wafers.all, &pose));
+        Frame { place: track.places[0], turn: track.turns[0], name: track.name }
+    };
+    let tracks = tracks(recording.cell).into_iter().chain(wafers.tracks());
+    Ok((tracks.map(frame).collect(), carried))
 }

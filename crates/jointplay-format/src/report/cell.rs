@@ -40,7 +40,7 @@ pub struct CellReport {
     pub wafers: usize,
     /// Wafers an hour where the program is repeated.
     pub wafers_per_hour: Option<f64>,
-    /// How many motions the program comes to.
+    /// How many motions the program comes to; a wait that takes no time is none.
     pub steps: usize,
     /// Motions along straight lines, where there are some.
     pub straight: Option<StraightReport>,
@@ -144,7 +144,7 @@ pub struct InstructionReport {
     pub start_s: f64,
     /// How long it takes.
     pub duration_s: f64,
-    /// How many motions it comes to.
+    /// How many motions it comes to; a wait that takes no time is none.
     pub steps: usize,
     /// Motions of it along straight lines, where there are some.
     pub straight: Option<StraightReport>,
@@ -243,7 +243,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         text: lines.get(row.place.line.wrapping_sub(1)).copied().unwrap_or_default().to_owned(),
         start_s: row.start,
         duration_s: row.duration,
-        steps: row.steps.len(),
+        steps: lasting(motion, row.steps.clone()),
         straight: straight(motion, row.steps.clone()),
         blended: blended(motion, row.steps.clone()),
         compensated: compensated(&carried, row.steps.clone()),
@@ -284,7 +284,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         duration_s: report.duration,
         wafers: report.wafers,
         wafers_per_hour: report.wafers_per_hour,
-        steps: motion.steps.len(),
+        steps: lasting(motion, 0..motion.steps.len()),
         straight: straight(motion, 0..motion.steps.len()),
         blended: blended(motion, 0..motion.steps.len()),
         compensated: compensated(&carried, 0..motion.steps.len()),
@@ -295,6 +295,10 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         nearest: nearest(&distances),
         distances,
     }
+}
+
+fn lasting(motion: &Motion, steps: Range<usize>) -> usize {
+    steps.filter(|&step| motion.lasts(step)).count()
 }
 
 fn straight(motion: &Motion, steps: Range<usize>) -> Option<StraightReport> {

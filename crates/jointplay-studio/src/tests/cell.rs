@@ -44,6 +44,27 @@ fn without_a_cell_there_is_none() {
 }
 
 #[test]
+fn a_wait_that_takes_no_time_is_no_step() {
+    let server = server(CellFiles::example());
+    let waits = |program: &str| {
+        let found = plan(&server, &json!({ "program": program }));
+        let (report, steps) = (&found["report"], found["steps"].as_array().unwrap());
+        assert_eq!(report["steps"], steps.len());
+        let counted = report["instructions"].as_array().unwrap().iter();
+        let counted = counted.map(|row| row["steps"].as_u64().unwrap()).sum::<u64>();
+        assert_eq!(counted, steps.len() as u64);
+        let lasts = |step: &&Value| step["end_s"].as_f64() > step["start_s"].as_f64();
+        assert_eq!(steps.iter().filter(lasts).count(), steps.len());
+        steps.iter().filter(|step| step["phase"] == "wait").count()
+    };
+    let there = "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\n";
+    assert_eq!(waits(&format!("{there}GET ALIGN WITH A\n")), 1);
+    // What the aligner does is done after that.
+    assert_eq!(waits(&format!("{there}WAIT 60 s\nGET ALIGN WITH A\n")), 1);
+    assert_eq!(waits(&format!("{there}WAIT 0 s\n")), 0);
+}
+
+#[test]
 fn a_program_is_planned_shown_and_told() {
     let server = server(CellFiles::example());
     let found = plan(&server, &json!({ "program": SHORT }));

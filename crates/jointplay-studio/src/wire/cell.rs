@@ -124,7 +124,7 @@ pub(crate) struct PlanDocument {
     /// What `jointplay cell check --format json` says; `null` where nothing moves.
     #[schema(required = true)]
     pub(crate) report: Option<CellReport>,
-    /// The motions, one after the other.
+    /// The motions, one after the other; a wait that takes no time is none.
     pub(crate) steps: Vec<StepDocument>,
     /// What the robot is made of; `null` where the cell cannot be read.
     #[schema(required = true)]
@@ -192,7 +192,7 @@ pub(crate) fn steps(cell: &Cell, motion: &Motion) -> Vec<StepDocument> {
             .map(|(axis, _)| axis.name.clone())
             .collect(),
     };
-    motion.steps.iter().enumerate().map(of).collect()
+    motion.steps.iter().enumerate().filter(|&(k, _)| motion.lasts(k)).map(of).collect()
 }
 
 /// New values of one station.

@@ -55,6 +55,7 @@ impl Dialect {
             }
             let (start, end) = (motion.times[k], motion.times[k + 1]);
             match &self.motion {
+                Motions::Steps { .. } if !motion.lasts(k) => {}
                 Motions::Steps { axes, line, still } => {
                     let (lines, effector) = match step.path {
                         Path::Axes => (axes, String::new()),

@@ -74,7 +74,7 @@ impl Parts {
     ) -> Vec<usize> {
         let robot = &cell.robot;
         let carrier = match part {
-            Part::Wafer => {
+            Part::Wafer(_) => {
                 let made = *self.wafer.get_or_insert_with(|| {
                     let half_height = 0.5 * cell.wafer.thickness;
                     let shape = Shape::Cylinder { radius: 0.5 * cell.wafer.diameter, half_height };
