@@ -4,6 +4,7 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::virtualization::Kernel;
 use nalgebra::{Rotation3, Vector3};
 
+use super::moving::turn_between;
 use super::planar::Planar;
 use super::{EffectorId, HybridRobot, MAX_AXES, RODS};
 use crate::CellError;
@@ -81,14 +82,8 @@ impl HybridRobot {
                 };
                 let (before, after) = (at(-STEP)?, at(STEP)?);
                 let shift = after.translation.vector - before.translation.vector;
-                let turn = (after.rotation * before.rotation.inverse()).into_inner();
-                // Twice the sine of the half turn: the vector of an antisymmetric part.
-                let twice = Vector3::new(
-                    turn[(2, 1)] - turn[(1, 2)],
-                    turn[(0, 2)] - turn[(2, 0)],
-                    turn[(1, 0)] - turn[(0, 1)],
-                );
-                *velocity = (shift / (2.0 * STEP), twice / (4.0 * STEP));
+                let turn = turn_between(&before.rotation, &after.rotation);
+                *velocity = (shift / (2.0 * STEP), turn / (2.0 * STEP));
             }
             return Ok(velocities);
         }

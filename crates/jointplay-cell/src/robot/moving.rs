@@ -310,8 +310,8 @@ impl HybridRobot {
     }
 }
 
-/// The turn from one rotation to another that is near, as a vector in the base frame [rad].
-fn turn_between(from: &Rotation3<f64>, to: &Rotation3<f64>) -> Vector3<f64> {
+/// The turn from one rotation to another that is near, as a vector in the base frame, as long as its sine [rad].
+pub(super) fn turn_between(from: &Rotation3<f64>, to: &Rotation3<f64>) -> Vector3<f64> {
     let turn = (to * from.inverse()).into_inner();
     let twice = Vector3::new(
         turn[(2, 1)] - turn[(1, 2)],
