@@ -118,6 +118,25 @@ pub(crate) fn extend(key: &mut Key, numbers: &[f64]) {
     key.extend(numbers.iter().map(|number| number.to_bits()));
 }
 
+/// Makes something for each number below one.
+pub(crate) fn each<T: Send + Sync>(
+    count: usize,
+    run: Run<'_>,
+    make: impl Fn(usize) -> T + Sync,
+) -> Vec<T> {
+    let made: Vec<OnceLock<T>> = (0..count).map(|_| OnceLock::new()).collect();
+    let job = |number: usize| {
+        if let Some(place) = made.get(number) {
+            place.get_or_init(|| make(number));
+        }
+    };
+    run(count, &job);
+    // Whoever runs the jobs may have left some.
+    let of =
+        |(number, made): (usize, OnceLock<T>)| made.into_inner().unwrap_or_else(|| make(number));
+    made.into_iter().enumerate().map(of).collect()
+}
+
 /// Makes something for each of some keys, with their numbers; once for those that are alike.
 pub(crate) fn anew<'k, T: Send + Sync>(
     keys: impl Iterator<Item = (usize, &'k Key)>,
@@ -126,18 +145,8 @@ pub(crate) fn anew<'k, T: Send + Sync>(
 ) -> BTreeMap<Key, T> {
     let mut seen = BTreeSet::new();
     let jobs: Vec<(usize, &Key)> = keys.filter(|(_, key)| seen.insert(*key)).collect();
-    let made: Vec<OnceLock<T>> = jobs.iter().map(|_| OnceLock::new()).collect();
-    let job = |place: usize| {
-        if let Some(&(number, _)) = jobs.get(place) {
-            made[place].get_or_init(|| make(number));
-        }
-    };
-    run(jobs.len(), &job);
-    // Whoever runs the jobs may have left some.
-    let of = |((number, key), made): ((usize, &Key), OnceLock<T>)| {
-        (key.clone(), made.into_inner().unwrap_or_else(|| make(number)))
-    };
-    jobs.iter().copied().zip(made).map(of).collect()
+    let made = each(jobs.len(), run, |place| make(jobs[place].0));
+    jobs.into_iter().map(|(_, key)| key.clone()).zip(made).collect()
 }
 
 /// Results by their inputs: those of the last round, and those of this one.

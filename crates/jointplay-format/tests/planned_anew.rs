@@ -8,7 +8,7 @@ use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
 use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
-use jointplay_cell::robot::EffectorId;
+use jointplay_cell::robot::{AxesMotion, EffectorId};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::{Memory, Reuse};
 use jointplay_format::{cell, program};
@@ -156,6 +156,98 @@ fn nothing_is_passed_over_that_a_sample_shows() {
 }
 
 /// A memory whose moves run at the same time, from both ends.
+/// At each sample of a step in which a wafer is carried: time, and what is needed as a share of what friction holds.
+fn pushes(cell: &Cell, motion: &Motion, index: usize, rate: f64) -> Vec<(f64, f64)> {
+    let step = &motion.steps[index];
+    let count = (motion.step_duration(index) * rate - 1e-3).ceil() as usize;
+    let mut pushes = Vec::new();
+    for time in (0..count).map(|k| motion.times[index] + k as f64 / rate) {
+        let sample = motion.at(time.max(motion.times[index]));
+        let now = AxesMotion {
+            positions: &sample.positions,
+            velocities: &sample.velocities,
+            accelerations: &sample.accelerations,
+        };
+        let shares = step.loaded.iter().map(|&id| cell.slip(id, &now).unwrap().share());
+        pushes.extend(shares.reduce(f64::max).map(|share| (time, share)));
+    }
+    pushes
+}
+
+#[test]
+fn slip_is_that_of_all_samples() {
+    let mut cell = example();
+    for (text, friction) in [(SHORT.to_owned(), 0.4), (format!("BLEND 10 mm\n{SHORT}"), 0.12)] {
+        for arm in &mut cell.robot.arms {
+            arm.effectors.iter_mut().for_each(|effector| effector.friction = friction);
+        }
+        let motion = timed(&cell, steps(&cell, &text), &MotionOptions::default()).unwrap();
+        let options = CheckOptions::default();
+        let report = check(&cell, &motion, &options);
+        let slips: Vec<&Violation> =
+            report.violations.iter().filter(|one| one.kind == Kind::Slip).collect();
+        let mut over = 0;
+        for row in &report.by_instruction {
+            let pushes: Vec<(f64, f64)> = row
+                .steps
+                .clone()
+                .flat_map(|index| pushes(&cell, &motion, index, options.rate))
+                .collect();
+            let most = pushes.iter().map(|push| push.1).reduce(f64::max);
+            let found = row.slip.map(|slip| slip.share);
+            match (most, found) {
+                (Some(most), Some(found)) => {
+                    // As closely as the report says.
+                    assert!(
+                        found <= most + 1e-9 && found > most - 1.01e-4,
+                        "{}: {most} {found}",
+                        row.instruction
+                    );
+                }
+                (most, found) => assert_eq!(most, found),
+            }
+            for (time, share) in pushes {
+                let told =
+                    slips.iter().any(|one| one.start <= time + 1e-6 && time - 1e-6 <= one.end);
+                assert!(told || share <= 1.0 + 1e-6, "{time} {share}");
+                assert!(
+                    share > 1.0 - 1e-6
+                        || !slips
+                            .iter()
+                            .any(|one| { one.start + 1.5e-3 < time && time < one.end - 1.5e-3 }),
+                    "{time} {share}"
+                );
+                over += usize::from(share > 1.0);
+            }
+        }
+        // The one slips, and the other does not.
+        assert_eq!(over > 500, friction < 0.2, "{over}");
+        assert_eq!(slips.is_empty(), over == 0);
+    }
+}
+
+#[test]
+fn running_into_each_other_makes_no_wafer_slip() {
+    let mut cell = example();
+    let blended = format!("BLEND 40 mm\n{SHORT}");
+    let planned = |cell: &Cell, text: &str| {
+        let motion = timed(cell, steps(cell, text), &MotionOptions::default()).unwrap();
+        let report = check(cell, &motion, &CheckOptions::default());
+        let most = report.by_instruction.iter().filter_map(|row| row.slip);
+        let most = most.map(|slip| slip.share).fold(0.0, f64::max);
+        (motion.duration(), most)
+    };
+    let most = planned(&cell, SHORT).1;
+    let free = planned(&cell, &blended).0;
+    // Just so much friction that no wafer slips where all come to rest between moves.
+    for arm in &mut cell.robot.arms {
+        arm.effectors.iter_mut().for_each(|effector| effector.friction *= most / 0.98);
+    }
+    let ((plain, alone), (shorter, together)) = (planned(&cell, SHORT), planned(&cell, &blended));
+    assert!((alone - 0.98).abs() < 1e-3 && together < 1.0, "{alone} {together}");
+    assert!(free < shorter && shorter < 0.95 * plain, "{free} {shorter} {plain}");
+}
+
 fn by_two_threads() -> Memory {
     Memory::run_by(|count, job| {
         std::thread::scope(|scope| {

@@ -10,10 +10,11 @@ use super::course::{Around, Course};
 use super::found::{Found, Hit, Stretch, When};
 use super::report::{Kind, Share, Unit};
 use super::scene::Scene;
-use super::slip;
+use super::slip::Carried;
 use super::solid::{self, Placed};
+use super::travel::{Gearing, Levers};
 use crate::cell::Cell;
-use crate::motion::{Sample, limits_of};
+use crate::motion::{State, limits_of};
 use crate::program::{Phase, Step};
 use crate::robot::{Axis, Dynamics, EffectorId, MotionKind, RODS};
 use crate::wafer::Droop;
@@ -42,10 +43,13 @@ pub(super) struct Alone {
     pub(super) around: Vec<Option<Around>>,
 }
 
-/// Keeps the largest share.
-pub(super) fn raise(most: &mut Option<Share>, of: usize, share: f64, time: f64) {
-    if most.is_none_or(|most| share > most.share) {
-        *most = Some(Share { of, share, time });
+/// Keeps the largest share, and of those the earliest.
+pub(super) fn raise(most: &mut Option<Share>, share: Share) {
+    let is_more = |most: &Share| {
+        share.share > most.share || (share.share == most.share && share.time < most.time)
+    };
+    if most.as_ref().is_none_or(is_more) {
+        *most = Some(share);
     }
 }
 
@@ -58,9 +62,12 @@ struct Standing {
 
 impl Alone {
     /// Looks at all samples of a step.
-    pub(super) fn new(scene: &Scene<'_>, step: &Step, course: &mut Course) -> Self {
-        let cell = scene.cell;
-        let axes = cell.robot.axes.len();
+    pub(super) fn new(
+        scene: &Scene<'_>,
+        step: &Step,
+        (course, gearing): (&Course, &Gearing),
+    ) -> Self {
+        let robot = &scene.cell.robot;
         let mut alone = Self {
             velocity: None,
             acceleration: None,
@@ -68,29 +75,107 @@ impl Alone {
             slip: None,
             tilt: 0.0,
             play: 0.0,
-            moved: vec![false; axes],
-            samples: course.samples().len(),
+            moved: vec![false; robot.axes.len()],
+            samples: course.times().len(),
             found: Vec::new(),
             runs: Vec::new(),
             around: Vec::new(),
         };
-        let limits: Vec<Dynamics> =
-            (0..axes).map(|axis| limits_of(&cell.robot, axis, step)).collect();
-        let effectors: Vec<EffectorId> = cell.robot.effectors().collect();
-        // An axis that stands where it may needs no second look.
-        let from = &course.samples()[0].positions;
-        let watched = |axis: &usize| {
-            course.moving().contains(axis) || beyond(&cell.robot.axes[*axis], from[*axis]).is_some()
-        };
-        let watched: Vec<usize> = (0..axes).filter(watched).collect();
         let mut found = Found::default();
+        let mut moving = course.track().moving().iter().zip(course.track().states()).peekable();
+        for (axis, described) in robot.axes.iter().enumerate() {
+            let limits = limits_of(robot, axis, step);
+            if let Some((_, states)) = moving.next_if(|(moves, _)| **moves == axis) {
+                let about = (axis, described, &limits);
+                alone.axis(about, course.times(), states.iter().copied(), &mut found);
+            } else if beyond(described, course.from()[axis]).is_some() {
+                let still = std::iter::repeat([course.from()[axis], 0.0, 0.0, 0.0]);
+                alone.axis((axis, described, &limits), course.times(), still, &mut found);
+            }
+        }
+        alone.platform(scene, course, &mut found);
+        let turns = step.phase == Phase::Turn && !scene.safe.is_empty();
+        for (place, id) in robot.effectors().enumerate() {
+            if scene.carried_by(id).is_some() {
+                alone.slips(scene, (course, gearing), (place, id), &mut found);
+            }
+            if turns {
+                alone.zones(scene, (course, gearing), (place, id), &mut found);
+            }
+        }
+        alone.found = found.finished();
+        alone
+    }
+
+    /// Looks at an axis at all samples.
+    fn axis(
+        &mut self,
+        (index, axis, limits): (usize, &Axis, &Dynamics),
+        times: &[f64],
+        states: impl Iterator<Item = State> + Clone,
+        found: &mut Found,
+    ) {
+        // Least and largest position, and the largest of all else, with where that is first.
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut peaks = [(0.0_f64, 0); 3];
+        for (sample, (state, _)) in states.clone().zip(times).enumerate() {
+            (least, most) = (least.min(state[0]), most.max(state[0]));
+            for (peak, value) in peaks.iter_mut().zip(&state[1..]) {
+                if value.abs() > peak.0 {
+                    *peak = (value.abs(), sample);
+                }
+            }
+        }
+        self.moved[index] = peaks[0].0 > 0.0;
+        let limits = [limits.velocity, limits.acceleration, limits.jerk];
+        let shares = [&mut self.velocity, &mut self.acceleration, &mut self.jerk];
+        for ((share, (value, sample)), limit) in shares.into_iter().zip(peaks).zip(limits) {
+            if value > 0.0 {
+                raise(share, Share { of: index, share: value / limit, time: times[sample] });
+            }
+        }
+        let too_much = |value: f64, limit: f64| value > limit * (1.0 + SLACK);
+        let is_sound = beyond(axis, least).or(beyond(axis, most)).is_none()
+            && !peaks.iter().zip(limits).any(|(peak, limit)| too_much(peak.0, limit));
+        if is_sound {
+            return;
+        }
+        let unit = match axis.kind {
+            MotionKind::Turn => Unit::Angle,
+            MotionKind::Slide => Unit::Length,
+        };
+        for (sample, (state, &time)) in states.zip(times).enumerate() {
+            let mut broken = |kind: Kind, severity: f64, value: f64, limit: f64| {
+                let hit = Hit { about: (kind, index, 0), kind, severity, value, limit, unit };
+                found.add(When { time, sample }, hit, String::new);
+            };
+            let position = state[0];
+            if let Some(limit) = beyond(axis, position) {
+                broken(Kind::Position, (position - limit).abs(), position, limit);
+            }
+            let kinds = [Kind::Velocity, Kind::Acceleration, Kind::Jerk];
+            for ((kind, limit), value) in kinds.into_iter().zip(limits).zip(&state[1..]) {
+                if too_much(value.abs(), limit) {
+                    broken(kind, value.abs(), value.abs(), limit);
+                }
+            }
+        }
+    }
+
+    /// Looks at the platform at all samples, and finds between which it is known where everything is.
+    fn platform(&mut self, scene: &Scene<'_>, course: &Course, found: &mut Found) {
+        let cell = scene.cell;
+        // Whether anything is known of its droop is asked of every arm that has a table of it.
+        let has_table =
+            |id: &EffectorId| matches!(cell.robot.arms[id.arm].droop, Droop::Table { .. });
+        let tables: Vec<EffectorId> = cell.robot.effectors().filter(has_table).collect();
         let mut standing: Option<Standing> = None;
-        for (number, sample) in course.samples().iter().enumerate() {
-            let when = When { time: sample.time, sample: number };
-            alone.axes(cell, sample, (&watched, &limits), when, &mut found);
-            let rods = &sample.positions[..RODS];
+        for (sample, &time) in course.times().iter().enumerate() {
+            let when = When { time, sample };
+            let positions = course.positions(sample);
+            let rods = &positions[..RODS];
             if standing.as_ref().is_none_or(|standing| standing.platform.rods != *rods) {
-                standing = match cell.robot.platform(&sample.positions) {
+                standing = match cell.robot.platform(&positions) {
                     Ok(platform) => Some(Standing::new(cell, platform)),
                     Err(error) => {
                         found.add(when, nowhere(Kind::Platform), || error.to_string());
@@ -99,88 +184,24 @@ impl Alone {
                 };
             }
             let Some(standing) = &standing else { continue };
-            alone.platform(cell, standing, when, &mut found);
+            self.leans(cell, standing, when, found);
             let mut is_known = true;
-            for (place, &id) in effectors.iter().enumerate() {
-                let loaded = scene.carried_by(id).is_some();
-                let turns = step.phase == Phase::Turn && !scene.safe.is_empty();
-                // Whether anything is known of its droop is asked of every arm that has a table of it.
-                let droop = &cell.robot.arms[id.arm].droop;
-                if !(loaded || turns || matches!(droop, Droop::Table { .. })) {
-                    continue;
-                }
-                match scene.wafer(&standing.platform, id, &sample.positions) {
-                    Ok(pose) => {
-                        if loaded {
-                            let now = (&standing.platform, &pose);
-                            alone.slips(scene, sample, (place, id), now, when, &mut found);
-                        }
-                        if turns {
-                            zones(scene, place, &pose, when, &mut found);
-                        }
-                    }
-                    Err(why) => {
-                        found.add(when, nowhere(Kind::Droop), || why);
-                        is_known = false;
-                    }
+            for &id in &tables {
+                if let Err(why) = scene.wafer(&standing.platform, id, &positions) {
+                    found.add(when, nowhere(Kind::Droop), || why);
+                    is_known = false;
                 }
             }
             if is_known {
-                match alone.runs.last_mut() {
-                    Some(run) if run.end == number => run.end += 1,
-                    _ => alone.runs.push(number..number + 1),
-                }
-            }
-        }
-        alone.found = found.finished();
-        alone
-    }
-
-    fn axes(
-        &mut self,
-        cell: &Cell,
-        sample: &Sample,
-        (watched, limits): (&[usize], &[Dynamics]),
-        when: When,
-        found: &mut Found,
-    ) {
-        for &index in watched {
-            let (axis, limits) = (&cell.robot.axes[index], &limits[index]);
-            let unit = match axis.kind {
-                MotionKind::Turn => Unit::Angle,
-                MotionKind::Slide => Unit::Length,
-            };
-            let mut broken = |kind: Kind, severity: f64, value: f64, limit: f64| {
-                let hit = Hit { about: (kind, index, 0), kind, severity, value, limit, unit };
-                found.add(when, hit, String::new);
-            };
-            self.moved[index] |= sample.velocities[index] != 0.0;
-            let position = sample.positions[index];
-            if let Some(limit) = beyond(axis, position) {
-                broken(Kind::Position, (position - limit).abs(), position, limit);
-            }
-            for (kind, value, limit, most) in [
-                (Kind::Velocity, sample.velocities[index], limits.velocity, &mut self.velocity),
-                (
-                    Kind::Acceleration,
-                    sample.accelerations[index],
-                    limits.acceleration,
-                    &mut self.acceleration,
-                ),
-                (Kind::Jerk, sample.jerks[index], limits.jerk, &mut self.jerk),
-            ] {
-                let value = value.abs();
-                if value > limit * (1.0 + SLACK) {
-                    broken(kind, value, value, limit);
-                }
-                if value > 0.0 {
-                    raise(most, index, value / limit, when.time);
+                match self.runs.last_mut() {
+                    Some(run) if run.end == sample => run.end += 1,
+                    _ => self.runs.push(sample..sample + 1),
                 }
             }
         }
     }
 
-    fn platform(&mut self, cell: &Cell, standing: &Standing, when: When, found: &mut Found) {
+    fn leans(&mut self, cell: &Cell, standing: &Standing, when: When, found: &mut Found) {
         let &Standing { tilt, play, .. } = standing;
         let most = cell.robot.gpr.limits().tilt_max;
         let mut broken = |kind: Kind, value: f64, limit: f64, unit: Unit| {
@@ -198,30 +219,77 @@ impl Alone {
         }
     }
 
+    /// Looks at a carried wafer.
     fn slips(
         &mut self,
         scene: &Scene<'_>,
-        sample: &Sample,
+        (course, gearing): (&Course, &Gearing),
         (place, id): (usize, EffectorId),
-        (platform, now): (&Forward, &Pose),
-        when: When,
         found: &mut Found,
     ) {
-        // What the droop does not know beside the sample is reported at the next.
-        let Ok(push) = slip::push(scene, sample, id, platform, now) else { return };
-        if push.needed > push.held {
-            let hit = Hit {
-                about: (Kind::Slip, place, 0),
-                kind: Kind::Slip,
-                severity: push.needed - push.held,
-                value: push.needed,
-                limit: push.held,
-                unit: Unit::Acceleration,
-            };
-            found.add(when, hit, String::new);
+        let tilt = self.tilt * scene.cell.robot.gpr.limits().tilt_max;
+        let mut carried = Carried::new(scene, course, gearing, id, tilt);
+        self.runs.iter().for_each(|run| carried.run(run));
+        let mut seen = carried.seen;
+        seen.sort_unstable_by_key(|(sample, _)| *sample);
+        for (sample, slip) in seen {
+            let time = course.times()[sample];
+            if slip.needed > slip.held {
+                let hit = Hit {
+                    about: (Kind::Slip, place, 0),
+                    kind: Kind::Slip,
+                    severity: slip.needed - slip.held,
+                    value: slip.needed,
+                    limit: slip.held,
+                    unit: Unit::Acceleration,
+                };
+                found.add(When { time, sample }, hit, String::new);
+            }
+            raise(&mut self.slip, Share { of: place, share: slip.share(), time });
         }
-        let share = if push.held > 0.0 { push.needed / push.held } else { f64::INFINITY };
-        raise(&mut self.slip, place, share, when.time);
+    }
+
+    /// The centre of an effector stays in the safe zones while the robot turns: looked at where it may have come to an edge.
+    fn zones(
+        &self,
+        scene: &Scene<'_>,
+        (course, gearing): (&Course, &Gearing),
+        (place, id): (usize, EffectorId),
+        found: &mut Found,
+    ) {
+        let kind = Kind::SafeZone;
+        let levers = Levers::of_center(&scene.cell.robot, id);
+        for run in &self.runs {
+            let mut sample = run.start;
+            while sample < run.end {
+                let positions = course.positions(sample);
+                let now = scene.cell.robot.platform(&positions).map_err(|error| error.to_string());
+                let pose = now.and_then(|now| scene.wafer(&now, id, &positions));
+                let mut room = f64::INFINITY;
+                for (zone, solid) in &scene.safe {
+                    let Ok(pose) = &pose else { continue };
+                    let placed = Placed { solid, base_from_carrier: &Pose::identity() };
+                    let off = solid::outside(placed, &pose.translation.vector);
+                    room = room.min(-off);
+                    if off > 0.0 {
+                        let (about, unit) = ((kind, place, *zone), Unit::Length);
+                        let hit = Hit { about, kind, severity: off, value: off, limit: 0.0, unit };
+                        let when = When { time: course.times()[sample], sample };
+                        found.add(when, hit, String::new);
+                    }
+                }
+                // The farthest sample to which the centre cannot have come out.
+                let stays = |to: usize| {
+                    gearing.travel(&levers, &course.moved(&(sample..to))).total() < room
+                };
+                let (mut near, mut far) = (sample, run.end);
+                while near + 1 < far {
+                    let middle = near.midpoint(far);
+                    if stays(middle) { near = middle } else { far = middle }
+                }
+                sample = near + 1;
+            }
+        }
     }
 }
 
@@ -251,18 +319,4 @@ fn beyond(axis: &Axis, position: f64) -> Option<f64> {
 
 fn nowhere(kind: Kind) -> Hit {
     Hit { about: (kind, 0, 0), kind, severity: 0.0, value: 0.0, limit: 0.0, unit: Unit::None }
-}
-
-/// Wafers' centres stay in the safe zones while the robot turns.
-fn zones(scene: &Scene<'_>, place: usize, pose: &Pose, when: When, found: &mut Found) {
-    let kind = Kind::SafeZone;
-    for (zone, solid) in &scene.safe {
-        let placed = Placed { solid, base_from_carrier: &Pose::identity() };
-        let off = solid::outside(placed, &pose.translation.vector);
-        if off > 0.0 {
-            let (about, unit) = ((kind, place, *zone), Unit::Length);
-            let hit = Hit { about, kind, severity: off, value: off, limit: 0.0, unit };
-            found.add(when, hit, String::new);
-        }
-    }
 }

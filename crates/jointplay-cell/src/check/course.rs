@@ -7,8 +7,9 @@ use nalgebra::Vector3;
 
 use super::scene::{Places, Scene};
 use super::solid::{Placed, Span};
-use super::travel::{Gearing, Levers, Moved};
-use crate::motion::{Motion, Sample};
+use super::travel::{Gearing, Levers, Moved, Odometer};
+use crate::motion::{Motion, Track};
+use crate::robot::Positions;
 
 /// Samples from one place that a box around a way is made of to the next.
 const STRIDE: usize = 32;
@@ -20,12 +21,12 @@ const STRIDE: usize = 32;
 pub(super) struct Course {
     /// Which, while it is looked at.
     step: Option<usize>,
-    samples: Vec<Sample>,
-    /// Axes that do anything in it, as indices.
-    moving: Vec<usize>,
-    count: usize,
-    /// What all axes did since the start, at most, by sample.
-    moved: Vec<Moved>,
+    /// Of the samples, since its start [s].
+    times: Vec<f64>,
+    /// Where all axes start.
+    from: Vec<f64>,
+    track: Track,
+    odometer: Odometer,
     /// Where everything is, as far as that was asked for; `None` within where it is not known.
     places: Vec<Option<Option<Places>>>,
     /// Room of places that are no longer needed.
@@ -36,7 +37,7 @@ impl Course {
     /// Takes up a step: its start, `rate` times a second, and its end.
     pub(super) fn take(&mut self, motion: &Motion, step: usize, rate: f64, gearing: &Gearing) {
         self.step = Some(step);
-        self.moving = motion.moving(step);
+        self.from.clone_from(&motion.steps[step].from);
         let length = motion.length(step);
         // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
         let whole = if motion.stands(step) {
@@ -44,24 +45,13 @@ impl Course {
         } else {
             (length * rate - 1e-3).ceil().max(0.0) as usize
         };
-        self.count = whole + 1;
-        if self.samples.len() < self.count {
-            self.samples.resize_with(self.count, Sample::default);
-        }
-        for (k, sample) in self.samples[..self.count].iter_mut().enumerate() {
-            let since = if k < whole { k as f64 / rate } else { length };
-            motion.fill_since(step, since, sample);
-        }
+        self.times.clear();
+        self.times.extend((0..whole).map(|k| k as f64 / rate).chain([length]));
+        self.track.take(motion, step, &self.times);
+        self.odometer.take(gearing, &self.times, &self.track);
         let left = self.places.drain(..).flatten().flatten();
         self.rooms.extend(left.map(Places::into_room));
-        self.places.resize_with(self.count, || None);
-        let mut moved = Moved::default();
-        self.moved.clear();
-        self.moved.push(moved);
-        for pair in self.samples[..self.count].windows(2) {
-            gearing.add(&mut moved, [&pair[0], &pair[1]], &self.moving);
-            self.moved.push(moved);
-        }
+        self.places.resize_with(self.times.len(), || None);
     }
 
     /// Whether it has taken up a step.
@@ -74,24 +64,54 @@ impl Course {
         self.step = None;
     }
 
-    pub(super) fn samples(&self) -> &[Sample] {
-        &self.samples[..self.count]
+    /// Of the samples, since the start of the step [s].
+    pub(super) fn times(&self) -> &[f64] {
+        &self.times
     }
 
-    pub(super) fn moving(&self) -> &[usize] {
-        &self.moving
+    /// What the axes do that do anything.
+    pub(super) fn track(&self) -> &Track {
+        &self.track
+    }
+
+    /// Where all axes are at the start.
+    pub(super) fn from(&self) -> &[f64] {
+        &self.from
+    }
+
+    /// Positions, velocities and accelerations of all axes at a sample.
+    pub(super) fn rates(&self, sample: usize) -> [Positions; 3] {
+        let mut rates = [Positions::new(&self.from); 3];
+        rates[1].fill(0.0);
+        rates[2].fill(0.0);
+        for (&axis, states) in self.track.moving().iter().zip(self.track.states()) {
+            for (order, rate) in rates.iter_mut().enumerate() {
+                rate[axis] = states[sample][order];
+            }
+        }
+        rates
+    }
+
+    /// Where all axes are at a sample.
+    pub(super) fn positions(&self, sample: usize) -> Positions {
+        let mut positions = Positions::new(&self.from);
+        for (&axis, states) in self.track.moving().iter().zip(self.track.states()) {
+            positions[axis] = states[sample][0];
+        }
+        positions
     }
 
     /// What all axes did between two samples, at most.
     pub(super) fn moved(&self, between: &Range<usize>) -> Moved {
-        self.moved[between.end].beyond(&self.moved[between.start])
+        self.odometer.moved(&self.track, between)
     }
 
     /// Finds where everything is at a sample.
     pub(super) fn place(&mut self, scene: &Scene<'_>, sample: usize) {
-        let (positions, rooms) = (&self.samples[sample].positions, &mut self.rooms);
-        self.places[sample]
-            .get_or_insert_with(|| scene.places(positions, rooms.pop().unwrap_or_default()).ok());
+        if self.places[sample].is_none() {
+            let room = self.rooms.pop().unwrap_or_default();
+            self.places[sample] = Some(scene.places(&self.positions(sample), room).ok());
+        }
     }
 
     /// Where everything is at a sample that was placed; `None` where that is not known.

@@ -63,7 +63,9 @@ impl Found {
         self.0.push(Stretch { hit, worst, start, end, first, last, detail: detail() });
     }
 
-    pub(super) fn finished(self) -> Vec<Stretch> {
+    /// All of it, what began first at the front.
+    pub(super) fn finished(mut self) -> Vec<Stretch> {
+        self.0.sort_by_key(|stretch| stretch.first);
         self.0
     }
 }

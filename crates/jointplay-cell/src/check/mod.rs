@@ -31,12 +31,12 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use crate::cell::{Cell, ZoneRule};
-use crate::memory::{Kept, Key, Reuse, Run, anew, one_by_one};
+use crate::memory::{Kept, Key, Reuse, Run, anew, each, one_by_one};
 use crate::motion::{Motion, Way};
 use alone::Alone;
 use near::Near;
 use solid::Solids;
-use steps::Steps;
+use steps::{Among, Steps};
 use summary::Summary;
 
 /// How closely a motion is looked at.
@@ -102,7 +102,7 @@ impl Checks {
         self.solids.begin();
         self.moves.begin(&shared);
         self.distances.begin(&shared);
-        let (steps, starts) = Steps::new(cell, motion, options, &mut self.solids);
+        let (steps, starts) = Steps::new(cell, motion, options, &mut self.solids, run);
         // By themselves, and among what is near them while their samples are at hand.
         let unknown = starts.iter().map(|start| &start.key).enumerate();
         let unknown = unknown.filter(|(_, key)| !self.moves.knows(key));
@@ -116,30 +116,35 @@ impl Checks {
             })
         });
         let mut nears: BTreeMap<Key, Near> = BTreeMap::new();
-        let mut found = Vec::with_capacity(starts.len());
+        let (mut alone, mut near_it) = (Vec::with_capacity(starts.len()), BTreeMap::new());
         for (index, start) in starts.iter().enumerate() {
-            let mut near_it = None;
-            let Ok(alone) = self.moves.get::<Infallible>(start.key.clone(), || {
-                let (alone, among, near) =
+            let Ok(found) = self.moves.get::<Infallible>(start.key.clone(), || {
+                let (found, among, near) =
                     by_themselves.remove(&start.key).expect("what is not known was looked at");
                 nears.extend(near.map(|near| (among.key.clone(), near)));
-                near_it = Some(among);
-                Ok((alone, motion.way_of(index)))
+                near_it.insert(index, among);
+                Ok((found, motion.way_of(index)))
             });
-            let among = near_it.unwrap_or_else(|| steps.among(start, index, &alone.0));
-            found.push((alone, among));
+            alone.push(found);
         }
+        let among = each(starts.len(), run, |index| match near_it.get(&index) {
+            Some(_) => None,
+            None => Some(steps.among(&starts[index], index, &alone[index].0)),
+        });
+        let among = among.into_iter().enumerate();
+        let among: Vec<Among> =
+            among.filter_map(|(index, among)| among.or_else(|| near_it.remove(&index))).collect();
         // Moves that are known, among other things than before.
-        let unknown = found.iter().map(|(_, among)| &among.key).enumerate();
+        let unknown = among.iter().map(|among| &among.key).enumerate();
         let unknown =
             unknown.filter(|(_, key)| !(self.distances.knows(key) || nears.contains_key(*key)));
         let others = anew(unknown, run, |index| {
-            let (alone, among) = &found[index];
-            steps.with_course(|course| steps.near(&starts[index], index, (&alone.0, among), course))
+            let things = (&alone[index].0, &among[index]);
+            steps.with_course(|course| steps.near(&starts[index], index, things, course))
         });
         nears.extend(others);
         let mut summary = Summary::new(cell, motion);
-        for (index, (alone, among)) in found.iter().enumerate() {
+        for (index, (alone, among)) in alone.iter().zip(&among).enumerate() {
             let Ok(near) = self.distances.get::<Infallible>(among.key.clone(), || {
                 Ok(nears.remove(&among.key).expect("what is not known was looked at"))
             });

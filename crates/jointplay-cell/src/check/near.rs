@@ -18,7 +18,7 @@ const PASSED_SHARE: f64 = 0.02;
 const PASSED: f64 = 2e-5;
 /// Travel between two looks below which nothing is looked for between them [m].
 const FINEST: f64 = 2e-6;
-/// How much of an arm's travel may go across its plane as the droop changes with reach.
+/// How much of a change of reach may go across the arm's plane, as a wafer droops by it.
 const DROOPING: f64 = 0.02;
 
 /// How much less than a least distance another one may have been that was passed over [m].
@@ -176,8 +176,8 @@ struct Way {
     along: f64,
     /// By the rods alone [m].
     plane: f64,
-    /// By the arms alone [m].
-    arm: f64,
+    /// By droop alone [m].
+    droop: f64,
     /// How far from straight the arms took anything [m].
     bent: f64,
 }
@@ -185,9 +185,9 @@ struct Way {
 impl Way {
     /// In either half of the interval: ways are those at the largest speed for the whole time.
     fn half(self) -> Self {
-        let Self { whole, along, plane, arm, bent } = self;
-        let [whole, along, plane, arm] = [whole, along, plane, arm].map(|way| 0.5 * way);
-        Self { whole, along, plane, arm, bent }
+        let Self { whole, along, plane, droop, bent } = self;
+        let [whole, along, plane, droop] = [whole, along, plane, droop].map(|way| 0.5 * way);
+        Self { whole, along, plane, droop, bent }
     }
 }
 
@@ -237,7 +237,7 @@ impl Search<'_, '_> {
             }
             self.exact(between.start, left);
             self.exact(between.end, right);
-            let times = [between.start, between.end].map(|k| self.look.course.samples()[k].time);
+            let times = [between.start, between.end].map(|k| self.look.course.times()[k]);
             self.between(between.end, times, [*left, *right], way);
             return;
         }
@@ -334,7 +334,7 @@ impl Search<'_, '_> {
         let apart = found.distance;
         self.along = found.along.map(|along| turned.inverse() * along).or(self.along);
         (known.apart, known.most, known.is_exact) = (apart, apart, true);
-        let time = look.course.samples()[sample].time;
+        let time = look.course.times()[sample];
         if apart <= self.limit {
             let deep = if apart == 0.0 && self.pair.rule != Rule::Out { depth(a, b) } else { 0.0 };
             self.seen.push(Seen { when: When { time, sample }, apart, deep });
@@ -365,17 +365,18 @@ impl Search<'_, '_> {
         let Look { course, gearing, .. } = &*self.look;
         let moved = course.moved(between);
         let levers = &self.levers;
-        let Travel { plane, arm } = gearing.travel(levers, &moved);
-        let [from, to] = [between.start, between.end].map(|k| course.samples()[k].time);
+        let Travel { plane, arm, reach } = gearing.travel(levers, &moved);
+        let droop = DROOPING * reach;
+        let [from, to] = [between.start, between.end].map(|k| course.times()[k]);
         let bent = 0.25 * (to - from) * gearing.bend(levers, &moved);
         if self.common != Holder::World {
             // The platform carries both, and changes no more than how they droop.
             let plane = DROOPING * plane;
-            let along = plane + DROOPING * arm;
-            return Way { whole: plane + arm, along, plane, arm, bent };
+            let along = plane + droop;
+            return Way { whole: plane + arm, along, plane, droop, bent };
         }
-        let along = plane + (DROOPING + moved.lean).min(1.0) * arm;
-        Way { whole: plane + arm, along, plane, arm, bent }
+        let along = plane + droop + moved.lean.min(1.0) * arm;
+        Way { whole: plane + arm, along, plane, droop, bent }
     }
 
     /// A lower bound of the distance in an interval, by the gap along what the two were apart when last looked at.
@@ -395,7 +396,7 @@ impl Search<'_, '_> {
             across = across.max(along.dot(&places.normal).abs());
         }
         // What droops goes down, and hardly aside.
-        let droop = DROOPING * (across + DROOPING) * way.arm;
+        let droop = (across + DROOPING) * way.droop;
         least - way.bent - 2.0 * (way.plane + droop)
     }
 }

@@ -141,7 +141,7 @@ pub struct InstructionRow {
     pub tilt: f64,
     /// Share of the play budget.
     pub play: f64,
-    /// Effector whose wafer comes nearest to slipping, by index among all effectors.
+    /// Effector whose wafer comes nearest to slipping, by index among all effectors; other samples may have had as much as 0.0001 more, unless it slips.
     pub slip: Option<Share>,
     /// The two bodies that come nearest; `None` where all stay farther than distances are followed.
     pub nearest: Option<PairDistance>,

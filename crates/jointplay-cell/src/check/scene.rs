@@ -167,6 +167,11 @@ impl<'a> Scene<'a> {
         before.iter().map(|arm| arm.joints.len() + arm.effectors.len()).sum()
     }
 
+    /// An effector and its arm.
+    pub(super) fn planar(&self, id: EffectorId) -> (EffectorId, &Planar) {
+        (id, &self.arms[id.arm][id.effector])
+    }
+
     /// Where an effector's wafer is or would be, its arm drooping.
     ///
     /// # Errors

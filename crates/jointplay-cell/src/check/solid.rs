@@ -355,11 +355,12 @@ pub(super) fn depth(a: Placed<'_>, b: Placed<'_>) -> f64 {
         .map_or(0.0, |contact| (margin - contact.dist).max(0.0))
 }
 
-/// How far a point in the base frame is outside a solid [m], 0 within.
+/// How far a point in the base frame is outside a solid [m]; below zero how deep it is within, or less.
 pub(super) fn outside(solid: Placed<'_>, point: &Vector3<f64>) -> f64 {
     let point = Vector::new(point.x, point.y, point.z);
-    let apart = solid.solid.shape.0.distance_to_point(&solid.pose(), point, true);
-    (apart - solid.solid.margin).max(0.0)
+    let found = solid.solid.shape.0.project_point(&solid.pose(), point, false);
+    let apart = (found.point - point).length();
+    (if found.is_inside { -apart } else { apart }) - solid.solid.margin
 }
 
 #[cfg(test)]
@@ -498,7 +499,8 @@ mod tests {
             Solid::new(&Shape::Cylinder { radius: 0.4, half_height: 0.5 }, &Pose::identity())
                 .unwrap();
         let placed = Placed { solid: &zone, base_from_carrier: &Pose::identity() };
-        assert_eq!(outside(placed, &Vector3::new(0.1, 0.2, 0.3)), 0.0);
+        let within = outside(placed, &Vector3::new(0.1, 0.2, 0.3));
+        assert!((within + 0.4 - 0.1_f64.hypot(0.2)).abs() < 1e-9, "{within}");
         assert!((outside(placed, &Vector3::new(0.0, 0.5, 0.3)) - 0.1).abs() < 1e-9);
     }
 

@@ -10,7 +10,7 @@ use super::scene::{Rule, Scene};
 use super::solid::Solids;
 use super::travel::{Gearing, Levers};
 use crate::cell::Cell;
-use crate::memory::Key;
+use crate::memory::{Key, Run, each};
 use crate::motion::Motion;
 use crate::program::{Phase, Step};
 
@@ -45,6 +45,27 @@ pub(super) struct Among {
     pub(super) key: Key,
 }
 
+impl Start {
+    fn new(
+        cell: &Cell,
+        motion: &Motion,
+        index: usize,
+        (number, scenes): (usize, &[Scene<'_>]),
+    ) -> Self {
+        let (step, scene) = (&motion.steps[index], &scenes[number]);
+        let (movers, others): (Vec<usize>, Vec<usize>) =
+            (0..scene.items.len()).partition(|&item| scene.items[item].holder.moves());
+        let mut key = motion.key(index);
+        key.push(u64::from(step.phase == Phase::Turn));
+        key.push(step.loaded.len() as u64);
+        key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
+        movers.iter().for_each(|&item| scene.items[item].key(&mut key));
+        let levers = movers.iter().map(|&item| Levers::new(&cell.robot, &scene.items[item]));
+        let levers = levers.collect();
+        Self { scene: number, movers, others, levers, key }
+    }
+}
+
 impl<'a> Steps<'a> {
     /// Of a motion, with what each step by itself depends on.
     pub(super) fn new(
@@ -52,28 +73,21 @@ impl<'a> Steps<'a> {
         motion: &'a Motion,
         options: &'a CheckOptions,
         solids: &mut Solids,
+        run: Run<'_>,
     ) -> (Self, Vec<Start>) {
         let mut scenes = vec![Scene::new(cell, solids)];
-        let mut starts = Vec::with_capacity(motion.steps.len());
-        for (index, step) in motion.steps.iter().enumerate() {
+        let mut scene_of = Vec::with_capacity(motion.steps.len());
+        for step in &motion.steps {
             let last = scenes.len() - 1;
-            let scene = &scenes[last];
-            let (movers, others): (Vec<usize>, Vec<usize>) =
-                (0..scene.items.len()).partition(|&item| scene.items[item].holder.moves());
-            let mut key = motion.key(index);
-            key.push(u64::from(step.phase == Phase::Turn));
-            key.push(step.loaded.len() as u64);
-            key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
-            movers.iter().for_each(|&item| scene.items[item].key(&mut key));
-            let levers = movers.iter().map(|&item| Levers::new(&cell.robot, &scene.items[item]));
-            let levers = levers.collect();
-            starts.push(Start { scene: last, movers, others, levers, key });
+            scene_of.push(last);
             if let Some(handover) = step.handover {
-                let mut next = scene.clone();
+                let mut next = scenes[last].clone();
                 next.hand_over(handover);
                 scenes.push(next);
             }
         }
+        let start = |index: usize| Start::new(cell, motion, index, (scene_of[index], &scenes));
+        let starts = each(motion.steps.len(), run, start);
         let (gearing, courses) = (Gearing::new(&cell.robot), Mutex::default());
         (Self { motion, options, gearing, scenes, courses }, starts)
     }
@@ -101,7 +115,7 @@ impl<'a> Steps<'a> {
     pub(super) fn alone(&self, start: &Start, index: usize, course: &mut Course) -> Alone {
         self.take(index, course);
         let scene = self.scene(start);
-        let mut alone = Alone::new(scene, &self.motion.steps[index], course);
+        let mut alone = Alone::new(scene, &self.motion.steps[index], (course, &self.gearing));
         let around =
             |(&item, levers)| course.around(scene, item, (&self.gearing, levers), &alone.runs);
         alone.around = start.movers.iter().zip(&start.levers).map(around).collect();

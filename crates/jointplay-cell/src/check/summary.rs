@@ -80,7 +80,7 @@ impl<'a> Summary<'a> {
                 (&mut row.slip, alone.slip),
             ] {
                 if let Some(Share { of, share, time }) = found {
-                    raise(most, of, share, start + time);
+                    raise(most, Share { of, share, time: start + time });
                 }
             }
         }

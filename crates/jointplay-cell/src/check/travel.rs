@@ -1,8 +1,10 @@
 //! How far what moves can have gone between two samples, at most.
 
+use std::ops::Range;
+
 use super::scene::{Holder, Item};
-use crate::motion::Sample;
-use crate::robot::{Arm, HybridRobot, MAX_AXES, MotionKind, RODS};
+use crate::motion::{State, Track};
+use crate::robot::{Arm, EffectorId, HybridRobot, MAX_AXES, MotionKind, RODS};
 
 /// Slack for what the bounds leave out: the platform's shift and twist by its tilt, of the size of the tilt, and the droop's change by reach.
 const SLACK: f64 = 1.1;
@@ -14,6 +16,8 @@ pub(super) struct Levers {
     arms: [f64; MAX_AXES],
     /// By the square of its speed, how hard they bend from straight [1/m or m/rad²].
     turns: [f64; MAX_AXES],
+    /// What each motor of the arms does to the reach of a wafer, which droops by it: all but turn it about the first joint [m/m or m/rad].
+    reaches: [f64; MAX_AXES],
     /// Largest distance of a point from the platform's origin [m].
     far: f64,
 }
@@ -25,6 +29,8 @@ pub(super) struct Travel {
     pub(super) plane: f64,
     /// By the arms, parallel to the platform [m].
     pub(super) arm: f64,
+    /// How far the reach of what droops changed [m].
+    pub(super) reach: f64,
 }
 
 impl Travel {
@@ -48,19 +54,81 @@ pub(super) struct Moved {
     pub(super) lean: f64,
 }
 
-impl Moved {
-    /// What they did beyond the first of two intervals.
-    pub(super) fn beyond(&self, first: &Self) -> Self {
-        let each = |whole: &[f64; MAX_AXES], first: &[f64; MAX_AXES]| {
-            std::array::from_fn(|axis| whole[axis] - first[axis])
-        };
-        Self {
-            axes: each(&self.axes, &first.axes),
-            hurries: each(&self.hurries, &first.hurries),
-            squares: each(&self.squares, &first.squares),
-            height: self.height - first.height,
-            lean: self.lean - first.lean,
+/// How far everything has come by each sample of a step, at most.
+#[derive(Default)]
+pub(super) struct Odometer {
+    /// Of each axis that moves, in the order of the track: path, ∫|q̈| dt and ∫q̇² dt; there may be more than there are.
+    axes: Vec<Vec<[f64; 3]>>,
+    /// Of the platform, while rods move: path of its height, and angle that its normal turned by.
+    platform: Vec<[f64; 2]>,
+}
+
+impl Odometer {
+    /// Takes up a step.
+    pub(super) fn take(&mut self, gearing: &Gearing, times: &[f64], track: &Track) {
+        let (moving, states) = (track.moving(), track.states());
+        if self.axes.len() < moving.len() {
+            self.axes.resize_with(moving.len(), Vec::new);
         }
+        self.platform.clear();
+        if moving.first().is_some_and(|&axis| axis < RODS) {
+            self.platform.resize(times.len(), [0.0; 2]);
+        }
+        for (place, (&axis, states)) in moving.iter().zip(states).enumerate() {
+            let by = &mut self.axes[place];
+            by.clear();
+            let mut all = [0.0; 3];
+            by.push(all);
+            for (k, pair) in states.windows(2).enumerate() {
+                let dt = times[k + 1] - times[k];
+                let [speed, hurry] = gearing.most(dt, axis, [&pair[0], &pair[1]]);
+                let path = dt * speed;
+                for (sum, more) in all.iter_mut().zip([path, dt * hurry, path * speed]) {
+                    *sum += more;
+                }
+                by.push(all);
+                if axis < RODS {
+                    let [height, _] = &mut self.platform[k + 1];
+                    *height = height.max(path);
+                }
+            }
+        }
+        if !self.platform.is_empty() {
+            self.lean(gearing, times, track);
+        }
+    }
+
+    /// Sums up what the rods do to the platform: its height is theirs, weighted, and its normal turns as they go unevenly.
+    fn lean(&mut self, gearing: &Gearing, times: &[f64], track: &Track) {
+        let rods: [Option<&Vec<State>>; RODS] = std::array::from_fn(|rod| {
+            let place = track.moving().iter().position(|&axis| axis == rod)?;
+            Some(&track.states()[place])
+        });
+        let of =
+            |sample: usize| rods.map(|states| states.map_or([0.0; 4], |states| states[sample]));
+        let mut first = of(0);
+        let mut all = [0.0; 2];
+        for k in 1..times.len() {
+            let last = of(k);
+            all[0] += gearing.weights * self.platform[k][0];
+            all[1] += gearing.lean(times[k] - times[k - 1], [&first, &last]);
+            self.platform[k] = all;
+            first = last;
+        }
+    }
+
+    /// What all axes did between two samples, at most.
+    pub(super) fn moved(&self, track: &Track, between: &Range<usize>) -> Moved {
+        let mut moved = Moved::default();
+        let (from, to) = (between.start, between.end);
+        for (&axis, by) in track.moving().iter().zip(&self.axes) {
+            let [path, hurry, square] = std::array::from_fn(|k| by[to][k] - by[from][k]);
+            (moved.axes[axis], moved.hurries[axis], moved.squares[axis]) = (path, hurry, square);
+        }
+        if let (Some(last), Some(first)) = (self.platform.get(to), self.platform.get(from)) {
+            (moved.height, moved.lean) = (last[0] - first[0], last[1] - first[1]);
+        }
+        moved
     }
 }
 
@@ -98,51 +166,51 @@ impl Gearing {
         }
     }
 
-    /// Adds what all axes did between two samples, at most.
-    ///
-    /// # Arguments
-    /// * `moving` – axes that do anything there, in growing order
-    pub(super) fn add(&self, moved: &mut Moved, [from, to]: [&Sample; 2], moving: &[usize]) {
-        let dt = to.time - from.time;
-        let mut rods = 0.0_f64;
-        let jerk_of =
-            |limit: f64, axis: usize| limit.max(from.jerks[axis].abs()).max(to.jerks[axis].abs());
-        for &axis in moving {
-            let accelerations = [from, to].map(|sample| sample.accelerations[axis]);
-            let jerk = jerk_of(self.jerks[axis], axis);
-            let hurry = most(dt, accelerations, jerk);
-            let speed = most(dt, [from, to].map(|sample| sample.velocities[axis]), hurry);
-            let path = dt * speed;
-            moved.axes[axis] += path;
-            moved.hurries[axis] += dt * hurry;
-            moved.squares[axis] += dt * speed * speed;
-            if axis < RODS {
-                rods = rods.max(path);
-            }
-        }
-        if moving.first().is_some_and(|&axis| axis < RODS) {
-            let off = |values: &[f64]| -> [f64; RODS] {
-                let mean = (values[0] + values[1] + values[2]) / 3.0;
-                std::array::from_fn(|rod| values[rod] - mean)
-            };
-            let velocities = [from, to].map(|sample| off(&sample.velocities));
-            let accelerations = [from, to].map(|sample| off(&sample.accelerations));
-            let jerks = (0..RODS).map(|rod| jerk_of(self.jerks[rod], rod));
-            let jerk = 2.0 * jerks.fold(0.0, f64::max);
-            for rod in 0..RODS {
-                let hurry = most(dt, accelerations.map(|of| of[rod]), jerk);
-                let speed = most(dt, velocities.map(|of| of[rod]), hurry);
-                moved.lean += SLACK * dt * speed / self.heights[rod];
-            }
-            moved.height += self.weights * rods;
-        }
+    /// Speed [m/s or rad/s] and acceleration [m/s² or rad/s²] of an axis between two samples, at most.
+    fn most(&self, dt: f64, axis: usize, [from, to]: [&State; 2]) -> [f64; 2] {
+        let jerk = self.jerks[axis].max(from[3].abs()).max(to[3].abs());
+        let hurry = most(dt, [from[2], to[2]], jerk);
+        let speed = most(dt, [from[1], to[1]], hurry);
+        [speed, hurry]
+    }
+
+    /// The angle that the platform's normal turned by between two samples, at most [rad].
+    fn lean(&self, dt: f64, [from, to]: [&[State; RODS]; 2]) -> f64 {
+        let off = |states: &[State; RODS], order: usize| -> [f64; RODS] {
+            let mean = (states[0][order] + states[1][order] + states[2][order]) / 3.0;
+            std::array::from_fn(|rod| states[rod][order] - mean)
+        };
+        let velocities = [from, to].map(|states| off(states, 1));
+        let accelerations = [from, to].map(|states| off(states, 2));
+        let jerk_of = |rod: usize| self.jerks[rod].max(from[rod][3].abs()).max(to[rod][3].abs());
+        let jerk = 2.0 * (0..RODS).map(jerk_of).fold(0.0, f64::max);
+        let turned = |rod: usize| {
+            let hurry = most(dt, accelerations.map(|of| of[rod]), jerk);
+            let speed = most(dt, velocities.map(|of| of[rod]), hurry);
+            SLACK * dt * speed / self.heights[rod]
+        };
+        (0..RODS).map(turned).sum()
+    }
+
+    /// How much the platform's normal turns as the rods go so unevenly, or how fast where these are rates, at most [rad, or that by time].
+    pub(super) fn leaning(&self, rods: &[f64; RODS]) -> f64 {
+        let mean = (rods[0] + rods[1] + rods[2]) / 3.0;
+        SLACK * (0..RODS).map(|rod| (rods[rod] - mean).abs() / self.heights[rod]).sum::<f64>()
+    }
+
+    /// How much the platform's origin goes up or down as the rods go so, at most [m, or that by time].
+    pub(super) fn lift(&self, rods: &[f64; RODS]) -> f64 {
+        self.weights * rods.iter().fold(0.0, |most: f64, rod| most.max(rod.abs()))
     }
 
     /// How far points of an item went, at most.
     pub(super) fn travel(&self, levers: &Levers, moved: &Moved) -> Travel {
         let plane = moved.height + moved.lean * (levers.far + 0.5 * self.radius);
-        let arm: f64 = levers.arms.iter().zip(&moved.axes).map(|(lever, path)| lever * path).sum();
-        Travel { plane: SLACK * plane, arm: SLACK * arm }
+        let by = |levers: &[f64; MAX_AXES]| -> f64 {
+            levers.iter().zip(&moved.axes).map(|(lever, path)| lever * path).sum()
+        };
+        let [arm, reach] = [&levers.arms, &levers.reaches].map(by);
+        Travel { plane: SLACK * plane, arm: SLACK * arm, reach: SLACK * reach }
     }
 
     /// How fast the arms' part of the way of a point changed, in all [m/s].
@@ -168,21 +236,39 @@ fn most(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
 impl Levers {
     /// Of an item that moves.
     pub(super) fn new(robot: &HybridRobot, item: &Item) -> Self {
-        Self::beyond(robot, item, 0)
+        Self::beyond(robot, (item.holder, item.solid.reach()), 0)
+    }
+
+    /// Of the centre of an effector's wafer.
+    pub(super) fn of_center(robot: &HybridRobot, effector: EffectorId) -> Self {
+        Self::beyond(robot, (Holder::Effector(effector), 0.0), 0)
     }
 
     /// Of two items that move, against each other: what carries both alike counts for neither.
     pub(super) fn between(robot: &HybridRobot, one: &Item, other: &Item, common: Holder) -> Self {
         let common = if let Holder::Link { link, .. } = common { link + 1 } else { 0 };
-        let (one, other) = (Self::beyond(robot, one, common), Self::beyond(robot, other, common));
+        let [one, other] =
+            [one, other].map(|it| Self::beyond(robot, (it.holder, it.solid.reach()), common));
         let both = |one: [f64; MAX_AXES], other: [f64; MAX_AXES]| {
             std::array::from_fn(|axis| one[axis] + other[axis])
         };
         Self {
             arms: both(one.arms, other.arms),
             turns: both(one.turns, other.turns),
+            reaches: both(one.reaches, other.reaches),
             far: one.far + other.far,
         }
+    }
+
+    /// By joints from a place on, and of a wafer's reach by all.
+    fn beyond(robot: &HybridRobot, (holder, reach): (Holder, f64), common: usize) -> Self {
+        let mut levers = Self::by_joints(robot, (holder, reach), common);
+        if let Holder::Effector(id) = holder {
+            // Turned about its first joint, an arm reaches as far.
+            let turns = robot.arms[id.arm].joints[0].kind == MotionKind::Turn;
+            levers.reaches = Self::by_joints(robot, (holder, 0.0), usize::from(turns)).arms;
+        }
+        levers
     }
 
     /// By joints from a place on.
@@ -191,14 +277,16 @@ impl Levers {
     ///    |v|  ≤  Σ_a |ȧ| Σ_g |m_ga| |v_g|        m_ga: turning of link g by axis a, |v_g|: its length
     /// ```
     /// so that a wafer that a belt keeps from turning has none of the levers that it would have about each joint.
-    fn beyond(robot: &HybridRobot, item: &Item, common: usize) -> Self {
+    ///
+    /// # Arguments
+    /// * `reach` – of the farthest point from the origin of what holds it [m]
+    fn by_joints(robot: &HybridRobot, (holder, reach): (Holder, f64), common: usize) -> Self {
         let (mut arms, mut turns) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
-        let reach = item.solid.reach();
-        let Some((arm, joints)) = joints_of(robot, item) else {
-            return Self { arms, turns, far: reach };
+        let Some((arm, joints)) = joints_of(robot, holder) else {
+            return Self { arms, turns, reaches: [0.0; MAX_AXES], far: reach };
         };
         let described = &robot.arms[arm];
-        let own = match item.holder {
+        let own = match holder {
             Holder::Effector(id) => {
                 let [x, y, z] = described.effectors[id.effector].wafer_center;
                 x.hypot(y).hypot(z) + reach
@@ -237,13 +325,13 @@ impl Levers {
                 turns[axis] += turning * whole * length;
             }
         }
-        Self { arms, turns, far }
+        Self { arms, turns, reaches: [0.0; MAX_AXES], far }
     }
 }
 
 /// What carries two items that move alike, the last of it.
 pub(super) fn common(robot: &HybridRobot, one: &Item, other: &Item) -> Holder {
-    match (joints_of(robot, one), joints_of(robot, other)) {
+    match (joints_of(robot, one.holder), joints_of(robot, other.holder)) {
         (Some((a, m)), Some((b, n))) if a == b => Holder::Link { arm: a, link: m.min(n) - 1 },
         (Some((a, _)), Some((b, _))) if begin_alike(&robot.arms[a], &robot.arms[b]) => {
             Holder::Link { arm: a, link: 0 }
@@ -252,9 +340,9 @@ pub(super) fn common(robot: &HybridRobot, one: &Item, other: &Item) -> Holder {
     }
 }
 
-/// The arm that holds an item, and how many of its joints come before it.
-fn joints_of(robot: &HybridRobot, item: &Item) -> Option<(usize, usize)> {
-    match item.holder {
+/// The arm that a holder belongs to, and how many of its joints come before it.
+fn joints_of(robot: &HybridRobot, holder: Holder) -> Option<(usize, usize)> {
+    match holder {
         Holder::Link { arm, link } => Some((arm, link + 1)),
         Holder::Effector(id) => Some((id.arm, robot.arms[id.arm].joints.len())),
         Holder::Platform | Holder::World | Holder::Slot(_) => None,

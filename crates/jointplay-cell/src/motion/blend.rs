@@ -10,7 +10,7 @@ use super::plan::key;
 use crate::cell::Cell;
 use crate::memory::{Kept, Key, extend};
 use crate::program::{Phase, Step};
-use crate::robot::{Dynamics, EffectorId};
+use crate::robot::{AxesMotion, Dynamics, EffectorId};
 
 /// How a step runs into the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -187,7 +187,7 @@ impl<'a> Corner<'a> {
         all.into_iter().fold((1.0, 0.0), better).0
     }
 
-    /// The longest overlap that keeps every limit, and stays within the radius of the way without it.
+    /// The longest overlap that keeps every limit, lets no wafer slip that would not without it, and stays within the radius of the way without it.
     ///
     /// ```text
     ///    q(t)  =  q_1(t) + q_2(t) − corner
@@ -224,7 +224,7 @@ struct Two<'c> {
 }
 
 impl Two<'_> {
-    /// How far wafers' centres stray with an overlap; `None` where a limit or the radius is exceeded.
+    /// How far wafers' centres stray with an overlap; `None` where a limit or the radius is exceeded, or a wafer slips.
     fn stray(&self, overlap: f64) -> Option<f64> {
         let times = self.times(overlap);
         let axes = 0..self.corner.limits[0].len();
@@ -236,6 +236,9 @@ impl Two<'_> {
                 if !owners.clone().all(|owner| self.within(axis, states, owner)) {
                     return None;
                 }
+            }
+            if self.slips(overlap, since) {
+                return None;
             }
         }
         let corner = &self.corner.steps[1].from;
@@ -284,6 +287,34 @@ impl Two<'_> {
         let begin = self.ways[0].duration() - overlap;
         let [first, second] = self.corner.steps;
         [self.ways[0].state(first, axis, begin + since), self.ways[1].state(second, axis, since)]
+    }
+
+    /// Whether a wafer slips that either motion alone would carry.
+    fn slips(&self, overlap: f64, since: f64) -> bool {
+        let Corner { cell, steps, .. } = self.corner;
+        let corner = &steps[1].from;
+        let states: Vec<[State; 2]> =
+            (0..corner.len()).map(|axis| self.states(axis, overlap, since)).collect();
+        let share = |id: EffectorId, of: &dyn Fn(usize) -> State| {
+            let [positions, velocities, accelerations] = [0, 1, 2]
+                .map(|order| (0..corner.len()).map(|axis| of(axis)[order]).collect::<Vec<_>>());
+            let motion = AxesMotion {
+                positions: &positions,
+                velocities: &velocities,
+                accelerations: &accelerations,
+            };
+            // What is not known there is told by the check.
+            cell.slip(id, &motion).map_or(0.0, |slip| slip.share())
+        };
+        let both = |axis: usize| {
+            let [one, other] = states[axis];
+            [one[0] + other[0] - corner[axis], one[1] + other[1], one[2] + other[2], 0.0]
+        };
+        steps[0].loaded.iter().any(|&id| {
+            let together = share(id, &both);
+            together > 1.0 - SLACK
+                && [0, 1].iter().all(|&way| together > share(id, &|axis| states[axis][way]))
+        })
     }
 
     /// Whether both motions of an axis at once keep to the limits of one of the steps.

@@ -13,11 +13,14 @@ mod line;
 mod pace;
 mod plan;
 mod spline;
+mod track;
 
 pub use blend::Blend;
+pub(crate) use cubic::State;
 pub use limits::{dynamics, limits_of, moves};
 pub(crate) use plan::Ways;
 pub use plan::{MotionError, MotionOptions, StepProblem, timed};
+pub(crate) use track::Track;
 
 use std::sync::Arc;
 

@@ -7,8 +7,6 @@ use crate::robot::Dynamics;
 
 /// Stages at which the fastest way under speed and acceleration limits is decided.
 const STAGES: usize = 80;
-/// Halvings by which the fastest rate at a stage is found.
-const HALVINGS: usize = 24;
 /// Times at which a candidate is held against the limits while the best is looked for.
 const GLANCES: usize = 100;
 /// Times at which the best one is, besides those where its jerk or that of the path changes.
@@ -28,6 +26,8 @@ pub(crate) struct Pace<'a> {
     spline: &'a Spline,
     /// Of each axis that moves.
     limits: Vec<(usize, Dynamics)>,
+    /// One by each of them: speed, acceleration and jerk.
+    by: Vec<[f64; 3]>,
     /// Largest rate of the parameter [1/s].
     rate: f64,
 }
@@ -38,8 +38,12 @@ impl<'a> Pace<'a> {
     /// * `rate` – the largest of the parameter [1/s]
     pub(crate) fn new(spline: &'a Spline, limits: &[Dynamics], rate: f64) -> Self {
         let limits = limits.iter().copied().enumerate();
-        let limits = limits.filter(|(axis, _)| spline.moves(*axis)).collect();
-        Self { spline, limits, rate }
+        let limits: Vec<(usize, Dynamics)> =
+            limits.filter(|(axis, _)| spline.moves(*axis)).collect();
+        let by = limits.iter().map(|(_, limits)| {
+            [limits.velocity, limits.acceleration, limits.jerk].map(|limit| 1.0 / limit)
+        });
+        Self { spline, by: by.collect(), limits, rate }
     }
 
     /// The parameter from 0 to 1 in time.
@@ -61,8 +65,9 @@ impl<'a> Pace<'a> {
         }
         let mut best = (f64::INFINITY, None);
         let mut about = None;
+        let stages: Vec<Stage> = self.stages().map(|s| self.stage(s)).collect();
         for share in SHARES {
-            let way = self.fastest(share);
+            let way = self.fastest(&stages, share);
             let total: f64 = way.iter().map(|(duration, _)| duration).sum();
             // From the second share on only near the width that was best.
             let widths: Vec<f64> = match about {
@@ -140,33 +145,19 @@ impl<'a> Pace<'a> {
     }
 
     /// Stretches of (duration, acceleration) of the parameter, the fastest with a share of the acceleration limits.
-    fn fastest(&self, share: f64) -> Vec<(f64, f64)> {
+    fn fastest(&self, stages: &[Stage], share: f64) -> Vec<(f64, f64)> {
         let ds = 1.0 / STAGES as f64;
-        let stages: Vec<Stage> = self.stages().map(|s| self.stage(s, share)).collect();
         // Squares of the rate from which the rest of the way can still be kept.
         let mut reach = vec![0.0; STAGES + 1];
         for k in (0..STAGES).rev() {
-            let (mut low, mut high) = (0.0, stages[k].cap);
-            let keeps = |x: f64| {
-                let (least, most) = stages[k].accelerations(x);
-                least <= most && x + 2.0 * ds * least <= reach[k + 1] && x + 2.0 * ds * most >= 0.0
-            };
-            if keeps(high) {
-                low = high;
-            } else {
-                for _ in 0..HALVINGS {
-                    let middle = 0.5 * (low + high);
-                    if keeps(middle) { low = middle } else { high = middle }
-                }
-            }
-            reach[k] = low;
+            reach[k] = stages[k].fastest(share, ds, reach[k + 1]);
         }
         let mut way = Vec::with_capacity(STAGES);
         let mut x = 0.0_f64;
         for k in 0..STAGES {
-            let (_, most) = stages[k].accelerations(x);
+            let most = stages[k].most(share, x);
             // Never quite to rest on the way.
-            let floor = if k + 1 < STAGES { 1e-9 * stages[k + 1].cap } else { 0.0 };
+            let floor = if k + 1 < STAGES { 1e-9 * stages[k + 1].cap(share) } else { 0.0 };
             let next = (x + 2.0 * ds * most).min(reach[k + 1]).max(floor);
             let duration = 2.0 * ds / (x.sqrt() + next.sqrt());
             way.push((duration, (next - x) / (2.0 * ds)));
@@ -175,9 +166,9 @@ impl<'a> Pace<'a> {
         way
     }
 
-    fn stage(&self, s: f64, share: f64) -> Stage {
+    fn stage(&self, s: f64) -> Stage {
         let interval = self.spline.interval(s);
-        let mut cap = self.rate * self.rate;
+        let (mut cap, mut bends) = (self.rate * self.rate, f64::INFINITY);
         let mut rows = Vec::with_capacity(self.limits.len());
         for &(axis, limits) in &self.limits {
             let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
@@ -185,16 +176,16 @@ impl<'a> Pace<'a> {
                 cap = cap.min((limits.velocity / slope).powi(2));
             }
             if curvature != 0.0 {
-                cap = cap.min(share * limits.acceleration / curvature.abs());
+                bends = bends.min(limits.acceleration / curvature.abs());
             }
             if third != 0.0 {
                 cap = cap.min((limits.jerk / third.abs()).powf(2.0 / 3.0));
             }
             if slope.abs() > 1e-12 {
-                rows.push((curvature / slope, share * limits.acceleration / slope.abs()));
+                rows.push((curvature / slope, limits.acceleration / slope.abs()));
             }
         }
-        Stage { rows, cap }
+        Stage { rows, cap, bends }
     }
 
     /// The same, as fast as every limit is kept.
@@ -250,14 +241,14 @@ impl<'a> Pace<'a> {
     fn exceed(&self, worst: &mut f64, [s, rate, acceleration, jerk]: [f64; 4], interval: usize) {
         let mut most = rate / self.rate;
         let (mut squared, mut cubed) = (0.0_f64, 0.0_f64);
-        for &(axis, limits) in &self.limits {
+        for (&(axis, _), by) in self.limits.iter().zip(&self.by) {
             let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
             let v = slope * rate;
             let a = curvature * rate * rate + slope * acceleration;
             let j = third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk;
-            most = most.max(v.abs() / limits.velocity);
-            squared = squared.max(a.abs() / limits.acceleration);
-            cubed = cubed.max(j.abs() / limits.jerk);
+            most = most.max(v.abs() * by[0]);
+            squared = squared.max(a.abs() * by[1]);
+            cubed = cubed.max(j.abs() * by[2]);
         }
         *worst = worst.max(most);
         // Roots only of what is worse: there are far more states than worst ones.
@@ -274,19 +265,47 @@ impl<'a> Pace<'a> {
 struct Stage {
     /// Of each axis: its curvature and its acceleration limit, by its slope.
     rows: Vec<(f64, f64)>,
-    /// Largest square of the rate.
+    /// Largest square of the rate, by speed and jerk.
     cap: f64,
+    /// The same by acceleration, where the axes do nothing but bend.
+    bends: f64,
 }
 
 impl Stage {
-    /// Least and largest acceleration of the parameter for a square of its rate.
-    fn accelerations(&self, x: f64) -> (f64, f64) {
-        let (mut least, mut most) = (-1e12_f64, 1e12_f64);
-        for &(curvature, limit) in &self.rows {
-            least = least.max(-curvature * x - limit);
-            most = most.min(-curvature * x + limit);
+    /// Largest square of the rate with a share of the acceleration limits.
+    fn cap(&self, share: f64) -> f64 {
+        self.cap.min(share * self.bends)
+    }
+
+    /// Largest acceleration of the parameter for a square of its rate.
+    fn most(&self, share: f64, x: f64) -> f64 {
+        self.rows
+            .iter()
+            .fold(1e12, |most, &(curvature, limit)| most.min(share * limit - curvature * x))
+    }
+
+    /// Largest square of the rate from which one of the next stage can be kept.
+    ///
+    /// ```text
+    ///    −c_i x − l_i  ≤  ẍ  ≤  −c_i x + l_i        for all axes i, so that  0  ≤  x + 2 ds ẍ  ≤  next  for one ẍ
+    /// ```
+    /// Each of these keeps x below a bound or always holds, and all hold for x = 0.
+    fn fastest(&self, share: f64, ds: f64, next: f64) -> f64 {
+        let mut x = self.cap(share);
+        for (place, &(curvature, limit)) in self.rows.iter().enumerate() {
+            let (grows, by) = (1.0 - 2.0 * ds * curvature, 2.0 * ds * share * limit);
+            if grows > 0.0 {
+                x = x.min((next + by) / grows);
+            } else if grows < 0.0 {
+                x = x.min(-by / grows);
+            }
+            for &(other, allowed) in &self.rows[..place] {
+                if other != curvature {
+                    x = x.min(share * (limit + allowed) / (curvature - other).abs());
+                }
+            }
         }
-        (least, most)
+        x
     }
 }
 

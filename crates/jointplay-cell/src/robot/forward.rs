@@ -193,20 +193,25 @@ impl HybridRobot {
     }
 
     pub(super) fn check_positions(&self, positions: &[f64]) -> Result<(), CellError> {
-        if positions.len() != self.axes.len() {
-            let (found, expected) = (positions.len(), self.axes.len());
+        self.check_each("position", positions)
+    }
+
+    /// Whether there is one finite number for each axis.
+    pub(super) fn check_each(&self, what: &str, values: &[f64]) -> Result<(), CellError> {
+        if values.len() != self.axes.len() {
+            let (found, expected) = (values.len(), self.axes.len());
             return Err(CellError::WrongLength { found, expected });
         }
-        match positions.iter().zip(&self.axes).find(|(position, _)| !position.is_finite()) {
+        match values.iter().zip(&self.axes).find(|(value, _)| !value.is_finite()) {
             Some((&value, axis)) => {
-                let what = format!("the position of axis {}", axis.name);
+                let what = format!("the {what} of axis {}", axis.name);
                 Err(CellError::NotFinite { what, value })
             }
             None => Ok(()),
         }
     }
 
-    pub(super) fn check_effector(&self, id: EffectorId) -> Result<(), CellError> {
+    pub(crate) fn check_effector(&self, id: EffectorId) -> Result<(), CellError> {
         let EffectorId { arm, effector } = id;
         match self.arms.get(arm).and_then(|arm| arm.effectors.get(effector)) {
             Some(_) => Ok(()),

@@ -5,7 +5,7 @@
 //! | `checked` | what makes a robot |
 //! | `model` | where the platform sits over the rods, by a virtualization |
 //! | `planar` | an arm as arrows that turn in its plane |
-//! | `forward`, `jacobian` | from positions to poses, and how fast |
+//! | `forward`, `jacobian`, `moving` | from positions to poses, how fast, and with which accelerations |
 //! | `reach` | how far an effector comes |
 //! | `inverse` | from a wafer's plane, centre and heading to all positions that reach it |
 
@@ -14,6 +14,7 @@ mod forward;
 mod inverse;
 mod jacobian;
 mod model;
+mod moving;
 mod planar;
 mod positions;
 mod reach;
@@ -25,6 +26,7 @@ pub use inverse::{
 };
 pub use jacobian::EffectorJacobian;
 pub use model::PlatformModel;
+pub use moving::{AxesMotion, FrameMotion};
 pub(crate) use planar::Planar;
 pub use positions::Positions;
 

@@ -148,7 +148,7 @@ impl Planar {
 
     /// Axes that move it, as indices into those of the robot.
     #[inline]
-    pub(super) fn axes(&self) -> &[usize] {
+    pub(crate) fn axes(&self) -> &[usize] {
         &self.axes[..self.count]
     }
 
@@ -189,8 +189,14 @@ impl Planar {
     /// platform_from_wafer at positions of all axes.
     pub(crate) fn wafer(&self, positions: &[f64]) -> Pose {
         let own = self.own(positions);
-        let center = self.tip(&own).push(self.height);
-        Pose::from_parts(Translation3::from(center), about_normal(self.heading(&own)))
+        self.at(&self.tip(&own), &own)
+    }
+
+    /// platform_from_wafer, its centre known.
+    #[inline]
+    pub(super) fn at(&self, tip: &Vector2<f64>, own: &Slopes) -> Pose {
+        let center = tip.push(self.height);
+        Pose::from_parts(Translation3::from(center), about_normal(self.heading(own)))
     }
 
     /// Heading of the wafer, from the platform's x axis [rad].

@@ -127,7 +127,8 @@ pub fn drooped(base_from_wafer: &Pose, joint: &Vector3<f64>, deflection: Deflect
     Pose::from_parts(Translation3::from(center), turn * base_from_wafer.rotation)
 }
 
-fn turn(base_from_wafer: &Pose, joint: &Vector3<f64>, slope: f64) -> Rotation3<f64> {
+/// What the droop turns a wafer by.
+pub(super) fn turn(base_from_wafer: &Pose, joint: &Vector3<f64>, slope: f64) -> Rotation3<f64> {
     let out = base_from_wafer.translation.vector - joint;
     // Over its own joint an arm points where its wafer's heading does.
     let heading = base_from_wafer.rotation * Vector3::x();

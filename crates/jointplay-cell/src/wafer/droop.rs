@@ -64,21 +64,39 @@ impl Droop {
     /// # Source
     /// [Roark], beams
     pub fn at(&self, reach: f64, load: f64, gravity: f64) -> Result<Deflection, DroopError> {
+        self.by_reach(reach, load, gravity).map(|[at, ..]| at)
+    }
+
+    /// The same, with its first and second derivative by the reach.
+    pub(super) fn by_reach(
+        &self,
+        reach: f64,
+        load: f64,
+        gravity: f64,
+    ) -> Result<[Deflection; 3], DroopError> {
         match self {
-            Self::Rigid => Ok(Deflection::default()),
+            Self::Rigid => Ok([Deflection::default(); 3]),
             Self::Cantilever { stiffness, mass_per_length } => {
                 let (own, tip, l) = (mass_per_length * gravity, load * gravity, reach);
-                Ok(Deflection {
-                    drop: l.powi(3) * (own * l / 8.0 + tip / 3.0) / stiffness,
-                    slope: l.powi(2) * (own * l / 6.0 + tip / 2.0) / stiffness,
-                })
+                let by = |drop: f64, slope: f64| Deflection {
+                    drop: drop / stiffness,
+                    slope: slope / stiffness,
+                };
+                Ok([
+                    by(
+                        l.powi(3) * (own * l / 8.0 + tip / 3.0),
+                        l.powi(2) * (own * l / 6.0 + tip / 2.0),
+                    ),
+                    by(l.powi(2) * (own * l / 2.0 + tip), l * (own * l / 2.0 + tip)),
+                    by(l * (own * l * 1.5 + 2.0 * tip), own * l + tip),
+                ])
             }
             Self::Table { rows } => interpolated(rows, reach, load),
         }
     }
 }
 
-fn interpolated(rows: &[DroopRow], reach: f64, load: f64) -> Result<Deflection, DroopError> {
+fn interpolated(rows: &[DroopRow], reach: f64, load: f64) -> Result<[Deflection; 3], DroopError> {
     let (min, max) = match rows {
         [first, .., last] => (first.reach, last.reach),
         [only] => (only.reach, only.reach),
@@ -104,10 +122,16 @@ fn interpolated(rows: &[DroopRow], reach: f64, load: f64) -> Result<Deflection, 
     let (at_near, at_far) = (of(near)?, of(far)?);
     let width = far.reach - near.reach;
     let share = if width > 0.0 { ((reach - near.reach) / width).clamp(0.0, 1.0) } else { 0.0 };
-    Ok(Deflection {
-        drop: at_near.drop + share * (at_far.drop - at_near.drop),
-        slope: at_near.slope + share * (at_far.slope - at_near.slope),
-    })
+    let by = if width > 0.0 { 1.0 / width } else { 0.0 };
+    let more = Deflection { drop: at_far.drop - at_near.drop, slope: at_far.slope - at_near.slope };
+    Ok([
+        Deflection {
+            drop: at_near.drop + share * more.drop,
+            slope: at_near.slope + share * more.slope,
+        },
+        Deflection { drop: by * more.drop, slope: by * more.slope },
+        Deflection::default(),
+    ])
 }
 
 #[cfg(test)]

@@ -1,13 +1,16 @@
-//! What is carried: plates that sag, arms that droop, and how the platform makes up for it.
+//! What is carried: plates that sag and may slip, arms that droop, and how the platform makes up for it.
 
 mod compensation;
 mod droop;
+mod moving;
 mod plate;
 mod sag;
+mod slip;
 
 pub use compensation::{BrokenWay, Reached, Unreachable, drooped};
 pub use droop::{Deflection, DroopError};
 pub use sag::{Sag, SagError, sag};
+pub use slip::Slip;
 
 /// What a wafer is made of.
 #[derive(Debug, Clone, PartialEq)]
