@@ -2,7 +2,7 @@
 
 Run by `cargo xtask python`, as the last step of `cargo xtask test`.
 Everything it makes is in `target/python`: the wheel, its tools, an environment for the oldest and one for the newest
-Python that this machine has, and what pip downloads for them.
+Python that this machine has, what pip downloads for them, and bytecode.
 With `--prepare` it only makes the environments.
 """
 
@@ -76,7 +76,8 @@ def environment(python: str, name: str, packages: list[str]) -> Path:
             venv.create(folder, with_pip=True)
         else:
             run([python, "-m", "venv", folder])
-        run([binaries / "python", "-m", "pip", "install", "--quiet", *packages])
+        # Few of all modules are used, and compiled when they are.
+        run([binaries / "python", "-m", "pip", "install", "--quiet", "--no-compile", *packages])
         stamp.write_text(wanted)
     return binaries
 
@@ -119,7 +120,7 @@ def main() -> None:
     start = time.monotonic()
     os.environ["PIP_CACHE_DIR"] = str(HOME / "pip")
     os.environ["PIP_DISABLE_PIP_VERSION_CHECK"] = "1"
-    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+    os.environ["PYTHONPYCACHEPREFIX"] = str(HOME / "bytecode")
     os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(HOME / "hypothesis")
     found = interpreters()
     if not found:
