@@ -2,7 +2,8 @@
 
 Run by `cargo xtask python`, as the last step of `cargo xtask test`.
 Everything it makes is in `target/python`: the wheel, its tools, an environment for the oldest and one for the newest
-Python that this machine has, and what pip downloads for them.
+Python that this machine has, what pip downloads for them, and bytecode.
+With `--prepare` it only makes the environments.
 """
 
 from __future__ import annotations
@@ -75,7 +76,8 @@ def environment(python: str, name: str, packages: list[str]) -> Path:
             venv.create(folder, with_pip=True)
         else:
             run([python, "-m", "venv", folder])
-        run([binaries / "python", "-m", "pip", "install", "--quiet", *packages])
+        # Few of all modules are used, and compiled when they are.
+        run([binaries / "python", "-m", "pip", "install", "--quiet", "--no-compile", *packages])
         stamp.write_text(wanted)
     return binaries
 
@@ -83,6 +85,14 @@ def environment(python: str, name: str, packages: list[str]) -> Path:
 def requirements(name: str) -> list[str]:
     lines = (PYTHON / "tests" / name).read_text().splitlines()
     return [line for line in lines if line and not line.startswith("#")]
+
+
+def tested(found: dict[tuple[int, int], str], one: tuple[int, int]) -> Path:
+    """The environment in which a Python is tested; the newest also checks types."""
+    packages = requirements("requirements.txt")
+    if one == max(found):
+        packages += requirements("requirements-typing.txt")
+    return environment(found[one], f"python-{one[0]}.{one[1]}", packages)
 
 
 def built_wheel(python: str) -> Path:
@@ -110,7 +120,7 @@ def main() -> None:
     start = time.monotonic()
     os.environ["PIP_CACHE_DIR"] = str(HOME / "pip")
     os.environ["PIP_DISABLE_PIP_VERSION_CHECK"] = "1"
-    os.environ["PYTHONDONTWRITEBYTECODE"] = "1"
+    os.environ["PYTHONPYCACHEPREFIX"] = str(HOME / "bytecode")
     os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(HOME / "hypothesis")
     found = interpreters()
     if not found:
@@ -119,15 +129,16 @@ def main() -> None:
     oldest, newest = min(found), max(found)
     if oldest == newest:
         say(f"only one Python found: {found[newest]}")
+    if "--prepare" in sys.argv:
+        environment(found[newest], "tools", TOOLS)
+        for one in sorted({oldest, newest}):
+            tested(found, one)
+        return
     wheel = built_wheel(found[newest])
     say(f"built {wheel.relative_to(ROOT)} after {time.monotonic() - start:.0f} s")
     os.environ["JOINTPLAY_COMMAND"] = str(built_command())
     for one in sorted({oldest, newest}):
-        name = f"python-{one[0]}.{one[1]}"
-        packages = requirements("requirements.txt")
-        if one == newest:
-            packages += requirements("requirements-typing.txt")
-        binaries = environment(found[one], name, packages)
+        binaries = tested(found, one)
         python = binaries / "python"
         # With its dependency, numpy, as anybody installs it; what is there already is kept.
         run([python, "-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", wheel])

@@ -1,7 +1,7 @@
 // Builds the studio's page and tests it: types, logic, and in a real browser against the real server.
 //
 // Run by `cargo xtask page`. Everything it makes is in `studio/node_modules`, `studio/dist` and `target`;
-// where this machine has no Chromium, Debian's is installed.
+// where this machine has no Chromium, Debian's is installed. With `--prepare` it only fetches these.
 
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
@@ -63,10 +63,12 @@ mkdirSync(HOME, { recursive: true });
 const start = Date.now();
 const seconds = () => `${((Date.now() - start) / 1000).toFixed(0)} s`;
 packages();
+const browser = chromium();
+if (process.argv.includes('--prepare')) process.exit(0);
 for (const script of ['build', 'check', 'test']) {
   say(script);
   run('npm', ['run', '--silent', script]);
 }
 say(`built and checked after ${seconds()}; now in the browser`);
-run('npm', ['run', '--silent', 'e2e'], { env: { ...process.env, JOINTPLAY_COMMAND: command(), CHROMIUM: chromium() } });
+run('npm', ['run', '--silent', 'e2e'], { env: { ...process.env, JOINTPLAY_COMMAND: command(), CHROMIUM: browser } });
 say(`the studio's page passed in ${seconds()}`);

@@ -1,7 +1,7 @@
 """Hold the studio's server to its own OpenAPI description.
 
 Starts `jointplay studio`, lets schemathesis send it thousands of requests, right and wrong ones, and ends it by Ctrl-C.
-Everything that it makes and downloads is in `target/studio`.
+Everything that it makes and downloads is in `target/studio`; with `--prepare` it only fetches schemathesis.
 """
 
 import os
@@ -26,7 +26,7 @@ def environment() -> Path:
     mark = folder / "complete"
     if not mark.exists():
         venv.create(folder, with_pip=True, clear=True)
-        subprocess.run([bin / "python", "-m", "pip", "install", "-q", SCHEMATHESIS], check=True)
+        subprocess.run([bin / "python", "-m", "pip", "install", "-q", "--no-compile", SCHEMATHESIS], check=True)
         mark.touch()
     return bin
 
@@ -72,4 +72,7 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    if sys.argv[1] == "--prepare":
+        environment()
+    else:
+        sys.exit(main())

@@ -4,7 +4,7 @@ Exports the example cell's motion with the `jointplay` command, and reads it bac
 reader with its decoder for ROS 2, and Arrow's reader of Parquet; what they read is compared with the CSV.
 Everything that it makes and downloads is in `target/cell`.
 
-Run by `cargo xtask cell`.
+Run by `cargo xtask cell`; with `--prepare` it only fetches those readers.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def environment() -> Path:
     mark, wanted = folder / "packages.txt", "\n".join(PACKAGES)
     if not mark.exists() or mark.read_text() != wanted:
         venv.create(folder, with_pip=True, clear=True)
-        run([binaries / "python", "-m", "pip", "install", "--quiet", *PACKAGES])
+        run([binaries / "python", "-m", "pip", "install", "--quiet", "--no-compile", *PACKAGES])
         mark.write_text(wanted)
     return binaries / "python"
 
@@ -145,10 +145,16 @@ def inside(folder: Path) -> None:
     print(f"{len(rows)} rows of {len(names)} columns, {points} points of trajectories, {len(frames)} frames")
 
 
+def prepare() -> Path:
+    """The Python with the readers; all that is fetched is there."""
+    HOME.mkdir(parents=True, exist_ok=True)
+    validator()
+    return environment()
+
+
 def main() -> None:
     command = Path(sys.argv[1]).resolve()
-    HOME.mkdir(parents=True, exist_ok=True)
-    python = environment()
+    python = prepare()
     with tempfile.TemporaryDirectory() as temporary:
         program, folder = Path(temporary) / "one.program", Path(temporary) / "out"
         program.write_text(PROGRAM)
@@ -172,5 +178,7 @@ def main() -> None:
 if __name__ == "__main__":
     if sys.argv[1] == "--inside":
         inside(Path(sys.argv[2]))
+    elif sys.argv[1] == "--prepare":
+        prepare()
     else:
         main()

@@ -1,9 +1,11 @@
 //! `cargo xtask test`: everything a change must pass, stopping at the first failure.
 //!
-//! Quick steps come first. Benches are compiled by clippy's `--all-targets`.
+//! Quick steps come first; while the others compile, what they need from the network is fetched. Benches are compiled by clippy's `--all-targets`.
 
+mod ahead;
 mod doc_links;
 
+use self::ahead::Ahead;
 use crate::{cell, deps, page, python, studio, tidy};
 use std::io::{self, IsTerminal};
 use std::path::Path;
@@ -40,6 +42,9 @@ const EXAMPLE: &str = "run -p jointplay --example ";
 /// Random cases are the same in each run, so that a failure speaks of the change; `cargo test` alone draws new ones.
 const SAME_CASES: (&str, &str) = ("PROPTEST_RNG_SEED", "1");
 
+/// The first step that takes long.
+const CLIPPY: &str = "clippy --workspace --all-targets --all-features -- -D warnings";
+
 /// The step whose warnings are sifted by [`doc_links`].
 const DOC: &str = "doc --workspace --all-features --no-deps";
 
@@ -52,14 +57,19 @@ pub(crate) fn run(root: &Path) -> bool {
             return false;
         }
     };
+    let mut ahead = Ahead::default();
     run_steps(&steps(&examples), |step| match step.arguments.join(" ").as_str() {
         // Already in this program: no need to start it again.
         "xtask tidy" => tidy::run(root),
         "xtask deps" => deps::run(root),
-        "xtask python" => python::run(root),
-        "xtask cell" => cell::run(root),
-        "xtask studio" => studio::run(root),
-        "xtask page" => page::run(root),
+        CLIPPY => {
+            ahead.start(root);
+            run_cargo(step, root)
+        }
+        "xtask cell" => ahead.wait("cell") && cell::run(root),
+        "xtask studio" => ahead.wait("studio") && studio::run(root),
+        "xtask page" => ahead.wait("page") && page::run(root),
+        "xtask python" => ahead.wait("python") && python::run(root),
         DOC => doc_links::run(cargo(step, root), root),
         line if line.starts_with(EXAMPLE) => run_example(&line[EXAMPLE.len()..], root),
         _ => run_cargo(step, root),
@@ -76,7 +86,7 @@ fn steps(examples: &[String]) -> Vec<Step> {
             "drop the import, or move the code to the ring it belongs to (ARCHITECTURE.md)",
         ),
         Step::new(
-            "clippy --workspace --all-targets --all-features -- -D warnings",
+            CLIPPY,
             "mend what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
         ),
     ];

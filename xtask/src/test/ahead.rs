@@ -1,0 +1,102 @@
+//! What steps need from the network, fetched while the steps before them compile.
+//!
+//! A step that runs alone fetches it itself, and finds it there where it was fetched ahead.
+
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+
+use crate::{page, python};
+
+/// What each chore runs to fetch all that it needs and does not have yet.
+const FETCHES: [(&str, &str); 4] = [
+    ("cell", "validation/exported.py"),
+    ("studio", "studio/test_api.py"),
+    ("page", "studio/test.mjs"),
+    ("python", "python/test.py"),
+];
+
+/// All that is being fetched; dropped, it waits for the rest, so that nothing is left half made behind a run that has ended.
+#[derive(Default)]
+pub(super) struct Ahead(Vec<Fetch>);
+
+/// What one chore needs.
+struct Fetch {
+    chore: &'static str,
+    child: Child,
+    /// What it says.
+    log: PathBuf,
+}
+
+impl Ahead {
+    /// Starts to fetch; what cannot be started is told by the chore itself.
+    pub(super) fn start(&mut self, root: &Path) {
+        let started = FETCHES.into_iter().filter_map(|(chore, script)| {
+            let interpreter = if chore == "page" { page::find()? } else { python::find()? };
+            let mut command = Command::new(interpreter);
+            command.args([script, "--prepare"]).current_dir(root);
+            Fetch::start(chore, command, &root.join("target").join("ahead")).ok()
+        });
+        self.0.extend(started);
+    }
+
+    /// Waits for what a chore needs, and repeats what was said; false where it could not be fetched.
+    pub(super) fn wait(&mut self, chore: &str) -> bool {
+        let place = self.0.iter().position(|fetch| fetch.chore == chore);
+        place.is_none_or(|place| self.0.remove(place).wait())
+    }
+}
+
+impl Fetch {
+    fn start(chore: &'static str, mut command: Command, folder: &Path) -> io::Result<Self> {
+        fs::create_dir_all(folder)?;
+        let log = folder.join(chore).with_extension("txt");
+        let file = File::create(&log)?;
+        command.stdin(Stdio::null()).stdout(file.try_clone()?).stderr(file);
+        Ok(Self { chore, child: command.spawn()?, log })
+    }
+
+    fn wait(mut self) -> bool {
+        let done = self.child.wait().is_ok_and(|status| status.success());
+        print!("{}", fs::read_to_string(&self.log).unwrap_or_default());
+        done
+    }
+}
+
+impl Drop for Ahead {
+    fn drop(&mut self) {
+        for mut fetch in self.0.drain(..) {
+            let _ = fetch.child.wait();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Whether a fetch by cargo is done, and what it says.
+    fn fetched(word: &str) -> (bool, String) {
+        let folder = std::env::temp_dir().join(format!("xtask-ahead-{}", std::process::id()));
+        let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+        command.arg(word);
+        let fetch = Fetch::start("cell", command, &folder).unwrap();
+        let log = fetch.log.clone();
+        let mut ahead = Ahead(vec![fetch]);
+        assert!(ahead.wait("page"), "nothing to wait for");
+        let done = ahead.wait("cell");
+        let said = fs::read_to_string(log).unwrap();
+        assert!(ahead.0.is_empty());
+        fs::remove_dir_all(&folder).unwrap();
+        (done, said)
+    }
+
+    #[test]
+    fn what_fails_ahead_fails_the_step_and_is_told() {
+        let (done, said) = fetched("--version");
+        assert!(done && said.starts_with("cargo "), "{said}");
+        let (done, said) = fetched("no-such-chore");
+        assert!(!done && said.contains("no-such-chore"), "{said}");
+    }
+}
