@@ -10,12 +10,14 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Names of the tests of this crate, of the core and of the cell.
+/// Names of the tests of this crate, of the core, of the cell and of files.
 fn tests() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let cell =
         ["tests", "src/wafer", "src/check"].map(|folder| format!("crates/jointplay-cell/{folder}"));
-    let folders = ["validation/tests", "crates/jointplay-core/tests"].map(str::to_owned);
+    let folders =
+        ["validation/tests", "crates/jointplay-core/tests", "crates/jointplay-format/tests"]
+            .map(str::to_owned);
     for folder in folders.into_iter().chain(cell) {
         let path = format!("{}/../{folder}", env!("CARGO_MANIFEST_DIR"));
         for entry in std::fs::read_dir(path).expect("the folder is there") {
