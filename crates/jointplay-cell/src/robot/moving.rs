@@ -56,6 +56,22 @@ impl FrameMotion {
     /// ```text
     ///    p̈  =  ö + α × r + ω × (ω × r)
     /// ```
+    ///
+    /// # Example
+    /// ```
+    /// use jointplay_cell::robot::FrameMotion;
+    /// use jointplay_core::spatial::Pose;
+    /// use nalgebra::Vector3;
+    ///
+    /// // A turn at 2 rad/s takes what is 0.5 m out along at 1 m/s, and inward with 2 m/s².
+    /// let turn = FrameMotion {
+    ///     angular_velocity: Vector3::new(0.0, 0.0, 2.0),
+    ///     ..FrameMotion::still(Pose::identity())
+    /// };
+    /// let [_, velocity, acceleration] = turn.point(&Vector3::new(0.5, 0.0, 0.0));
+    /// assert_eq!(velocity, Vector3::new(0.0, 1.0, 0.0));
+    /// assert_eq!(acceleration, Vector3::new(-2.0, 0.0, 0.0));
+    /// ```
     #[must_use]
     pub fn point(&self, in_frame: &Vector3<f64>) -> [Vector3<f64>; 3] {
         let (omega, alpha) = (&self.angular_velocity, &self.angular_acceleration);
@@ -234,23 +250,6 @@ impl HybridRobot {
     /// # Numerics
     /// Exact for the arms, and for a platform that goes up and down.
     /// While rods go unevenly, of the platform's velocities by second order differences in time, over 0.1 ms to either side: relatively off by some 1e-7.
-    ///
-    /// # Example
-    /// ```no_run
-    /// # fn main() -> Result<(), jointplay_cell::CellError> {
-    /// # let robot: jointplay_cell::robot::HybridRobot = unimplemented!();
-    /// use jointplay_cell::robot::{AxesMotion, EffectorId};
-    ///
-    /// let wafer = EffectorId { arm: 0, effector: 0 };
-    /// let motion = AxesMotion {
-    ///     positions: &[0.5, 0.5, 0.5, 0.2, 0.9],
-    ///     velocities: &[0.0, 0.0, 0.0, 1.0, 0.0],
-    ///     accelerations: &[0.0; 5],
-    /// };
-    /// println!("{}", robot.effector_motion(&motion, wafer)?.acceleration);
-    /// # Ok(())
-    /// # }
-    /// ```
     pub fn effector_motion(
         &self,
         motion: &AxesMotion<'_>,
