@@ -9,6 +9,7 @@ mod common;
 
 use std::hint::black_box;
 
+use common::A;
 use criterion::{Criterion, criterion_group, criterion_main};
 use jointplay_cell::cell::{Body, Carrier, Cell, Shape};
 use jointplay_cell::check::{CheckOptions, check};
@@ -16,14 +17,11 @@ use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::{
     Command, Instruction, Name, Place, Program, SlotName, SlotNumber, Step, expand,
 };
-use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
-use jointplay_cell::wafer::{Material, Wafer};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 const WAFERS: usize = 25;
-const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 
 /// A port in a direction from the robot's axis, its lowest slot 0.6 m out and 0.62 m up.
 fn port(name: &str, direction: f64) -> Station {
@@ -75,24 +73,13 @@ fn cell() -> Cell {
             bodies.push(body(&name, Carrier::World, station.base_from_station * pose, half));
         }
     }
-    let material =
-        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
     Cell {
-        name: "lot".into(),
-        assumed: Vec::new(),
-        robot: common::kind(0, [0.25, 0.22, 0.2]),
-        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
         stations,
         occupied: (1..=WAFERS).map(|slot| SlotId { station: 0, slot }).collect(),
         carried: Vec::new(),
         bodies,
-        allowed_pairs: Vec::new(),
-        zones: Vec::new(),
-        play_budget: 1e-2,
-        clearance: 1e-3,
-        slot_clearance: 1e-3,
-        gravity: 9.80665,
         plane_threshold: 1e-5,
+        ..common::cell(common::kind(0, [0.25, 0.22, 0.2]))
     }
 }
 

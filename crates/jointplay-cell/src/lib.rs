@@ -29,6 +29,7 @@ mod memory;
 pub mod motion;
 pub mod program;
 pub mod robot;
+mod solid;
 pub mod station;
 pub mod surface;
 pub mod wafer;

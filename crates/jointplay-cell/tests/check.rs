@@ -7,45 +7,26 @@ mod common;
 
 use std::collections::BTreeSet;
 
+use common::{A, GRAVITY};
 use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
 use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
-use jointplay_cell::robot::{EffectorId, PlatformModel, WaferTarget};
+use jointplay_cell::robot::{PlatformModel, WaferTarget};
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
-use jointplay_cell::wafer::{Droop, DroopRow, Material, Wafer};
+use jointplay_cell::wafer::{Droop, DroopRow};
 use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::{Kernel, SolveOptions, Solver};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
-const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 const T: usize = 3;
-const GRAVITY: f64 = 9.80665;
 
 /// A radial arm with a wafer on it, and nothing around.
 fn cell() -> Cell {
-    let material =
-        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
     let mut robot = common::kind(0, [0.25, 0.22, 0.2]);
     robot.arms[0].effectors[0].friction = 1.0;
-    Cell {
-        name: "test".into(),
-        assumed: Vec::new(),
-        robot,
-        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
-        stations: Vec::new(),
-        occupied: Vec::new(),
-        carried: vec![A],
-        bodies: Vec::new(),
-        allowed_pairs: Vec::new(),
-        zones: Vec::new(),
-        play_budget: 1e-2,
-        clearance: 1e-3,
-        slot_clearance: 1e-3,
-        gravity: GRAVITY,
-        plane_threshold: 1e-6,
-    }
+    common::cell(robot)
 }
 
 fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {

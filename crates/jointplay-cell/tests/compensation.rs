@@ -4,41 +4,22 @@
 
 mod common;
 
+use common::A;
 use std::f64::consts::PI;
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::robot::{EffectorId, WaferTarget};
-use jointplay_cell::wafer::{Droop, DroopRow, Material, Unreachable, Wafer};
+use jointplay_cell::robot::WaferTarget;
+use jointplay_cell::wafer::{Droop, DroopRow, Unreachable};
 use jointplay_core::spatial::{Tilt, leaning};
 use nalgebra::Vector3;
 use proptest::prelude::*;
-
-const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 
 fn cell(kind: usize, droop: Droop) -> Cell {
     let mut robot = common::kind(kind, [0.25, 0.22, 0.2]);
     for arm in &mut robot.arms {
         arm.droop = droop.clone();
     }
-    let material =
-        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
-    Cell {
-        name: "test".into(),
-        assumed: Vec::new(),
-        robot,
-        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
-        stations: Vec::new(),
-        occupied: Vec::new(),
-        carried: Vec::new(),
-        bodies: Vec::new(),
-        allowed_pairs: Vec::new(),
-        zones: Vec::new(),
-        play_budget: 1e-3,
-        clearance: 1e-3,
-        slot_clearance: 1e-3,
-        gravity: 9.80665,
-        plane_threshold: 1e-6,
-    }
+    Cell { carried: Vec::new(), play_budget: 1e-3, ..common::cell(robot) }
 }
 
 fn cantilever() -> Droop {

@@ -2,11 +2,12 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+#[expect(dead_code, reason = "robots are enough here")]
 mod common;
 
 use std::f64::consts::TAU;
 
-use common::{KINDS, kind};
+use common::{A, KINDS, kind};
 use jointplay_cell::robot::{
     BrokenLimit, EffectorId, HybridRobot, Inverse, PlatformModel, Standing, WaferTarget,
 };
@@ -16,8 +17,6 @@ use jointplay_core::spatial::{Pose, Tilt, leaning, rotation_vector};
 use jointplay_core::virtualization::Kernel;
 use nalgebra::{DMatrix, Vector3};
 use proptest::prelude::*;
-
-const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 
 /// The kind of arm that has a motor more than a target with a heading asks for.
 const FOUR_LINKS: usize = 9;

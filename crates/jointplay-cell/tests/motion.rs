@@ -4,17 +4,16 @@
 
 mod common;
 
+use common::A;
 use jointplay_cell::cell::Cell;
 use jointplay_cell::motion::{Motion, MotionOptions, Sample, limits_of, timed};
 use jointplay_cell::program::{Path, Phase, Place, Step};
-use jointplay_cell::robot::{EffectorId, RODS, WaferTarget};
-use jointplay_cell::wafer::{Droop, Material, Wafer};
+use jointplay_cell::robot::{RODS, WaferTarget};
+use jointplay_cell::wafer::Droop;
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-
-const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 
 fn cell(kind: usize, droop: Droop) -> Cell {
     let mut robot = common::kind(kind, [0.25, 0.22, 0.2]);
@@ -28,25 +27,7 @@ fn cell(kind: usize, droop: Droop) -> Cell {
         axis.loaded.acceleration *= 0.5 * share;
         axis.loaded.jerk *= 0.7;
     }
-    let material =
-        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
-    Cell {
-        name: "test".into(),
-        assumed: Vec::new(),
-        robot,
-        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
-        stations: Vec::new(),
-        occupied: Vec::new(),
-        carried: vec![A],
-        bodies: Vec::new(),
-        allowed_pairs: Vec::new(),
-        zones: Vec::new(),
-        play_budget: 1e-2,
-        clearance: 1e-3,
-        slot_clearance: 1e-3,
-        gravity: 9.80665,
-        plane_threshold: 1e-6,
-    }
+    common::cell(robot)
 }
 
 fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step {

@@ -4,40 +4,15 @@
 
 mod common;
 
-use common::{KINDS, kind};
+use common::{KINDS, cell, kind};
 use jointplay_cell::CellError;
-use jointplay_cell::cell::Cell;
-use jointplay_cell::robot::{
-    AxesMotion, EffectorId, FrameMotion, HybridRobot, MotionKind, PlatformModel, RODS,
-};
-use jointplay_cell::wafer::{Droop, DroopRow, Material, Unreachable, Wafer};
+use jointplay_cell::robot::{AxesMotion, EffectorId, FrameMotion, MotionKind, PlatformModel, RODS};
+use jointplay_cell::wafer::{Droop, DroopRow, Unreachable};
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::Kernel;
 use nalgebra::Vector3;
 use proptest::prelude::*;
-
-fn cell(robot: HybridRobot) -> Cell {
-    let material =
-        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
-    Cell {
-        name: "test".into(),
-        assumed: Vec::new(),
-        robot,
-        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
-        stations: Vec::new(),
-        occupied: Vec::new(),
-        carried: Vec::new(),
-        bodies: Vec::new(),
-        allowed_pairs: Vec::new(),
-        zones: Vec::new(),
-        play_budget: 1e-2,
-        clearance: 1e-3,
-        slot_clearance: 1e-3,
-        gravity: 9.80665,
-        plane_threshold: 1e-6,
-    }
-}
 
 /// Table rows of the cantilever's size, few enough that hardly any place is near one.
 fn table() -> Droop {

@@ -1,6 +1,7 @@
 //! How far effectors come, against many positions of their motors.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+#[expect(dead_code, reason = "robots are enough here")]
 mod common;
 
 use common::{KINDS, kind};

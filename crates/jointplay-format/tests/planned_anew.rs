@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use jointplay_cell::cell::Cell;
+use jointplay_cell::cell::{Cell, Shape};
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
 use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
@@ -155,7 +155,6 @@ fn nothing_is_passed_over_that_a_sample_shows() {
     }
 }
 
-/// A memory whose moves run at the same time, from both ends.
 /// At each sample of a step in which a wafer is carried: time, and what is needed as a share of what friction holds.
 fn pushes(cell: &Cell, motion: &Motion, index: usize, rate: f64) -> Vec<(f64, f64)> {
     let step = &motion.steps[index];
@@ -248,6 +247,27 @@ fn running_into_each_other_makes_no_wafer_slip() {
     assert!(free < shorter && shorter < 0.95 * plain, "{free} {shorter} {plain}");
 }
 
+#[test]
+fn running_into_each_other_takes_no_wafer_out_of_a_safe_zone() {
+    let mut cell = example();
+    let text = "BLEND 10 mm\nTRANSFER LP1 SLOT 2 TO LP2 SLOT 3 WITH A\nTRANSFER LP2 SLOT 3 TO LP1 SLOT 2 WITH A";
+    let planned = |cell: &Cell| {
+        let motion = timed(cell, steps(cell, text), &MotionOptions::default()).unwrap();
+        let report = check(cell, &motion, &CheckOptions::default());
+        let zones = report.violations.iter().filter(|one| one.kind == Kind::SafeZone).count();
+        (motion, zones)
+    };
+    let (motion, violations) = planned(&cell);
+    assert_eq!(violations, 0);
+    let zones = std::mem::take(&mut cell.zones);
+    let (free, _) = planned(&cell);
+    cell.zones = zones;
+    let report = check(&cell, &free, &CheckOptions::default());
+    assert!(report.violations.iter().any(|one| one.kind == Kind::SafeZone));
+    assert!(free.duration() < motion.duration());
+}
+
+/// A memory whose moves run at the same time, from both ends.
 fn by_two_threads() -> Memory {
     Memory::run_by(|count, job| {
         std::thread::scope(|scope| {
@@ -266,6 +286,7 @@ enum Change {
     Clearance(f64),
     Line(usize, usize),
     Corners(u32),
+    Zone(f64),
 }
 
 fn change() -> impl Strategy<Value = Change> {
@@ -276,6 +297,7 @@ fn change() -> impl Strategy<Value = Change> {
         (5e-4..6e-3_f64).prop_map(Change::Clearance),
         (3..5_usize, 4..25_usize).prop_map(|(line, slot)| Change::Line(line, slot)),
         (0..30_u32).prop_map(Change::Corners),
+        (0.04..0.08_f64).prop_map(Change::Zone),
     ]
 }
 
@@ -291,6 +313,9 @@ impl Change {
                 cell.bodies[body].carrier_from_shape.translation.vector.z += by;
             }
             Self::Corners(millimeters) => lines[0] = format!("BLEND {millimeters} mm\nHOME"),
+            Self::Zone(radius) => {
+                cell.zones[0].shape = Shape::Cylinder { radius, half_height: 0.35 };
+            }
             Self::Clearance(clearance) => cell.clearance = clearance,
             Self::Line(line, slot) => {
                 lines[line] = format!("GET LP1 SLOT {slot} WITH A\nPUT LP1 SLOT {slot} WITH A");

@@ -11,12 +11,12 @@ use super::found::{Found, Hit, Stretch, When};
 use super::report::{Kind, Share, Unit};
 use super::scene::Scene;
 use super::slip::Carried;
-use super::solid::{self, Placed};
 use super::travel::{Gearing, Levers};
 use crate::cell::Cell;
 use crate::motion::{State, limits_of};
 use crate::program::{Phase, Step};
 use crate::robot::{Axis, Dynamics, EffectorId, MotionKind, RODS};
+use crate::solid::{self, Placed};
 use crate::wafer::Droop;
 
 /// Relative slack of limits, so that a motion planned to lie on one is not beyond it by round-off.

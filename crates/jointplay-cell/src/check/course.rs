@@ -6,10 +6,10 @@ use jointplay_core::spatial::Pose;
 use nalgebra::Vector3;
 
 use super::scene::{Places, Scene};
-use super::solid::{Placed, Span};
 use super::travel::{Gearing, Levers, Moved, Odometer};
 use crate::motion::{Motion, Track};
 use crate::robot::Positions;
+use crate::solid::{Placed, Span};
 
 /// Samples from one place that a box around a way is made of to the next.
 const STRIDE: usize = 32;

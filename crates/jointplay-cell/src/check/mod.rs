@@ -19,7 +19,6 @@ mod near;
 mod report;
 mod scene;
 mod slip;
-mod solid;
 mod steps;
 mod summary;
 mod travel;
@@ -33,9 +32,9 @@ use std::sync::Arc;
 use crate::cell::{Cell, ZoneRule};
 use crate::memory::{Kept, Key, Reuse, Run, anew, each, one_by_one};
 use crate::motion::{Motion, Way};
+use crate::solid::Solids;
 use alone::Alone;
 use near::Near;
-use solid::Solids;
 use steps::{Among, Steps};
 use summary::Summary;
 

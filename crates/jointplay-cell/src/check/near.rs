@@ -8,9 +8,9 @@ use super::course::Course;
 use super::found::{Found, Hit, Stretch, When};
 use super::report::{Kind, Unit};
 use super::scene::{Holder, Places, Rule, Scene};
-use super::solid::{Placed, apart, between_balls, between_centers, depth, distance, gap_along};
 use super::travel::{Gearing, Levers, Travel, common};
 use crate::motion::{Motion, Sample};
+use crate::solid::{Placed, apart, between_balls, between_centers, depth, distance, gap_along};
 
 /// By how much a least distance may be passed over, as a share of it.
 const PASSED_SHARE: f64 = 0.02;

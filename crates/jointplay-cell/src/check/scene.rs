@@ -5,11 +5,11 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::course::bounds;
-use super::solid::{Placed, Solid, Solids, Span};
 use crate::cell::{Carrier, Cell, Shape, ZoneRule};
 use crate::memory::{Key, extend};
 use crate::program::{Handover, Path, Phase, Step};
 use crate::robot::{Arm, Effector, EffectorId, Planar};
+use crate::solid::{Placed, Solid, Solids, Span};
 use crate::station::SlotId;
 use crate::wafer::{Droop, drooped};
 

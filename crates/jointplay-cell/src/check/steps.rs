@@ -7,12 +7,12 @@ use super::alone::Alone;
 use super::course::Course;
 use super::near::{Look, Near, Pair};
 use super::scene::{Rule, Scene};
-use super::solid::Solids;
 use super::travel::{Gearing, Levers};
 use crate::cell::Cell;
 use crate::memory::{Key, Run, each};
 use crate::motion::Motion;
 use crate::program::{Phase, Step};
+use crate::solid::Solids;
 
 /// All steps of a motion, and what they are among.
 pub(super) struct Steps<'a> {

@@ -7,6 +7,7 @@
 
 mod axes;
 mod blend;
+mod corner;
 mod cubic;
 mod limits;
 mod line;
@@ -97,6 +98,15 @@ impl Way {
             Self::Line { line, pace } => {
                 Self::Line { line: Arc::clone(line), pace: pace.slowed(factor) }
             }
+        }
+    }
+
+    /// Whether an axis does anything on it.
+    fn moves(&self, step: &Step, axis: usize) -> bool {
+        match self {
+            Self::Still { .. } => false,
+            Self::Axes(_) => step.from[axis] != step.to[axis],
+            Self::Line { line, .. } => line.spline.moves(axis),
         }
     }
 
@@ -210,11 +220,7 @@ impl Motion {
     /// The axes that do anything in a step, as indices.
     pub(crate) fn moving(&self, index: usize) -> Vec<usize> {
         let [lead, tail] = self.overlaps(index);
-        let moves = |index: usize, axis: usize| match &*self.ways[index] {
-            Way::Still { .. } => false,
-            Way::Axes(_) => self.steps[index].from[axis] != self.steps[index].to[axis],
-            Way::Line { line, .. } => line.spline.moves(axis),
-        };
+        let moves = |index: usize, axis: usize| self.ways[index].moves(&self.steps[index], axis);
         let any = |axis: &usize| {
             moves(index, *axis)
                 || (lead > 0.0 && moves(index - 1, *axis))

@@ -79,7 +79,7 @@ impl Ways {
     ) -> Result<Motion, MotionError> {
         let shared = shared(cell, options);
         self.ways.begin(&shared);
-        self.blends.begin(&shared);
+        self.blends.begin(cell, &shared);
         let keys: Vec<(usize, Key)> = (0..steps.len())
             .filter(|&index| fits(cell, &steps, index).is_none())
             .filter_map(|index| Some((index, moving(&steps[index])?)))
@@ -101,7 +101,7 @@ impl Ways {
             };
             ways.push(way.unwrap_or_else(|message| failed(index, message)));
         }
-        let factors = self.blends.slow(cell, &steps, &mut ways);
+        let factors = self.blends.slow(cell, &steps, &mut ways, run);
         let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
         let mut times = Vec::with_capacity(steps.len() + 1);
         let mut now = 0.0;

@@ -19,6 +19,7 @@ impl Cell {
     ///
     /// # Numerics
     /// As [`HybridRobot::effector_motion`](crate::robot::HybridRobot::effector_motion); what an arm's end turns by the droop is off by the square of that angle.
+    /// Where the slope of a droop table jumps, at its rows, that of one side counts; what the jump itself would do to the wafer is left out.
     pub fn wafer_motion(
         &self,
         effector: EffectorId,

@@ -1,12 +1,18 @@
-//! Robots of every kind that the inverse tells apart.
+//! Robots of every kind that the inverse tells apart, and a cell around one.
 
+use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::{
-    Arm, ArmJoint, Axis, Dynamics, Effector, HybridRobot, MotionKind, PlatformModel,
+    Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
 };
-use jointplay_cell::wafer::{Droop, Support};
+use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_core::gpr::{Gpr, Limb};
 
 use MotionKind::{Slide, Turn};
+
+/// The first effector of the first arm.
+pub(crate) const A: EffectorId = EffectorId { arm: 0, effector: 0 };
+/// Standard gravity [m/s²].
+pub(crate) const GRAVITY: f64 = 9.80665;
 
 pub(crate) fn axis(name: &str, kind: MotionKind, min: f64, max: f64) -> Axis {
     let dynamics = Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
@@ -149,5 +155,28 @@ pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
                 vec![arm("A", joints, [w, 0.0, 0.0])],
             )
         }
+    }
+}
+
+/// A cell of a robot alone, without droop, whose first effector carries a wafer.
+pub(crate) fn cell(robot: HybridRobot) -> Cell {
+    let material =
+        Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
+    Cell {
+        name: "test".into(),
+        assumed: Vec::new(),
+        robot,
+        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material },
+        stations: Vec::new(),
+        occupied: Vec::new(),
+        carried: vec![A],
+        bodies: Vec::new(),
+        allowed_pairs: Vec::new(),
+        zones: Vec::new(),
+        play_budget: 1e-2,
+        clearance: 1e-3,
+        slot_clearance: 1e-3,
+        gravity: GRAVITY,
+        plane_threshold: 1e-6,
     }
 }
