@@ -120,17 +120,15 @@ impl Solid {
         self.center.norm() + self.radius
     }
 
-    fn span(&self, base_from_carrier: &Pose, direction: &Vector3<f64>) -> Span {
-        let base_from_shape = base_from_carrier * self.carrier_from_shape;
-        let d = base_from_shape.rotation.inverse() * direction;
-        let origin = direction.dot(&base_from_shape.translation.vector);
+    /// Along a direction of its own frame, from a point there.
+    fn span(&self, d: &Vector3<f64>, origin: f64) -> Span {
         let (middle, half) = match self.extent {
             Extent::Box { center, half } => (
                 d.x * center[0] + d.y * center[1] + d.z * center[2],
                 d.x.abs() * half[0] + d.y.abs() * half[1] + d.z.abs() * half[2],
             ),
             Extent::Cylinder { radius, half_height } => {
-                (0.0, d.y.abs() * half_height + d.x.hypot(d.z) * radius)
+                (0.0, d.y.abs() * half_height + (d.x * d.x + d.z * d.z).sqrt() * radius)
             }
             Extent::Segment { ends: [a, b] } => {
                 let (a, b) = (d.dot(&Vector3::from(a)), d.dot(&Vector3::from(b)));
@@ -248,7 +246,19 @@ pub(super) struct Placed<'a> {
 impl Placed<'_> {
     /// Least and largest coordinate along a direction through the base origin.
     pub(super) fn span(&self, direction: &Vector3<f64>) -> Span {
-        self.solid.span(self.base_from_carrier, direction)
+        let Pose { rotation, translation } = self.base_from_carrier;
+        let on_carrier = rotation.inverse_transform_vector(direction);
+        let from_shape = &self.solid.carrier_from_shape;
+        let origin =
+            direction.dot(&translation.vector) + on_carrier.dot(&from_shape.translation.vector);
+        self.solid.span(&from_shape.rotation.inverse_transform_vector(&on_carrier), origin)
+    }
+
+    /// A box around it, axes those of the base.
+    pub(super) fn around(&self) -> [Span; 3] {
+        let Pose { rotation, translation } = self.base_from_carrier * self.solid.carrier_from_shape;
+        let axis = |k: usize| rotation.matrix().row(k).transpose();
+        std::array::from_fn(|k| self.solid.span(&axis(k), translation.vector[k]))
     }
 
     fn pose(&self) -> Pose3 {

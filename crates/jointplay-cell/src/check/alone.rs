@@ -2,9 +2,8 @@
 
 use std::ops::Range;
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::bulk::{Quantity, Status};
 use jointplay_core::spatial::Pose;
-use jointplay_core::virtualization::{Kernel, Offset, Planar, Polar, Radial};
 
 use super::course::{Around, Course};
 use super::found::{Found, Hit, Stretch, When};
@@ -12,10 +11,11 @@ use super::report::{Kind, Share, Unit};
 use super::scene::Scene;
 use super::slip::Carried;
 use super::travel::{Gearing, Levers};
+use crate::CellError;
 use crate::cell::Cell;
 use crate::motion::{State, limits_of};
 use crate::program::{Phase, Step};
-use crate::robot::{Axis, Dynamics, EffectorId, MotionKind, RODS};
+use crate::robot::{Axis, Dynamics, EffectorId, HybridRobot, MotionKind, Positions};
 use crate::solid::{self, Placed};
 use crate::wafer::Droop;
 
@@ -53,11 +53,21 @@ pub(super) fn raise(most: &mut Option<Share>, share: Share) {
     }
 }
 
-/// The platform over its rods.
+/// How the platform stands over its rods.
+#[derive(Clone, Copy)]
 struct Standing {
-    platform: Forward,
+    /// [rad]
     tilt: f64,
+    /// How far its virtual joints are from nominal [m].
     play: f64,
+}
+
+/// The same by sample, or once for all where no rod moves.
+struct Standings<'a> {
+    robot: &'a HybridRobot,
+    status: Vec<Status>,
+    tilts: Vec<f64>,
+    plays: Vec<f64>,
 }
 
 impl Alone {
@@ -169,25 +179,22 @@ impl Alone {
         let has_table =
             |id: &EffectorId| matches!(cell.robot.arms[id.arm].droop, Droop::Table { .. });
         let tables: Vec<EffectorId> = cell.robot.effectors().filter(has_table).collect();
-        let mut standing: Option<Standing> = None;
+        let standings = Standings::new(cell, course);
         for (sample, &time) in course.times().iter().enumerate() {
             let when = When { time, sample };
-            let positions = course.positions(sample);
-            let rods = &positions[..RODS];
-            if standing.as_ref().is_none_or(|standing| standing.platform.rods != *rods) {
-                standing = match cell.robot.platform(&positions) {
-                    Ok(platform) => Some(Standing::new(cell, platform)),
-                    Err(error) => {
-                        found.add(when, nowhere(Kind::Platform), || error.to_string());
-                        None
-                    }
-                };
+            match standings.at(sample, || course.positions(sample)) {
+                Ok(standing) => self.leans(cell, standing, when, found),
+                Err(error) => {
+                    found.add(when, nowhere(Kind::Platform), || error.to_string());
+                    continue;
+                }
             }
-            let Some(standing) = &standing else { continue };
-            self.leans(cell, standing, when, found);
             let mut is_known = true;
             for &id in &tables {
-                if let Err(why) = scene.wafer(&standing.platform, id, &positions) {
+                let positions = course.positions(sample);
+                let platform = cell.robot.platform(&positions).map_err(|error| error.to_string());
+                let wafer = platform.and_then(|now| scene.wafer(&now, id, &positions));
+                if let Err(why) = wafer {
                     found.add(when, nowhere(Kind::Droop), || why);
                     is_known = false;
                 }
@@ -201,8 +208,8 @@ impl Alone {
         }
     }
 
-    fn leans(&mut self, cell: &Cell, standing: &Standing, when: When, found: &mut Found) {
-        let &Standing { tilt, play, .. } = standing;
+    fn leans(&mut self, cell: &Cell, standing: Standing, when: When, found: &mut Found) {
+        let Standing { tilt, play } = standing;
         let most = cell.robot.gpr.limits().tilt_max;
         let mut broken = |kind: Kind, value: f64, limit: f64, unit: Unit| {
             let hit = Hit { about: (kind, 0, 0), kind, severity: value, value, limit, unit };
@@ -293,16 +300,34 @@ impl Alone {
     }
 }
 
-impl Standing {
-    fn new(cell: &Cell, platform: Forward) -> Self {
-        let gpr = &cell.robot.gpr;
-        let play = match cell.robot.model.virtualization {
-            Kernel::Radial => gpr.displacement(&platform, &Radial),
-            Kernel::Polar => gpr.displacement(&platform, &Polar),
-            Kernel::Offset => gpr.displacement(&platform, &Offset),
-            Kernel::Planar => gpr.displacement(&platform, &Planar),
-        };
-        Self { tilt: platform.tilt().pitch, platform, play }
+impl<'a> Standings<'a> {
+    fn new(cell: &'a Cell, course: &Course) -> Self {
+        let (robot, rods) = (&cell.robot, course.rods());
+        let count = rods[0].len();
+        let (mut tilts, mut plays) = (vec![0.0; count], vec![0.0; count]);
+        let mut status = vec![Status::Solved; count];
+        let mut wanted =
+            [(Quantity::Pitch, &mut tilts[..]), (Quantity::Displacement, &mut plays[..])];
+        if robot.model.forward_many(&robot.gpr, rods, &mut status, &mut wanted).is_err() {
+            // What concerns all of them is told of each.
+            status.fill(Status::NotFinite);
+        }
+        Self { robot, status, tilts, plays }
+    }
+
+    /// At a sample, or why it is nowhere.
+    fn at(
+        &self,
+        sample: usize,
+        positions: impl FnOnce() -> Positions,
+    ) -> Result<Standing, CellError> {
+        let place = sample.min(self.status.len() - 1);
+        if self.status[place] == Status::Solved {
+            return Ok(Standing { tilt: self.tilts[place], play: self.plays[place] });
+        }
+        let platform = self.robot.platform(&positions())?;
+        let play = self.robot.model.displacement(&self.robot.gpr, &platform);
+        Ok(Standing { tilt: platform.tilt().pitch, play })
     }
 }
 

@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
+use jointplay_core::bulk::Column;
 use jointplay_core::spatial::Pose;
-use nalgebra::Vector3;
 
 use super::scene::{Places, Scene};
 use super::travel::{Gearing, Levers, Moved, Odometer};
-use crate::motion::{Motion, Track};
-use crate::robot::Positions;
-use crate::solid::{Placed, Span};
+use crate::motion::{Motion, State, Track};
+use crate::robot::{Positions, RODS};
+use crate::solid::Span;
 
 /// Samples from one place that a box around a way is made of to the next.
 const STRIDE: usize = 32;
@@ -79,17 +79,32 @@ impl Course {
         &self.from
     }
 
-    /// Positions, velocities and accelerations of all axes at a sample.
-    pub(super) fn rates(&self, sample: usize) -> [Positions; 3] {
-        let mut rates = [Positions::new(&self.from); 3];
-        rates[1].fill(0.0);
-        rates[2].fill(0.0);
-        for (&axis, states) in self.track.moving().iter().zip(self.track.states()) {
-            for (order, rate) in rates.iter_mut().enumerate() {
-                rate[axis] = states[sample][order];
-            }
+    /// Some axes, by their indices; as far as there are fewer, the rest stand at zero.
+    pub(super) fn axes<const N: usize>(&self, indices: &[usize]) -> Axes<'_, N> {
+        let mut axes = Axes { moving: [None; N], standing: [0.0; N] };
+        for (place, &axis) in indices.iter().enumerate() {
+            axes.moving[place] = self.states(axis);
+            axes.standing[place] = self.from[axis];
         }
-        rates
+        axes
+    }
+
+    /// Lengths of the rods by sample [m]; one alone where none of them moves.
+    pub(super) fn rods(&self) -> [Column<'_>; RODS] {
+        let states: [_; RODS] = std::array::from_fn(|rod| self.states(rod));
+        let move_at_all = states.iter().any(Option::is_some);
+        let len = if move_at_all { self.times.len() } else { 1 };
+        std::array::from_fn(|rod| match states[rod] {
+            Some(states) => Column::strided(states.as_flattened(), states[0].len(), len)
+                .expect("there is a state for each sample"),
+            None => Column::constant(&self.from[rod], len),
+        })
+    }
+
+    /// What an axis does by sample, if it does anything.
+    fn states(&self, axis: usize) -> Option<&[State]> {
+        let place = self.track.moving().binary_search(&axis).ok()?;
+        Some(&self.track.states()[place])
     }
 
     /// Where all axes are at a sample.
@@ -134,7 +149,7 @@ impl Course {
             for to in ends {
                 let [first, second] = [from, to].map(|sample| {
                     self.place(scene, sample);
-                    Some(bounds(scene.placed(item, self.placed(sample)?)))
+                    Some(scene.placed(item, self.placed(sample)?).around())
                 });
                 let (first, second) = (first?, second?);
                 // Between two places it is nearer to one of them than half of the way.
@@ -146,6 +161,29 @@ impl Course {
         let with =
             |one: [Span; 3], other: [Span; 3]| std::array::from_fn(|k| one[k].with(other[k]));
         Some(Around { whole: parts.iter().copied().reduce(with)?, parts })
+    }
+}
+
+/// What some axes do.
+pub(super) struct Axes<'a, const N: usize> {
+    /// By sample, of those that do anything.
+    moving: [Option<&'a [State]>; N],
+    /// Where the others stand.
+    standing: [f64; N],
+}
+
+impl<const N: usize> Axes<'_, N> {
+    /// Positions, velocities and accelerations at a sample.
+    pub(super) fn rates(&self, sample: usize) -> [[f64; N]; 3] {
+        let mut rates = [self.standing, [0.0; N], [0.0; N]];
+        for (place, states) in self.moving.iter().enumerate() {
+            if let Some(states) = states {
+                for (order, rates) in rates.iter_mut().enumerate() {
+                    rates[place] = states[sample][order];
+                }
+            }
+        }
+        rates
     }
 }
 
@@ -162,9 +200,4 @@ impl Around {
         let near = |part: &[Span; 3]| (0..3).all(|k| part[k].gap(other[k]) <= reach);
         near(&self.whole) && self.parts.iter().any(near)
     }
-}
-
-/// A box around a solid, axes those of the base.
-pub(super) fn bounds(placed: Placed<'_>) -> [Span; 3] {
-    [Vector3::x(), Vector3::y(), Vector3::z()].map(|direction| placed.span(&direction))
 }

@@ -4,7 +4,6 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use super::course::bounds;
 use crate::cell::{Carrier, Cell, Shape, ZoneRule};
 use crate::memory::{Key, extend};
 use crate::program::{Handover, Path, Phase, Step};
@@ -167,9 +166,9 @@ impl<'a> Scene<'a> {
         before.iter().map(|arm| arm.joints.len() + arm.effectors.len()).sum()
     }
 
-    /// An effector and its arm.
-    pub(super) fn planar(&self, id: EffectorId) -> (EffectorId, &Planar) {
-        (id, &self.arms[id.arm][id.effector])
+    /// The arm to an effector.
+    pub(super) fn planar(&self, id: EffectorId) -> &Planar {
+        &self.arms[id.arm][id.effector]
     }
 
     /// Where an effector's wafer is or would be, its arm drooping.
@@ -182,7 +181,7 @@ impl<'a> Scene<'a> {
         id: EffectorId,
         positions: &[f64],
     ) -> Result<Pose, String> {
-        let rigid = platform.base_from_platform * self.arms[id.arm][id.effector].wafer(positions);
+        let rigid = platform.base_from_platform * self.planar(id).wafer(positions);
         self.lowered(platform, id, rigid, self.carried_by(id).is_some())
     }
 
@@ -270,7 +269,8 @@ impl Item {
 
     fn stand(&mut self, standing: Pose) {
         self.standing = standing;
-        self.around = bounds(Placed { solid: &self.solid, base_from_carrier: &self.standing });
+        let placed = Placed { solid: &self.solid, base_from_carrier: &self.standing };
+        self.around = placed.around();
     }
 
     /// Adds what it is and what holds it to inputs.

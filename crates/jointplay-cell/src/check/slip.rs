@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::course::Course;
+use super::course::{Axes, Course};
 use super::scene::Scene;
 use super::travel::Gearing;
-use crate::robot::{AxesMotion, EffectorId, RODS};
+use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
 use crate::wafer::Slip;
 
 /// Slack for what the bound leaves out: where the pressure of the pads has its centre, and the platform's shift and twist by its tilt.
@@ -18,7 +18,8 @@ const PASSED: f64 = 1e-4;
 /// A carried wafer at the samples of a step.
 pub(super) struct Carried<'a> {
     scene: &'a Scene<'a>,
-    course: &'a Course,
+    rods: Axes<'a, RODS>,
+    arm: Axes<'a, MAX_JOINTS>,
     effector: EffectorId,
     /// How much what has to be borne by mass has changed since the start, at most, by sample [m/s²].
     changed: Vec<f64>,
@@ -38,8 +39,10 @@ impl<'a> Carried<'a> {
         effector: EffectorId,
         tilt: f64,
     ) -> Self {
-        let changed = changed((scene, effector), course, gearing, tilt);
-        Self { scene, course, effector, changed, most: 0.0, seen: Vec::new() }
+        let rods = course.axes(&[0, 1, 2]);
+        let arm = course.axes(scene.planar(effector).axes());
+        let changed = changed((scene, effector), course, (&rods, &arm), (gearing, tilt));
+        Self { scene, rods, arm, effector, changed, most: 0.0, seen: Vec::new() }
     }
 
     /// Looks at a run of samples.
@@ -95,16 +98,13 @@ impl<'a> Carried<'a> {
 
     fn slip(&self, sample: usize) -> Option<Slip> {
         let cell = self.scene.cell;
-        let [positions, velocities, accelerations] = self.course.rates(sample);
-        let motion = AxesMotion {
-            positions: &positions,
-            velocities: &velocities,
-            accelerations: &accelerations,
-        };
-        let now = cell.robot.platform(&positions).ok()?;
+        let rods = self.rods.rates(sample);
+        let [positions, velocities, accelerations] = rods.each_ref().map(|rates| &rates[..]);
+        let motion = AxesMotion { positions, velocities, accelerations };
+        let now = cell.robot.platform(positions).ok()?;
         let platform = cell.robot.platform_motion(&now, &motion).ok()?;
-        let arm = self.scene.planar(self.effector);
-        let wafer = cell.lowered_motion(&platform, arm, &motion, true).ok()?;
+        let on_platform = self.scene.planar(self.effector).moving(&self.arm.rates(sample));
+        let wafer = cell.lowered_motion(&platform, &on_platform, self.effector, true).ok()?;
         Some(cell.slip_of(self.effector, &wafer))
     }
 }
@@ -120,50 +120,52 @@ impl<'a> Carried<'a> {
 fn changed(
     (scene, effector): (&Scene<'_>, EffectorId),
     course: &Course,
-    gearing: &Gearing,
-    tilt: f64,
+    (rods, arm): (&Axes<'_, RODS>, &Axes<'_, MAX_JOINTS>),
+    (gearing, tilt): (&Gearing, f64),
 ) -> Vec<f64> {
     let cell = scene.cell;
-    let (_, planar) = scene.planar(effector);
+    let planar = scene.planar(effector);
     let described = &cell.robot.arms[effector.arm].effectors[effector.effector];
     let radius = 0.5 * cell.wafer.diameter;
     let twisting = 0.5 * radius * radius / described.support.lever(&cell.wafer);
     let (moving, count) = (course.track().moving(), course.times().len());
     let rods_move = moving.first().is_some_and(|&axis| axis < RODS);
     let arm_moves = moving.iter().any(|axis| planar.axes().contains(axis));
-    let mut before = course.rates(0);
-    let mut doing = planar.doing(&before);
-    let mut arm = planar.change(&doing, &doing);
+    let mut before = rods.rates(0);
+    let mut doing = planar.doing(&arm.rates(0));
+    let mut by_arm = planar.change(&doing, &doing);
     let mut all = 0.0;
     let mut changed = Vec::with_capacity(count);
     changed.push(all);
     for sample in 1..count {
-        let after = course.rates(sample);
         let mut change = 0.0;
         if arm_moves {
-            let now = planar.doing(&after);
-            arm = planar.change(&doing, &now);
+            let now = planar.doing(&arm.rates(sample));
+            by_arm = planar.change(&doing, &now);
             doing = now;
-            change += arm.acceleration * (1.0 + DROOPING)
-                + DROOPING * arm.speed * arm.velocity
-                + cell.gravity * tilt * arm.turn
-                + twisting * arm.spin;
+            change += by_arm.acceleration * (1.0 + DROOPING)
+                + DROOPING * by_arm.speed * by_arm.velocity
+                + cell.gravity * tilt * by_arm.turn
+                + twisting * by_arm.spin;
         }
         if rods_move {
-            let rods = |order: usize| -> [f64; RODS] {
+            let after = rods.rates(sample);
+            let unlike = |order: usize| -> [f64; RODS] {
                 std::array::from_fn(|rod| after[order][rod] - before[order][rod])
             };
-            let of = |order: usize| gearing.leaning(&std::array::from_fn(|rod| after[order][rod]));
-            let [lean, turning, spinning] = [0, 1, 2].map(|order| gearing.leaning(&rods(order)));
-            change += gearing.lift(&rods(2))
-                + spinning * arm.reach
-                + of(2) * (arm.way + arm.turn * arm.reach)
-                + 2.0 * (turning * arm.speed + of(1) * (arm.velocity + arm.turn * arm.speed))
+            let of = |order: usize| gearing.leaning(&after[order]);
+            let [lean, turning, spinning] = [0, 1, 2].map(|order| gearing.leaning(&unlike(order)));
+            change += gearing.lift(&unlike(2))
+                + spinning * by_arm.reach
+                + of(2) * (by_arm.way + by_arm.turn * by_arm.reach)
+                + 2.0
+                    * (turning * by_arm.speed
+                        + of(1) * (by_arm.velocity + by_arm.turn * by_arm.speed))
                 + 2.0 * cell.gravity * lean;
+            before = after;
         }
         all += SLACK * change;
         changed.push(all);
-        before = after;
     }
     changed
 }

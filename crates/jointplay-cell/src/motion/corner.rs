@@ -259,19 +259,19 @@ impl Moment {
 
     /// Whether a wafer slips that either motion alone would carry.
     fn slips(&self, corner: &Corner<'_>) -> bool {
-        let share = |carried: (EffectorId, &Planar), way: usize| {
+        let share = |&(id, planar): &(EffectorId, Planar), way: usize| {
             let [positions, velocities, accelerations] = &self.rates[way];
             let motion = AxesMotion { positions, velocities, accelerations };
             let robot = &corner.cell.robot;
             let platform = robot.platform_motion(&self.platforms[way], &motion).ok()?;
-            let wafer = corner.cell.lowered_motion(&platform, carried, &motion, true).ok()?;
-            Some(corner.cell.slip_of(carried.0, &wafer).share())
+            let on_platform = planar.moving(&planar.own_rates(&motion));
+            let wafer = corner.cell.lowered_motion(&platform, &on_platform, id, true).ok()?;
+            Some(corner.cell.slip_of(id, &wafer).share())
         };
         // What is not known there is told by the check.
         let share = |carried, way| share(carried, way).unwrap_or(0.0);
         let carried = corner.effectors.iter().filter(|(id, _)| corner.steps[0].loaded.contains(id));
-        carried.into_iter().any(|(id, planar)| {
-            let carried = (*id, planar);
+        carried.into_iter().any(|carried| {
             let together = share(carried, BOTH);
             together > 1.0 - SLACK && [0, 1].iter().all(|&way| together > share(carried, way))
         })

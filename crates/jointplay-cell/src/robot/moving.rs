@@ -110,13 +110,16 @@ impl FrameMotion {
 }
 
 impl Planar {
-    /// How the wafer moves on the platform.
-    pub(crate) fn moving(&self, motion: &AxesMotion<'_>) -> FrameMotion {
-        let (own, speeds) = (self.own(motion.positions), self.own(motion.velocities));
-        let hurries = self.own(motion.accelerations);
+    /// Positions, velocities and accelerations of its axes, of those of all axes.
+    pub(crate) fn own_rates(&self, motion: &AxesMotion<'_>) -> [Slopes; 3] {
+        [motion.positions, motion.velocities, motion.accelerations].map(|rates| self.own(rates))
+    }
+
+    /// How the wafer moves on the platform, by positions, velocities and accelerations of its axes.
+    pub(crate) fn moving(&self, own: &[Slopes; 3]) -> FrameMotion {
         let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
         let mut tip = self.origin;
-        let by = |slopes: &Slopes| [&own, &speeds, &hurries].map(|rates| dot(slopes, rates));
+        let by = |slopes: &Slopes| own.each_ref().map(|rates| dot(slopes, rates));
         for arrow in self.arrows() {
             let [angle, speed, hurry] = by(&arrow.turn);
             let arrow = turned(&arrow.vector, angle);
@@ -135,7 +138,7 @@ impl Planar {
         }
         let [_, speed, hurry] = by(&self.heading.1);
         FrameMotion {
-            base_from_frame: self.at(&tip, &own),
+            base_from_frame: self.at(&tip, &own[0]),
             velocity: velocity.push(0.0),
             acceleration: acceleration.push(0.0),
             angular_velocity: Vector3::z() * speed,
@@ -175,9 +178,8 @@ pub(crate) struct Doing {
 }
 
 impl Planar {
-    /// What it does at one time, by positions, velocities and accelerations of all axes.
-    pub(crate) fn doing(&self, rates: &[Positions; 3]) -> Doing {
-        let own = rates.each_ref().map(|rates| self.own(rates));
+    /// What it does at one time, by positions, velocities and accelerations of its axes.
+    pub(crate) fn doing(&self, own: &[Slopes; 3]) -> Doing {
         let by = |slopes: &Slopes| own.each_ref().map(|rates| dot(slopes, rates));
         let mut doing = Doing {
             heading: by(&self.heading.1),
@@ -259,7 +261,8 @@ impl HybridRobot {
         self.check_motion(motion)?;
         let platform = self.platform(motion.positions)?;
         let platform = self.platform_motion(&platform, motion)?;
-        Ok(platform.carrying(&Planar::new(self, id).moving(motion)))
+        let planar = Planar::new(self, id);
+        Ok(platform.carrying(&planar.moving(&planar.own_rates(motion))))
     }
 
     pub(crate) fn check_motion(&self, motion: &AxesMotion<'_>) -> Result<(), CellError> {

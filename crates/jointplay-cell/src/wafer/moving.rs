@@ -32,7 +32,8 @@ impl Cell {
         let now = robot.platform(motion.positions)?;
         let platform = robot.platform_motion(&now, motion)?;
         let planar = Planar::new(robot, effector);
-        Ok(self.lowered_motion(&platform, (effector, &planar), motion, loaded)?)
+        let on_platform = planar.moving(&planar.own_rates(motion));
+        Ok(self.lowered_motion(&platform, &on_platform, effector, loaded)?)
     }
 
     /// What holds the wafer of an effector on its way, and what friction can; see [`Slip`].
@@ -49,17 +50,16 @@ impl Cell {
         Slip::of(wafer, &self.wafer, &described.support, described.friction, self.gravity)
     }
 
-    /// [`Self::wafer_motion`], the platform's known.
+    /// [`Self::wafer_motion`], the platform's known, and that of the rigid arm on it.
     pub(crate) fn lowered_motion(
         &self,
         platform: &FrameMotion,
-        (effector, planar): (EffectorId, &Planar),
-        motion: &AxesMotion<'_>,
+        on_platform: &FrameMotion,
+        effector: EffectorId,
         loaded: bool,
     ) -> Result<FrameMotion, DroopError> {
         let arm = &self.robot.arms[effector.arm];
-        let on_platform = planar.moving(motion);
-        let rigid = platform.carrying(&on_platform);
+        let rigid = platform.carrying(on_platform);
         if arm.droop == Droop::Rigid {
             return Ok(rigid);
         }
