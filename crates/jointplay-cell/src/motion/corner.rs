@@ -282,18 +282,18 @@ impl Moment {
         if corner.steps[owner].phase != Phase::Turn {
             return false;
         }
-        let off = |solid: &Solid, id: EffectorId, way: usize| {
+        let off = |solid: &Solid, &(id, ref planar): &(EffectorId, Planar), way: usize| {
             let loaded = corner.steps[0].loaded.contains(&id);
-            let wafer = corner.cell.wafer_pose(id, &self.rates[way][0], loaded).ok()?;
+            let wafer =
+                corner.cell.wafer_pose_by((id, planar), &self.rates[way][0], loaded).ok()?;
             let placed = Placed { solid, base_from_carrier: &Pose::identity() };
             Some(outside(placed, &wafer.translation.vector))
         };
         let any = |solid: &Solid| {
-            let leaves = |&(id, _): &(EffectorId, Planar)| {
-                let together = off(solid, id, BOTH);
-                together.is_some_and(|off| off > 0.0) && together > off(solid, id, owner)
-            };
-            corner.effectors.iter().any(leaves)
+            corner.effectors.iter().any(|effector| {
+                let together = off(solid, effector, BOTH);
+                together.is_some_and(|off| off > 0.0) && together > off(solid, effector, owner)
+            })
         };
         corner.safe.iter().any(any)
     }

@@ -2,7 +2,7 @@
 
 use super::axes::together;
 use super::cubic::Curve;
-use super::spline::Spline;
+use super::spline::{self, Jet, Spline};
 use crate::robot::Dynamics;
 
 /// Stages at which the fastest way under speed and acceleration limits is decided.
@@ -28,6 +28,8 @@ pub(crate) struct Pace<'a> {
     limits: Vec<(usize, Dynamics)>,
     /// One by each of them: speed, acceleration and jerk.
     by: Vec<[f64; 3]>,
+    /// For each interval of the spline the jets of these axes at its start.
+    jets: Vec<Jet>,
     /// Largest rate of the parameter [1/s].
     rate: f64,
 }
@@ -43,7 +45,8 @@ impl<'a> Pace<'a> {
         let by = limits.iter().map(|(_, limits)| {
             [limits.velocity, limits.acceleration, limits.jerk].map(|limit| 1.0 / limit)
         });
-        Self { spline, by: by.collect(), limits, rate }
+        let jets = spline.jets().flat_map(|jets| limits.iter().map(|&(axis, _)| jets[axis]));
+        Self { spline, by: by.collect(), jets: jets.collect(), limits, rate }
     }
 
     /// The parameter from 0 to 1 in time.
@@ -70,9 +73,10 @@ impl<'a> Pace<'a> {
             let way = self.fastest(&stages, share);
             let total: f64 = way.iter().map(|(duration, _)| duration).sum();
             // From the second share on only near the width that was best.
+            // Those first that are most likely the best: what they come to spares looks at the others.
             let widths: Vec<f64> = match about {
-                None => (1..8).map(|k| total * 0.5_f64.powi(k)).collect(),
-                Some(width) => [0.5, 0.7, 1.0, 1.4, 2.0].map(|by| by * width).into(),
+                None => [3, 4, 2, 5, 1, 6, 7].map(|k| total * 0.5_f64.powi(k)).into(),
+                Some(width) => [1.0, 0.7, 1.4, 0.5, 2.0].map(|by| by * width).into(),
             };
             let mut shortest = f64::INFINITY;
             for width in widths {
@@ -185,7 +189,12 @@ impl<'a> Pace<'a> {
                 rows.push((curvature / slope, limits.acceleration / slope.abs()));
             }
         }
-        Stage { rows, cap, bends }
+        let between = |(place, &(curvature, limit)): (usize, &(f64, f64))| {
+            let others = rows[..place].iter().filter(move |(other, _)| *other != curvature);
+            others.map(move |(other, allowed)| (limit + allowed) / (curvature - other).abs())
+        };
+        let between = rows.iter().enumerate().flat_map(between).fold(f64::INFINITY, f64::min);
+        Stage { cap, by_share: bends.min(between), rows }
     }
 
     /// The same, as fast as every limit is kept.
@@ -241,8 +250,10 @@ impl<'a> Pace<'a> {
     fn exceed(&self, worst: &mut f64, [s, rate, acceleration, jerk]: [f64; 4], interval: usize) {
         let mut most = rate / self.rate;
         let (mut squared, mut cubed) = (0.0_f64, 0.0_f64);
-        for (&(axis, _), by) in self.limits.iter().zip(&self.by) {
-            let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
+        let count = self.by.len();
+        let t = s - self.spline.knots()[interval];
+        for (jet, by) in self.jets[interval * count..][..count].iter().zip(&self.by) {
+            let [_, slope, curvature, third] = spline::after(jet, t);
             let v = slope * rate;
             let a = curvature * rate * rate + slope * acceleration;
             let j = third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk;
@@ -267,14 +278,14 @@ struct Stage {
     rows: Vec<(f64, f64)>,
     /// Largest square of the rate, by speed and jerk.
     cap: f64,
-    /// The same by acceleration, where the axes do nothing but bend.
-    bends: f64,
+    /// The same by acceleration: where an axis does nothing but bend, and where two of them ask for different ones.
+    by_share: f64,
 }
 
 impl Stage {
     /// Largest square of the rate with a share of the acceleration limits.
     fn cap(&self, share: f64) -> f64 {
-        self.cap.min(share * self.bends)
+        self.cap.min(share * self.by_share)
     }
 
     /// Largest acceleration of the parameter for a square of its rate.
@@ -289,23 +300,18 @@ impl Stage {
     /// ```text
     ///    −c_i x − l_i  ≤  ẍ  ≤  −c_i x + l_i        for all axes i, so that  0  ≤  x + 2 ds ẍ  ≤  next  for one ẍ
     /// ```
-    /// Each of these keeps x below a bound or always holds, and all hold for x = 0.
+    /// Each of these keeps x below a bound or always holds, and all hold for x = 0; what two axes ask for is in the cap.
     fn fastest(&self, share: f64, ds: f64, next: f64) -> f64 {
-        let mut x = self.cap(share);
-        for (place, &(curvature, limit)) in self.rows.iter().enumerate() {
+        self.rows.iter().fold(self.cap(share), |x, &(curvature, limit)| {
             let (grows, by) = (1.0 - 2.0 * ds * curvature, 2.0 * ds * share * limit);
             if grows > 0.0 {
-                x = x.min((next + by) / grows);
+                x.min((next + by) / grows)
             } else if grows < 0.0 {
-                x = x.min(-by / grows);
+                x.min(-by / grows)
+            } else {
+                x
             }
-            for &(other, allowed) in &self.rows[..place] {
-                if other != curvature {
-                    x = x.min(share * (limit + allowed) / (curvature - other).abs());
-                }
-            }
-        }
-        x
+        })
     }
 }
 

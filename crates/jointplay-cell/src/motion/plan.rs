@@ -12,7 +12,7 @@ use super::{Motion, Way};
 use crate::cell::Cell;
 use crate::memory::{Kept, Key, Reuse, Run, anew, extend, one_by_one};
 use crate::program::{Path, Place, Step};
-use crate::robot::{Dynamics, EffectorId, MotionKind, RODS};
+use crate::robot::{Dynamics, EffectorId, MotionKind, Planar, RODS};
 
 /// What is left to choose of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -246,11 +246,13 @@ fn along(
     }
     let robot = &cell.robot;
     let loaded = step.loaded.contains(&effector);
+    let planar = Planar::new(robot, effector);
     let pose = |positions: &[f64]| {
-        cell.wafer_pose(effector, positions, loaded).map_err(|error| error.to_string())
+        let found = cell.wafer_pose_by((effector, &planar), positions, loaded);
+        found.map_err(|error| error.to_string())
     };
     let jacobian = |positions: &[f64]| {
-        robot.effector_jacobian(positions, effector).map_err(|error| error.to_string())
+        robot.jacobian_by(&planar, positions).map_err(|error| error.to_string())
     };
     let variables: Vec<usize> =
         (0..robot.axes.len()).filter(|&axis| moves(robot, axis, effector)).collect();

@@ -55,14 +55,12 @@ impl Spline {
 
     /// The jet of an axis at `s` by the cubic of an interval.
     pub(crate) fn jet(&self, interval: usize, axis: usize, s: f64) -> Jet {
-        let [y, slope, curvature, third] = self.jets[interval][axis];
-        let t = s - self.knots[interval];
-        [
-            y + t * (slope + t * (curvature / 2.0 + t * third / 6.0)),
-            slope + t * (curvature + t * third / 2.0),
-            curvature + t * third,
-            third,
-        ]
+        after(&self.jets[interval][axis], s - self.knots[interval])
+    }
+
+    /// For each interval, each axis' jet at its start.
+    pub(crate) fn jets(&self) -> impl Iterator<Item = &[Jet]> {
+        self.jets.iter().map(Vec::as_slice)
     }
 
     /// Whether an axis does anything along it.
@@ -93,6 +91,16 @@ impl Spline {
     pub(crate) fn knots(&self) -> &[f64] {
         &self.knots
     }
+}
+
+/// A jet farther on by the same cubic.
+pub(crate) fn after([y, slope, curvature, third]: &Jet, t: f64) -> Jet {
+    [
+        y + t * (slope + t * (curvature / 2.0 + t * third / 6.0)),
+        slope + t * (curvature + t * third / 2.0),
+        curvature + t * third,
+        *third,
+    ]
 }
 
 /// Second derivatives at the knots.

@@ -192,7 +192,7 @@ impl HybridRobot {
         Planar::new(self, id).wafer(positions)
     }
 
-    pub(super) fn check_positions(&self, positions: &[f64]) -> Result<(), CellError> {
+    pub(crate) fn check_positions(&self, positions: &[f64]) -> Result<(), CellError> {
         self.check_each("position", positions)
     }
 

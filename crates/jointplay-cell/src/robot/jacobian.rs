@@ -44,9 +44,17 @@ impl HybridRobot {
     ) -> Result<EffectorJacobian, CellError> {
         self.check_effector(id)?;
         self.check_positions(positions)?;
+        self.jacobian_by(&Planar::new(self, id), positions)
+    }
+
+    /// The same, the arm to the effector known.
+    pub(crate) fn jacobian_by(
+        &self,
+        planar: &Planar,
+        positions: &[f64],
+    ) -> Result<EffectorJacobian, CellError> {
         let platform = self.platform(positions)?;
         let turn = platform.base_from_platform.rotation;
-        let planar = Planar::new(self, id);
         let own = planar.own(positions);
         let tip = planar.tip(&own).push(planar.height);
         let mut jacobian = EffectorJacobian {

@@ -6,7 +6,9 @@ use nalgebra::{Point3, Rotation3, Translation3, Unit, Vector3};
 use super::{Deflection, DroopError};
 use crate::CellError;
 use crate::cell::Cell;
-use crate::robot::{BrokenLimit, ChainPose, Configuration, EffectorId, OutOfReach, WaferTarget};
+use crate::robot::{
+    BrokenLimit, ChainPose, Configuration, EffectorId, OutOfReach, Planar, WaferTarget,
+};
 
 /// Farther than this from its target, a wafer is not there [m].
 const RESIDUAL: f64 = 1e-12;
@@ -153,6 +155,17 @@ impl Cell {
         self.drooping_wafer(effector, positions, loaded).map(|(pose, _)| pose)
     }
 
+    /// The same, the arm to it known.
+    pub(crate) fn wafer_pose_by(
+        &self,
+        (effector, planar): (EffectorId, &Planar),
+        positions: &[f64],
+        loaded: bool,
+    ) -> Result<Pose, Unreachable> {
+        let (rigid, joint, deflection) = self.deflected((effector, planar), positions, loaded)?;
+        Ok(drooped(&rigid, &joint, deflection))
+    }
+
     /// The same, and how the arm droops.
     pub(crate) fn drooping_wafer(
         &self,
@@ -160,7 +173,10 @@ impl Cell {
         positions: &[f64],
         loaded: bool,
     ) -> Result<(Pose, Deflection), Unreachable> {
-        let (rigid, joint, deflection) = self.deflected(effector, positions, loaded)?;
+        self.robot.check_effector(effector)?;
+        self.robot.check_positions(positions)?;
+        let planar = Planar::new(&self.robot, effector);
+        let (rigid, joint, deflection) = self.deflected((effector, &planar), positions, loaded)?;
         Ok((drooped(&rigid, &joint, deflection), deflection))
     }
 
@@ -220,11 +236,12 @@ impl Cell {
     /// Rigid wafer frame, first joint, and how the arm droops.
     fn deflected(
         &self,
-        effector: EffectorId,
+        (effector, planar): (EffectorId, &Planar),
         positions: &[f64],
         loaded: bool,
     ) -> Result<(Pose, Vector3<f64>, Deflection), Unreachable> {
-        let (base_from_platform, rigid) = self.robot.platform_and_effector(positions, effector)?;
+        let base_from_platform = self.robot.platform(positions)?.base_from_platform;
+        let rigid = base_from_platform * planar.wafer(positions);
         let joint = (base_from_platform * Point3::from(self.robot.arms[effector.arm].mount)).coords;
         let deflection = self.deflection(effector.arm, &rigid, &joint, loaded)?;
         Ok((rigid, joint, deflection))
@@ -268,6 +285,8 @@ impl Cell {
         loaded: bool,
         near: &[f64],
     ) -> Result<Reached, Unreachable> {
+        self.robot.check_effector(effector)?;
+        let planar = Planar::new(&self.robot, effector);
         let wanted_normal = target.normal.normalize();
         let limit = self.robot.gpr.limits().tilt_max;
         let mut aim = WaferTarget { normal: wanted_normal, ..*target };
@@ -277,7 +296,8 @@ impl Cell {
         loop {
             aim.normal = within(&aim.normal, limit);
             let branch = self.way(effector, &aim, near)?;
-            let (rigid, joint, deflection) = self.deflected(effector, &branch.positions, loaded)?;
+            let (rigid, joint, deflection) =
+                self.deflected((effector, &planar), &branch.positions, loaded)?;
             steps += 1;
             let found = drooped(&rigid, &joint, deflection);
             let residual_height = (found.translation.vector - target.center).norm();
