@@ -267,7 +267,7 @@ impl Alone {
         let kind = Kind::SafeZone;
         let levers = Levers::of_center(&scene.cell.robot, id);
         for run in &self.runs {
-            let mut sample = run.start;
+            let (mut sample, mut stride) = (run.start, 1);
             while sample < run.end {
                 let positions = course.positions(sample);
                 let now = scene.cell.robot.platform(&positions).map_err(|error| error.to_string());
@@ -285,15 +285,21 @@ impl Alone {
                         found.add(when, hit, String::new);
                     }
                 }
-                // The farthest sample to which the centre cannot have come out.
+                // The farthest sample to which the centre cannot have come out, as far as the last time at first.
                 let stays = |to: usize| {
                     gearing.travel(&levers, &course.moved(&(sample..to))).total() < room
                 };
-                let (mut near, mut far) = (sample, run.end);
+                let mut near = sample;
+                let mut far = (sample + stride).min(run.end);
+                while far < run.end && stays(far) {
+                    near = far;
+                    far = (sample + 2 * (far - sample)).min(run.end);
+                }
                 while near + 1 < far {
                     let middle = near.midpoint(far);
                     if stays(middle) { near = middle } else { far = middle }
                 }
+                stride = near + 1 - sample;
                 sample = near + 1;
             }
         }

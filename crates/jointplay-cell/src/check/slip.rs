@@ -12,6 +12,8 @@ use crate::wafer::Slip;
 const SLACK: f64 = 1.1;
 /// How much of what an arm does may go across its plane as the droop changes with reach.
 const DROOPING: f64 = 0.02;
+/// Reach below which no arm droops to speak of [m].
+const SHORTEST: f64 = 0.05;
 /// By how much the largest share may be passed over.
 const PASSED: f64 = 1e-4;
 
@@ -21,8 +23,10 @@ pub(super) struct Carried<'a> {
     rods: Axes<'a, RODS>,
     arm: Axes<'a, MAX_JOINTS>,
     effector: EffectorId,
-    /// How much what has to be borne by mass has changed since the start, at most, by sample [m/s²].
-    changed: Vec<f64>,
+    /// Sine of the largest tilt of a wafer in the step, or more.
+    tilt: f64,
+    /// How much what has to be borne by mass has changed since the start, at most, by sample.
+    changed: Vec<Changed>,
     /// The largest share so far.
     most: f64,
     /// What was looked at, by sample.
@@ -42,7 +46,8 @@ impl<'a> Carried<'a> {
         let rods = course.axes(&[0, 1, 2]);
         let arm = course.axes(scene.planar(effector).axes());
         let changed = changed((scene, effector), course, (&rods, &arm), (gearing, tilt));
-        Self { scene, rods, arm, effector, changed, most: 0.0, seen: Vec::new() }
+        let tilt = tilt.sin() + DROOPING;
+        Self { scene, rods, arm, effector, tilt, changed, most: 0.0, seen: Vec::new() }
     }
 
     /// Looks at a run of samples.
@@ -58,7 +63,7 @@ impl<'a> Carried<'a> {
     /// Between two samples.
     ///
     /// ```text
-    ///    max φ  ≤  (φ_0 + φ_1 + (1 + s µ) change) / 2          φ  =  needed - s held,   held = µ f_n
+    ///    max φ  ≤  (φ_0 + φ_1 + (1 + s µ) change + (sin(tilt) + s µ) heave) / 2          φ  =  needed - s held,   held = µ f_n
     /// ```
     /// for the share s that is the largest so far, or what friction holds: where φ is not above zero, no share is above s.
     fn search(&mut self, between: Range<usize>, left: Slip, right: Slip) {
@@ -69,9 +74,12 @@ impl<'a> Carried<'a> {
         let share = self.most.min(1.0 - PASSED);
         let effector = &self.scene.cell.robot.arms[self.effector.arm].effectors;
         let friction = effector[self.effector.effector].friction;
-        let changed = self.changed[between.end] - self.changed[between.start];
+        let [from, to] = [between.start, between.end].map(|sample| self.changed[sample]);
+        let pressing = share * friction;
+        let changed = (1.0 + pressing) * (to.aside - from.aside)
+            + (self.tilt + pressing) * (to.upward - from.upward);
         let over = |slip: Slip| slip.needed - (share + PASSED) * slip.held;
-        if over(left) + over(right) + (1.0 + share * friction) * changed <= 0.0 {
+        if over(left) + over(right) + changed <= 0.0 {
             return;
         }
         let middle = between.start.midpoint(between.end);
@@ -109,44 +117,60 @@ impl<'a> Carried<'a> {
     }
 }
 
+/// How much what a wafer has to be borne with by mass has changed, at most [m/s²].
+#[derive(Debug, Clone, Copy, Default)]
+struct Changed {
+    /// In any direction.
+    aside: f64,
+    /// Up and down in the base frame.
+    upward: f64,
+}
+
 /// How much what a wafer has to be borne with by mass, seen from it, has changed since the start, at most, by sample [m/s²].
 ///
 /// ```text
-///    arm        Σ_g |v_g| (|Δφ̈| + |Δφ̇²| + |Δχ| (|φ̈| + φ̇²))          φ: angles of links, χ: from the wafer's heading ϑ
-///    platform   |Δö| + |Δα| r + |α| (|Δr| + r |Δϑ|) + 2 |Δω| v + 2 |ω| (|Δv| + v |Δϑ|)
+///    arm        |Δr̈|        r, ṙ, r̈: on the platform, along the wafer's axes; ϑ: its heading
+///    heave      |Δö|
+///    platform   |Δα| r + |α| (|Δr| + r |Δϑ|) + 2 |Δω| ṙ + 2 |ω| (|Δṙ| + ṙ |Δϑ|)
 ///    gravity    g |Δn| + g sin(tilt) |Δϑ|
 ///    turning    R²/2 |Δϑ̈| / b
+///    droop      slope (|Δr̈| + (|r̈| |Δr| + 4 ṙ |Δṙ| + ṙ² |Δr| / l) / l)        l: reach
 /// ```
 fn changed(
     (scene, effector): (&Scene<'_>, EffectorId),
     course: &Course,
     (rods, arm): (&Axes<'_, RODS>, &Axes<'_, MAX_JOINTS>),
     (gearing, tilt): (&Gearing, f64),
-) -> Vec<f64> {
+) -> Vec<Changed> {
     let cell = scene.cell;
     let planar = scene.planar(effector);
     let described = &cell.robot.arms[effector.arm].effectors[effector.effector];
     let radius = 0.5 * cell.wafer.diameter;
     let twisting = 0.5 * radius * radius / described.support.lever(&cell.wafer);
     let (moving, count) = (course.track().moving(), course.times().len());
+    let [x, y, _] = cell.robot.arms[effector.arm].mount;
+    let mount = x.hypot(y);
     let rods_move = moving.first().is_some_and(|&axis| axis < RODS);
     let arm_moves = moving.iter().any(|axis| planar.axes().contains(axis));
     let mut before = rods.rates(0);
-    let mut doing = planar.doing(&arm.rates(0));
-    let mut by_arm = planar.change(&doing, &doing);
-    let mut all = 0.0;
+    let mut seen = planar.seen(&arm.rates(0));
+    let mut all = Changed::default();
     let mut changed = Vec::with_capacity(count);
     changed.push(all);
     for sample in 1..count {
         let mut change = 0.0;
+        let now = if arm_moves { planar.seen(&arm.rates(sample)) } else { seen };
+        let [turn, _, spin] = std::array::from_fn(|k| (now.heading[k] - seen.heading[k]).abs());
+        let (speed, far) = (seen.velocity.norm(), seen.place.norm() + planar.height().abs());
+        let way = (now.place - seen.place).norm();
+        let hurried = (now.velocity - seen.velocity).norm();
         if arm_moves {
-            let now = planar.doing(&arm.rates(sample));
-            by_arm = planar.change(&doing, &now);
-            doing = now;
-            change += by_arm.acceleration * (1.0 + DROOPING)
-                + DROOPING * by_arm.speed * by_arm.velocity
-                + cell.gravity * tilt * by_arm.turn
-                + twisting * by_arm.spin;
+            let urged = (now.acceleration - seen.acceleration).norm();
+            let reach = (seen.place.norm() - mount).abs().max(SHORTEST);
+            let swept =
+                seen.acceleration.norm() * way + speed * (4.0 * hurried + speed * way / reach);
+            let droops = urged + swept / reach;
+            change += urged + DROOPING * droops + cell.gravity * tilt * turn + twisting * spin;
         }
         if rods_move {
             let after = rods.rates(sample);
@@ -155,16 +179,15 @@ fn changed(
             };
             let of = |order: usize| gearing.leaning(&after[order]);
             let [lean, turning, spinning] = [0, 1, 2].map(|order| gearing.leaning(&unlike(order)));
-            change += gearing.lift(&unlike(2))
-                + spinning * by_arm.reach
-                + of(2) * (by_arm.way + by_arm.turn * by_arm.reach)
-                + 2.0
-                    * (turning * by_arm.speed
-                        + of(1) * (by_arm.velocity + by_arm.turn * by_arm.speed))
+            all.upward += SLACK * gearing.lift(&unlike(2));
+            change += spinning * far
+                + of(2) * (way + turn * far)
+                + 2.0 * (turning * speed + of(1) * (hurried + turn * speed))
                 + 2.0 * cell.gravity * lean;
             before = after;
         }
-        all += SLACK * change;
+        seen = now;
+        all.aside += SLACK * change;
         changed.push(all);
     }
     changed

@@ -5,7 +5,7 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
 use super::planar::{Planar, Slopes, ahead, dot, turned};
-use super::{EffectorId, HybridRobot, MAX_JOINTS, Positions, RODS};
+use super::{EffectorId, HybridRobot, Positions, RODS};
 use crate::CellError;
 
 /// Half of the step of differences in time [s]: short against what jerk does, long against round-off.
@@ -117,26 +117,8 @@ impl Planar {
 
     /// How the wafer moves on the platform, by positions, velocities and accelerations of its axes.
     pub(crate) fn moving(&self, own: &[Slopes; 3]) -> FrameMotion {
-        let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
-        let mut tip = self.origin;
-        let by = |slopes: &Slopes| own.each_ref().map(|rates| dot(slopes, rates));
-        for arrow in self.arrows() {
-            let [angle, speed, hurry] = by(&arrow.turn);
-            let arrow = turned(&arrow.vector, angle);
-            tip += arrow;
-            velocity += ahead(&arrow) * speed;
-            acceleration += ahead(&arrow) * hurry - arrow * (speed * speed);
-        }
-        for slide in self.slides() {
-            let [angle, speed, hurry] = by(&slide.along.turn);
-            let [length, growth, urge] = by(&slide.growth);
-            let along = turned(&slide.along.vector, angle);
-            tip += along * length;
-            velocity += along * growth + ahead(&along) * (length * speed);
-            acceleration += along * (urge - length * speed * speed)
-                + ahead(&along) * (2.0 * growth * speed + length * hurry);
-        }
-        let [_, speed, hurry] = by(&self.heading.1);
+        let [tip, velocity, acceleration] = self.tip_motion(own, 0.0);
+        let [_, speed, hurry] = own.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
             base_from_frame: self.at(&tip, &own[0]),
             velocity: velocity.push(0.0),
@@ -145,99 +127,50 @@ impl Planar {
             angular_acceleration: Vector3::z() * hurry,
         }
     }
-}
 
-/// How much an arm's part of a wafer's motion changes between two times, at most, seen from the wafer.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Change {
-    /// Of the acceleration of its centre [m/s²].
-    pub(crate) acceleration: f64,
-    /// Of the velocity of its centre [m/s].
-    pub(crate) velocity: f64,
-    /// Of its place [m].
-    pub(crate) way: f64,
-    /// Of its heading [rad].
-    pub(crate) turn: f64,
-    /// Of the angular acceleration of its heading [rad/s²].
-    pub(crate) spin: f64,
-    /// Its speed at the second time, at most [m/s].
-    pub(crate) speed: f64,
-    /// Its distance from the platform's origin at the second time, at most [m].
-    pub(crate) reach: f64,
-}
+    /// The same as the wafer sees it.
+    pub(crate) fn seen(&self, own: &[Slopes; 3]) -> Seen {
+        let heading = own.each_ref().map(|rates| dot(&self.heading.1, rates));
+        let [place, velocity, acceleration] = self.tip_motion(own, -heading[0]);
+        Seen { place, velocity, acceleration, heading }
+    }
 
-/// Position, velocity and acceleration of something.
-type Rates = [f64; 3];
-
-/// What an arm does at one time: turns of its heading, of its arrows and of its slides, and lengths of these.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Doing {
-    heading: Rates,
-    arrows: [Rates; MAX_JOINTS],
-    slides: [[Rates; 2]; MAX_JOINTS],
-}
-
-impl Planar {
-    /// What it does at one time, by positions, velocities and accelerations of its axes.
-    pub(crate) fn doing(&self, own: &[Slopes; 3]) -> Doing {
+    /// Place, velocity and acceleration of the tip on the platform, turned by an angle.
+    fn tip_motion(&self, own: &[Slopes; 3], turn: f64) -> [Vector2<f64>; 3] {
+        let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
+        let mut tip = turned(&self.origin, turn);
         let by = |slopes: &Slopes| own.each_ref().map(|rates| dot(slopes, rates));
-        let mut doing = Doing {
-            heading: by(&self.heading.1),
-            arrows: Default::default(),
-            slides: Default::default(),
-        };
-        for (rates, arrow) in doing.arrows.iter_mut().zip(self.arrows()) {
-            *rates = by(&arrow.turn);
+        for arrow in self.arrows() {
+            let [angle, speed, hurry] = by(&arrow.turn);
+            let arrow = turned(&arrow.vector, turn + angle);
+            tip += arrow;
+            velocity += ahead(&arrow) * speed;
+            acceleration += ahead(&arrow) * hurry - arrow * (speed * speed);
         }
-        for (rates, slide) in doing.slides.iter_mut().zip(self.slides()) {
-            *rates = [by(&slide.along.turn), by(&slide.growth)];
+        for slide in self.slides() {
+            let [angle, speed, hurry] = by(&slide.along.turn);
+            let [length, growth, urge] = by(&slide.growth);
+            let along = turned(&slide.along.vector, turn + angle);
+            tip += along * length;
+            velocity += along * growth + ahead(&along) * (length * speed);
+            acceleration += along * (urge - length * speed * speed)
+                + ahead(&along) * (2.0 * growth * speed + length * hurry);
         }
-        doing
+        [tip, velocity, acceleration]
     }
+}
 
-    /// How much a wafer's motion changes from one time to the next.
-    pub(crate) fn change(&self, from: &Doing, to: &Doing) -> Change {
-        let turn = to.heading[0] - from.heading[0];
-        let mut change = Change {
-            turn: turn.abs(),
-            spin: (to.heading[2] - from.heading[2]).abs(),
-            reach: self.origin.norm() + self.height.abs(),
-            ..Change::default()
-        };
-        for ((arrow, before), after) in self.arrows().iter().zip(&from.arrows).zip(&to.arrows) {
-            let length = arrow.vector.norm();
-            let aside = (after[0] - before[0] - turn).abs();
-            let squares = [before, after].map(|rates| rates[1] * rates[1]);
-            change.acceleration += length
-                * ((after[2] - before[2]).abs()
-                    + (squares[1] - squares[0]).abs()
-                    + aside * (after[2].abs() + squares[1]));
-            change.velocity += length * ((after[1] - before[1]).abs() + aside * after[1].abs());
-            change.way += length * aside;
-            change.speed += length * after[1].abs();
-            change.reach += length;
-        }
-        for (before, after) in from.slides.iter().zip(&to.slides).take(self.slides().len()) {
-            let aside = (after[0][0] - before[0][0] - turn).abs();
-            // Along and across.
-            let hurries = [before, after].map(|[angle, length]| {
-                [
-                    length[2] - length[0] * angle[1] * angle[1],
-                    2.0 * length[1] * angle[1] + length[0] * angle[2],
-                ]
-            });
-            let speeds = [before, after].map(|[angle, length]| [length[1], length[0] * angle[1]]);
-            let changed = |of: [[f64; 2]; 2]| -> f64 {
-                (0..2).map(|k| (of[1][k] - of[0][k]).abs() + aside * of[1][k].abs()).sum()
-            };
-            change.acceleration += changed(hurries);
-            change.velocity += changed(speeds);
-            change.way += (after[1][0] - before[1][0]).abs() + aside * after[1][0].abs();
-            change.speed += speeds[1][0].abs() + speeds[1][1].abs();
-            change.reach += after[1][0].abs();
-        }
-        change
-    }
+/// How a wafer moves on the platform, along its own axes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen {
+    /// Of its centre from the platform's origin [m].
+    pub(crate) place: Vector2<f64>,
+    /// [m/s]
+    pub(crate) velocity: Vector2<f64>,
+    /// [m/s²]
+    pub(crate) acceleration: Vector2<f64>,
+    /// Its heading, up to a constant, with its first and second derivative [rad, rad/s, rad/s²].
+    pub(crate) heading: [f64; 3],
 }
 
 impl HybridRobot {

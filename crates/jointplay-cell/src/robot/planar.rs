@@ -146,6 +146,11 @@ impl Planar {
         self.slide_count += 1;
     }
 
+    /// Height of the wafer's plane over the platform plane [m].
+    pub(crate) fn height(&self) -> f64 {
+        self.height
+    }
+
     /// Axes that move it, as indices into those of the robot.
     #[inline]
     pub(crate) fn axes(&self) -> &[usize] {
