@@ -6,15 +6,17 @@ use std::sync::{Arc, OnceLock};
 use crate::cell::Cell;
 use crate::check::{CheckOptions, Checks, Report};
 use crate::motion::{Motion, MotionError, MotionOptions, Ways};
-use crate::program::Step;
+use crate::program::{Places, Program, ProgramError, Step, expand_by};
 
-/// Motions and checks of the last plan, move by move.
+/// Steps, motions and checks of the last plan, move by move.
 ///
+/// A place is looked for anew where its station is another or the robot comes from elsewhere.
 /// A move is timed and checked anew where anything that it depends on has other bits than in the last plan: its ends, limits, what is carried, and what stands within reach of its way.
-/// What comes out is the same as without a memory, to the bit: [`timed`](crate::motion::timed) and [`check`](crate::check::check) are these functions of an empty one.
+/// What comes out is the same as without a memory, to the bit: [`expand`](crate::program::expand), [`timed`](crate::motion::timed) and [`check`](crate::check::check) are these functions of an empty one.
 ///
 /// It holds what the last plan came to, and no more.
 pub struct Memory {
+    places: Places,
     ways: Ways,
     checks: Checks,
     run: Box<dyn Fn(usize, Job<'_>) + Send>,
@@ -37,7 +39,7 @@ impl Default for Memory {
     }
 }
 
-/// How many moves of the last plan were made anew, and how many were known.
+/// How much of the last plan was made anew, and how much was known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Reuse {
     /// Known from the plan before.
@@ -69,7 +71,20 @@ impl Memory {
     /// ```
     #[must_use]
     pub fn run_by(run: impl Fn(usize, Job<'_>) + Send + 'static) -> Self {
-        Self { ways: Ways::default(), checks: Checks::default(), run: Box::new(run) }
+        let (places, ways, checks) = (Places::default(), Ways::default(), Checks::default());
+        Self { places, ways, checks, run: Box::new(run) }
+    }
+
+    /// As [`expand`](crate::program::expand).
+    ///
+    /// # Errors
+    /// As [`expand`](crate::program::expand).
+    pub fn expand(
+        &mut self,
+        cell: &Cell,
+        program: &Program,
+    ) -> Result<Vec<Step>, Vec<ProgramError>> {
+        expand_by(cell, program, &mut self.places)
     }
 
     /// As [`timed`](crate::motion::timed).
@@ -89,6 +104,12 @@ impl Memory {
     #[must_use]
     pub fn check(&mut self, cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
         self.checks.check(cell, motion, options, &*self.run)
+    }
+
+    /// Of the places in the last program.
+    #[must_use]
+    pub fn reuse_of_places(&self) -> Reuse {
+        self.places.reuse()
     }
 
     /// Of the ways of the axes in the last motion.

@@ -45,7 +45,7 @@ fn lot(criterion: &mut Criterion) {
             .map(|text| cell::read(text, &mut |_| Err(String::new())).unwrap());
         let mut memory = Memory::default();
         let mut plan = |cell: &Cell| {
-            let steps = expand(cell, &read).unwrap();
+            let steps = memory.expand(cell, &read).unwrap();
             let motion = memory.timed(cell, steps, &options).unwrap();
             memory.check(cell, &motion, &CheckOptions::default())
         };

@@ -325,7 +325,8 @@ impl Change {
 }
 
 fn planned(memory: &mut Memory, cell: &Cell, text: &str) -> (Motion, Report) {
-    let motion = memory.timed(cell, steps(cell, text), &MotionOptions::default()).unwrap();
+    let steps = memory.expand(cell, &program::parse(text).unwrap()).unwrap();
+    let motion = memory.timed(cell, steps, &MotionOptions::default()).unwrap();
     let report = memory.check(cell, &motion, &CheckOptions { rate: 100.0, near: 0.05 });
     (motion, report)
 }
@@ -360,25 +361,33 @@ fn only_what_a_change_touches_is_made_anew() {
     planned(&mut memory, &cell, SHORT);
     assert!(none(memory.reuse_of_ways()) && none(memory.reuse_of_distances()));
     planned(&mut memory, &cell, SHORT);
-    for reuse in [memory.reuse_of_ways(), memory.reuse_of_moves(), memory.reuse_of_distances()] {
+    let all = |memory: &Memory| {
+        [
+            memory.reuse_of_places(),
+            memory.reuse_of_ways(),
+            memory.reuse_of_moves(),
+            memory.reuse_of_distances(),
+        ]
+    };
+    for reuse in all(&memory) {
         assert!(reuse.anew == 0 && reuse.known > 20, "{reuse:?}");
     }
     // Another place of the last station: what leads to it and from it.
     let port = cell.stations.iter().position(|station| station.name == "LP2").unwrap();
     cell.stations[port].base_from_station.translation.vector.z += 1e-4;
     planned(&mut memory, &cell, SHORT);
-    for reuse in [memory.reuse_of_ways(), memory.reuse_of_moves(), memory.reuse_of_distances()] {
+    for reuse in all(&memory) {
         assert!(reuse.known > 2 * reuse.anew && reuse.anew > 0, "{reuse:?}");
     }
     // A body that stands in nobody's reach: nothing.
     cell.bodies[0].carrier_from_shape.translation.vector.z -= 5.0;
     planned(&mut memory, &cell, SHORT);
-    assert_eq!(memory.reuse_of_ways().anew, 0);
+    assert_eq!([memory.reuse_of_places(), memory.reuse_of_ways()].map(|reuse| reuse.anew), [0; 2]);
     assert_eq!(memory.reuse_of_moves().anew, 0);
     // A limit: everything.
     cell.robot.axes[3].empty.velocity *= 0.5;
     planned(&mut memory, &cell, SHORT);
-    assert!(none(memory.reuse_of_ways()) && none(memory.reuse_of_moves()));
+    assert!(all(&memory).into_iter().all(none));
 }
 
 #[test]

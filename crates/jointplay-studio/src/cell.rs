@@ -7,9 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report};
 use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
-use jointplay::cell::program::{
-    Command, Instruction, Place, Program, ProgramError, expand, wrong_lines,
-};
+use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, wrong_lines};
 use jointplay::cell::{Job, Memory};
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::{cell, program, report};
@@ -342,7 +340,7 @@ impl Stopped {
 }
 
 fn motion(cell: &Cell, program: &Program, memory: &mut Memory) -> Result<Motion, Stopped> {
-    let steps = expand(cell, program).map_err(Stopped::Steps)?;
+    let steps = memory.expand(cell, program).map_err(Stopped::Steps)?;
     memory.timed(cell, steps, &MotionOptions::default()).map_err(Stopped::Times)
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
+use super::places::Places;
 use super::presence::Presence;
 use super::resolve::{Act, Line, Number, Resolved, Slot, resolve};
 use super::sequence::Robot;
@@ -22,6 +23,15 @@ use crate::station::SlotId;
 /// # Errors
 /// Everything that is wrong with the program in this cell, each thing once with its place: names, programs without end, wafers that are missing or in the way, places out of reach and limits that stop them.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
+    expand_by(cell, program, &mut Places::default())
+}
+
+/// The same, with what is known of the last program's places.
+pub(crate) fn expand_by(
+    cell: &Cell,
+    program: &Program,
+    places: &mut Places,
+) -> Result<Vec<Step>, Vec<ProgramError>> {
     let (resolved, unresolved) = resolve(cell, program);
     let mut errors = Errors::default();
     for error in unresolved {
@@ -29,15 +39,17 @@ pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramEr
     }
     let mut steps = Vec::new();
     if let Some(resolved) = &resolved {
+        places.begin(cell);
         let mut run = Run {
             resolved,
             presence: Presence::new(cell),
-            robot: Robot::new(cell),
+            robot: Robot::new(cell, places),
             errors: &mut errors,
             instruction: 0,
         };
         run.block(&resolved.body, &mut Vec::new());
         steps = run.robot.steps;
+        places.end();
     }
     let errors: Vec<ProgramError> = errors.0.into_values().flatten().collect();
     if errors.is_empty() { Ok(steps) } else { Err(errors) }

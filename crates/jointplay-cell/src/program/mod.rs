@@ -9,6 +9,7 @@
 mod carried;
 mod expand;
 mod extent;
+mod places;
 mod presence;
 mod problem;
 mod resolve;
@@ -19,7 +20,9 @@ mod syntax;
 
 pub use carried::{Carried, carried};
 pub use expand::expand;
+pub(crate) use expand::expand_by;
 pub use extent::{MAX_CALLS, MAX_INSTRUCTIONS};
+pub(crate) use places::Places;
 pub use problem::{Count, ProgramError, ProgramProblem};
 pub use resolve::wrong_lines;
 pub use step::{Handover, Path, Phase, Step};

@@ -1,10 +1,12 @@
 //! The robot on its way: what it does for each instruction, step by step.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
+use super::places::Places;
 use super::presence::slot_name;
 use super::resolve::effector_name;
 use super::stops::{limit_told, why};
@@ -26,6 +28,8 @@ const RETRACTED_ENOUGH: f64 = 1e-6;
 /// The robot where it is, and the steps that brought it there.
 pub(super) struct Robot<'c> {
     pub(super) cell: &'c Cell,
+    /// Of the last program.
+    places: &'c mut Places,
     pub(super) steps: Vec<Step>,
     /// Share of the limits.
     pub(super) speed: f64,
@@ -56,10 +60,11 @@ struct Goal<'g> {
 
 impl<'c> Robot<'c> {
     /// At home, at full speed, from rest to rest.
-    pub(super) fn new(cell: &'c Cell) -> Self {
+    pub(super) fn new(cell: &'c Cell, places: &'c mut Places) -> Self {
         let axes = &cell.robot.axes;
         Self {
             cell,
+            places,
             steps: Vec::new(),
             speed: 1.0,
             blend: 0.0,
@@ -119,8 +124,8 @@ impl<'c> Robot<'c> {
         let pose = self.cell.wafer_pose(effector, &self.positions, loaded).map_err(stopped)?;
         let mut target = WaferTarget::of(&pose);
         target.center += Vector3::from(by);
-        let reached = self.cell.reach(effector, &target, loaded, &self.positions);
-        let to = reached.map_err(stopped)?.positions;
+        let reached = self.places.reach(self.cell, effector, &target, loaded, &self.positions);
+        let to = reached.map_err(stopped)?;
         self.tucked = false;
         self.go(Phase::Move, to, Path::Line(effector));
         Ok(())
@@ -222,8 +227,12 @@ impl<'c> Robot<'c> {
         Ok(left)
     }
 
-    fn waypoints(&self, effector: EffectorId, slot: SlotId) -> Result<Waypoints, ProgramProblem> {
-        let found = self.cell.waypoints(effector, slot, &self.positions);
+    fn waypoints(
+        &mut self,
+        effector: EffectorId,
+        slot: SlotId,
+    ) -> Result<Arc<Waypoints>, ProgramProblem> {
+        let found = self.places.waypoints(self.cell, effector, slot, &self.positions);
         found.map_err(|source| {
             self.unreachable("the place of rest in", effector, slot, true, source)
         })
@@ -335,9 +344,8 @@ impl<'c> Robot<'c> {
         let Goal { what, effector, target, slot } = goal;
         let loaded = self.loaded.contains(&effector);
         let target = if loaded { self.sagged(effector, target)? } else { *target };
-        let reached = self.cell.reach(effector, &target, loaded, &self.positions);
-        let positions = reached.map(|it| it.positions);
-        positions.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
+        let reached = self.places.reach(self.cell, effector, &target, loaded, &self.positions);
+        reached.map_err(|source| self.unreachable(what, effector, slot, loaded, source))
     }
 
     /// Straight to a place.
