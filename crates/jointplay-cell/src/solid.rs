@@ -164,16 +164,18 @@ impl Span {
     }
 }
 
-/// The solids of the last check, each with a number of its own.
+/// The solids of the last check, each with a number of its own, and so where they stand.
 #[derive(Default)]
 pub(super) struct Solids {
     kept: Kept<(u64, Option<Solid>)>,
+    standing: Kept<u64>,
     count: u64,
 }
 
 impl Solids {
     pub(super) fn begin(&mut self) {
         self.kept.begin("");
+        self.standing.begin("");
     }
 
     /// As [`Solid::new`].
@@ -186,8 +188,21 @@ impl Solids {
         Some((found.0, found.1.clone()?))
     }
 
+    /// The number of a solid that stands somewhere.
+    pub(super) fn standing(&mut self, number: u64, base_from_carrier: &Pose) -> u64 {
+        let mut key = vec![number];
+        extend(&mut key, base_from_carrier.rotation.matrix().as_slice());
+        extend(&mut key, base_from_carrier.translation.vector.as_slice());
+        let Ok(found) = self.standing.get::<Infallible>(key, || {
+            self.count += 1;
+            Ok(self.count)
+        });
+        *found
+    }
+
     pub(super) fn end(&mut self) {
         self.kept.end();
+        self.standing.end();
     }
 }
 

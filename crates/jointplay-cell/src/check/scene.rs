@@ -1,11 +1,13 @@
 //! Bodies, wafers and zones, and where they are.
 
+use std::sync::Arc;
+
 use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use crate::cell::{Carrier, Cell, Shape, ZoneRule};
-use crate::memory::{Key, extend};
+use crate::memory::Key;
 use crate::program::{Handover, Path, Phase, Step};
 use crate::robot::{Arm, Effector, EffectorId, Planar};
 use crate::solid::{Placed, Solid, Solids, Span};
@@ -44,6 +46,8 @@ pub(super) struct Item {
     pub(super) solid: Solid,
     /// Number of its solid, which no other solid has.
     number: u64,
+    /// Number of its solid where it stands, for what does not move.
+    stands: u64,
     pub(super) holder: Holder,
     pub(super) role: Role,
     /// Where its holder stands, for what does not move.
@@ -75,7 +79,7 @@ impl Places {
 #[derive(Clone)]
 pub(super) struct Scene<'a> {
     pub(super) cell: &'a Cell,
-    pub(super) items: Vec<Item>,
+    pub(super) items: Vec<Arc<Item>>,
     /// Effectors that carry a wafer, and which.
     carried: Vec<(EffectorId, usize)>,
     /// Zones that wafers' centres have to stay in while the robot turns, by index in the cell.
@@ -96,7 +100,12 @@ impl<'a> Scene<'a> {
                 Carrier::Link { arm, link } => Holder::Link { arm, link },
             };
             if let Some(solid) = solids.get(&body.shape, &body.carrier_from_shape) {
-                items.push(Item::new(body.name.clone(), solid, holder, Role::Body(index)));
+                items.push(Item::new(
+                    body.name.clone(),
+                    solid,
+                    (holder, Role::Body(index)),
+                    solids,
+                ));
             }
         }
         let mut safe = Vec::new();
@@ -104,7 +113,8 @@ impl<'a> Scene<'a> {
             let Some(solid) = solids.get(&zone.shape, &zone.base_from_shape) else { continue };
             match zone.rule {
                 ZoneRule::KeepOut => {
-                    items.push(Item::new(zone.name.clone(), solid, Holder::World, Role::KeepOut));
+                    let what = (Holder::World, Role::KeepOut);
+                    items.push(Item::new(zone.name.clone(), solid, what, solids));
                 }
                 ZoneRule::Safe => safe.push((index, solid.1)),
             }
@@ -119,14 +129,16 @@ impl<'a> Scene<'a> {
         if let Some(disc) = solids.get(&disc, &middle) {
             for &slot in &cell.occupied {
                 let name = format!("wafer of {}", slot_name(cell, slot));
-                let mut item = Item::new(name, disc.clone(), Holder::Slot(slot), Role::Wafer);
-                item.stand(cell.stations[slot.station].slot_frame(slot.slot));
+                let what = (Holder::Slot(slot), Role::Wafer);
+                let mut item = Item::new(name, disc.clone(), what, solids);
+                item.stand(cell.stations[slot.station].slot_frame(slot.slot), solids);
                 items.push(item);
             }
             for &id in &cell.carried {
                 let name = format!("wafer from {}", effector_name(cell, id));
                 carried.push((id, items.len()));
-                items.push(Item::new(name, disc.clone(), Holder::Effector(id), Role::Wafer));
+                let what = (Holder::Effector(id), Role::Wafer);
+                items.push(Item::new(name, disc.clone(), what, solids));
             }
         }
         let planar = |arm: usize| {
@@ -136,6 +148,7 @@ impl<'a> Scene<'a> {
         let arms = (0..cell.robot.arms.len()).map(|arm| planar(arm).collect()).collect();
         let on_last = |arm: &Arm| arm.effectors.iter().map(Effector::link_from_wafer).collect();
         let last_from_wafer = cell.robot.arms.iter().map(on_last).collect();
+        let items = items.into_iter().map(Arc::new).collect();
         Self { cell, items, carried, safe, arms, last_from_wafer }
     }
 
@@ -239,7 +252,7 @@ impl<'a> Scene<'a> {
     }
 
     /// Does what the end of a step does to wafers.
-    pub(super) fn hand_over(&mut self, handover: Handover) {
+    pub(super) fn hand_over(&mut self, handover: Handover, solids: &mut Solids) {
         let (from, to) = match handover {
             Handover::Taken(id, slot) => (Holder::Slot(slot), Holder::Effector(id)),
             Handover::Left(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
@@ -249,40 +262,46 @@ impl<'a> Scene<'a> {
             Handover::Taken(id, _) => self.carried.push((id, index)),
             Handover::Left(id, _) => self.carried.retain(|(by, _)| *by != id),
         }
-        let item = &mut self.items[index];
+        let item = Arc::make_mut(&mut self.items[index]);
         item.holder = to;
         if let Holder::Slot(slot) = to {
-            item.stand(self.cell.stations[slot.station].slot_frame(slot.slot));
+            item.stand(self.cell.stations[slot.station].slot_frame(slot.slot), solids);
             item.laid = true;
         }
     }
 }
 
 impl Item {
-    fn new(name: String, (number, solid): (u64, Solid), holder: Holder, role: Role) -> Self {
-        let around = [Span { least: 0.0, most: 0.0 }; 3];
-        let standing = Pose::identity();
-        let mut item = Self { name, solid, number, holder, role, standing, around, laid: false };
-        item.stand(standing);
+    fn new(
+        name: String,
+        (number, solid): (u64, Solid),
+        (holder, role): (Holder, Role),
+        solids: &mut Solids,
+    ) -> Self {
+        let (around, standing) = ([Span { least: 0.0, most: 0.0 }; 3], Pose::identity());
+        let (stands, laid) = (0, false);
+        let mut item = Self { name, solid, number, stands, holder, role, standing, around, laid };
+        item.stand(standing, solids);
         item
     }
 
-    fn stand(&mut self, standing: Pose) {
+    fn stand(&mut self, standing: Pose, solids: &mut Solids) {
         self.standing = standing;
+        self.stands = solids.standing(self.number, &standing);
         let placed = Placed { solid: &self.solid, base_from_carrier: &self.standing };
         self.around = placed.around();
     }
 
     /// Adds what it is and what holds it to inputs.
     pub(super) fn key(&self, key: &mut Key) {
-        key.push(self.number);
         match self.holder {
-            Holder::Platform => key.push(0),
-            Holder::Link { arm, link } => key.extend([1, arm as u64, link as u64]),
-            Holder::Effector(id) => key.extend([2, id.arm as u64, id.effector as u64]),
-            Holder::World | Holder::Slot(_) => {
-                extend(key, self.standing.rotation.matrix().as_slice());
-                extend(key, self.standing.translation.vector.as_slice());
+            Holder::World | Holder::Slot(_) => key.extend([0, self.stands]),
+            Holder::Platform => key.extend([1, self.number]),
+            Holder::Link { arm, link } => {
+                key.extend([2, self.number, arm as u64, link as u64]);
+            }
+            Holder::Effector(EffectorId { arm, effector }) => {
+                key.extend([3, self.number, arm as u64, effector as u64]);
             }
         }
     }

@@ -82,7 +82,7 @@ impl<'a> Steps<'a> {
             scene_of.push(last);
             if let Some(handover) = step.handover {
                 let mut next = scenes[last].clone();
-                next.hand_over(handover);
+                next.hand_over(handover, solids);
                 scenes.push(next);
             }
         }
