@@ -158,8 +158,6 @@ impl Course {
                 from = to;
             }
         }
-        let with =
-            |one: [Span; 3], other: [Span; 3]| std::array::from_fn(|k| one[k].with(other[k]));
         Some(Around { whole: parts.iter().copied().reduce(with)?, parts })
     }
 }
@@ -195,9 +193,20 @@ pub(super) struct Around {
 }
 
 impl Around {
+    /// Around them all, in one box.
+    pub(super) fn all<'a>(of: impl Iterator<Item = &'a Self>) -> Option<Self> {
+        let whole = of.map(|around| around.whole).reduce(with)?;
+        Some(Self { whole, parts: vec![whole] })
+    }
+
     /// Whether it may come as near to a box as that.
     pub(super) fn comes_near(&self, other: &[Span; 3], reach: f64) -> bool {
         let near = |part: &[Span; 3]| (0..3).all(|k| part[k].gap(other[k]) <= reach);
         near(&self.whole) && self.parts.iter().any(near)
     }
+}
+
+/// The least box that holds both.
+fn with(one: [Span; 3], other: [Span; 3]) -> [Span; 3] {
+    std::array::from_fn(|k| one[k].with(other[k]))
 }

@@ -40,6 +40,7 @@ pub(super) struct Least {
 }
 
 /// Two items, the first of which moves, and what is asked of them.
+#[derive(Clone, Copy)]
 pub(super) struct Pair {
     pub(super) items: [usize; 2],
     pub(super) rule: Rule,

@@ -354,11 +354,10 @@ impl Rule {
 }
 
 impl Scene<'_> {
-    /// What is asked of two items during a step.
+    /// What is asked of two items, whatever the step.
     ///
     /// Nothing is asked of bodies on one carrier or on two that a joint connects, of pairs that the cell allows, and of a wafer and the link that carries it.
-    /// While a step reaches into a slot, what reaches there has to keep the slots' clearance from the wafers of that station and from all that stands, where that is less than the general one; while it lifts or lowers there, its last link may touch the wafer of that very slot.
-    pub(super) fn rule(&self, a: usize, b: usize, step: &Step) -> Rule {
+    pub(super) fn general_rule(&self, a: usize, b: usize) -> Rule {
         let (first, second) = (&self.items[a], &self.items[b]);
         if !(first.holder.moves() || second.holder.moves()) || self.joined(a, b) {
             return Rule::Free;
@@ -372,15 +371,23 @@ impl Scene<'_> {
         if first.role == Role::KeepOut || second.role == Role::KeepOut {
             return Rule::Out;
         }
-        let general = Rule::Apart(self.cell.clearance);
-        let (Some(slot), Some(id)) = (step.slot, acting(step)) else { return general };
-        let (inside, other) = if first.holder.moves() { (first, second) } else { (second, first) };
-        let reaches = inside.holder == Holder::Effector(id) || self.is_last_link(inside.holder, id);
-        if !reaches || other.holder.moves() {
+        Rule::Apart(self.cell.clearance)
+    }
+
+    /// What is asked during a step of an item that moves and one that stands.
+    ///
+    /// While a step reaches into a slot, what reaches there has to keep the slots' clearance from the wafers of that station and from all that stands, where that is less than the general one; while it lifts or lowers there, its last link may touch the wafer of that very slot.
+    pub(super) fn rule(&self, mover: usize, standing: usize, step: &Step) -> Rule {
+        let general = self.general_rule(mover, standing);
+        let (Rule::Apart(_), Some(slot), Some(id)) = (general, step.slot, acting(step)) else {
+            return general;
+        };
+        let [inside, other] = [mover, standing].map(|item| self.items[item].holder);
+        if inside != Holder::Effector(id) && !self.is_last_link(inside, id) {
             return general;
         }
         let nearer = self.cell.slot_clearance.min(self.cell.clearance);
-        match other.holder {
+        match other {
             Holder::Slot(there) if there == slot => {
                 let handing = matches!(step.phase, Phase::Lift | Phase::Lower);
                 if handing { Rule::Free } else { Rule::Slots(nearer) }

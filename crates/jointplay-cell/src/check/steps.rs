@@ -4,7 +4,7 @@ use std::sync::{Mutex, PoisonError};
 
 use super::CheckOptions;
 use super::alone::Alone;
-use super::course::Course;
+use super::course::{Around, Course};
 use super::near::{Look, Near, Pair};
 use super::scene::{Rule, Scene};
 use super::travel::{Gearing, Levers};
@@ -21,19 +21,29 @@ pub(super) struct Steps<'a> {
     gearing: Gearing,
     /// From one handing over of a wafer to the next.
     scenes: Vec<Scene<'a>>,
+    /// Of each scene.
+    casts: Vec<Cast>,
     /// Room for the samples of steps that are looked at next.
     courses: Mutex<Vec<Course>>,
 }
 
-/// What a step by itself depends on.
-pub(super) struct Start {
-    scene: usize,
-    /// Items of the scene that move.
+/// Who moves in a scene, and who stands.
+struct Cast {
+    /// Items that move.
     movers: Vec<usize>,
     /// And those that stand.
     others: Vec<usize>,
     /// Of those that move.
     levers: Vec<Levers>,
+    /// Pairs of them that something is asked of, by their places among them.
+    pairs: Vec<Pair>,
+    /// All that is known of them.
+    key: Key,
+}
+
+/// What a step by itself depends on.
+pub(super) struct Start {
+    scene: usize,
     pub(super) key: Key,
 }
 
@@ -45,24 +55,70 @@ pub(super) struct Among {
     pub(super) key: Key,
 }
 
-impl Start {
-    fn new(
-        cell: &Cell,
-        motion: &Motion,
-        index: usize,
-        (number, scenes): (usize, &[Scene<'_>]),
-    ) -> Self {
-        let (step, scene) = (&motion.steps[index], &scenes[number]);
+impl Cast {
+    fn new(scene: &Scene<'_>) -> Self {
         let (movers, others): (Vec<usize>, Vec<usize>) =
             (0..scene.items.len()).partition(|&item| scene.items[item].holder.moves());
+        let mut key = Key::new();
+        movers.iter().for_each(|&item| scene.items[item].key(&mut key));
+        let lever = |&item: &usize| Levers::new(&scene.cell.robot, &scene.items[item]);
+        let levers = movers.iter().map(lever).collect();
+        let mut pairs = Vec::new();
+        for a in 0..movers.len() {
+            for b in a + 1..movers.len() {
+                let rule = scene.general_rule(movers[a], movers[b]);
+                if rule != Rule::Free {
+                    pairs.push(Pair { items: [a, b], rule });
+                }
+            }
+        }
+        Self { movers, others, levers, pairs, key }
+    }
+
+    /// Who may come near in a step, those that move first, and the pairs of them that something is asked of.
+    fn pairs(
+        &self,
+        scene: &Scene<'_>,
+        step: &Step,
+        alone: &Alone,
+        reach: f64,
+    ) -> (Vec<usize>, Vec<Pair>) {
+        let (mut items, mut pairs) = (self.movers.clone(), self.pairs.clone());
+        let whole = Around::all(alone.around.iter().flatten());
+        for &other in &self.others {
+            let standing = &scene.items[other].around;
+            if !whole.as_ref().is_some_and(|whole| whole.comes_near(standing, reach)) {
+                continue;
+            }
+            let mut place = None;
+            for (mover, around) in alone.around.iter().enumerate() {
+                if !around.as_ref().is_some_and(|around| around.comes_near(standing, reach)) {
+                    continue;
+                }
+                let rule = scene.rule(self.movers[mover], other, step);
+                if rule == Rule::Free {
+                    continue;
+                }
+                let place = *place.get_or_insert_with(|| {
+                    items.push(other);
+                    items.len() - 1
+                });
+                pairs.push(Pair { items: [mover, place], rule });
+            }
+        }
+        (items, pairs)
+    }
+}
+
+impl Start {
+    fn new(motion: &Motion, index: usize, (scene, cast): (usize, &Cast)) -> Self {
+        let step = &motion.steps[index];
         let mut key = motion.key(index);
         key.push(u64::from(step.phase == Phase::Turn));
         key.push(step.loaded.len() as u64);
         key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
-        movers.iter().for_each(|&item| scene.items[item].key(&mut key));
-        let levers = movers.iter().map(|&item| Levers::new(&cell.robot, &scene.items[item]));
-        let levers = levers.collect();
-        Self { scene: number, movers, others, levers, key }
+        key.extend(&cast.key);
+        Self { scene, key }
     }
 }
 
@@ -86,10 +142,11 @@ impl<'a> Steps<'a> {
                 scenes.push(next);
             }
         }
-        let start = |index: usize| Start::new(cell, motion, index, (scene_of[index], &scenes));
-        let starts = each(motion.steps.len(), run, start);
+        let casts = each(scenes.len(), run, |scene| Cast::new(&scenes[scene]));
+        let of = |index: usize| (scene_of[index], &casts[scene_of[index]]);
+        let starts = each(motion.steps.len(), run, |index| Start::new(motion, index, of(index)));
         let (gearing, courses) = (Gearing::new(&cell.robot), Mutex::default());
-        (Self { motion, options, gearing, scenes, courses }, starts)
+        (Self { motion, options, gearing, scenes, casts, courses }, starts)
     }
 
     pub(super) fn scene(&self, start: &Start) -> &Scene<'a> {
@@ -114,11 +171,11 @@ impl<'a> Steps<'a> {
     /// Looks at a step by itself.
     pub(super) fn alone(&self, start: &Start, index: usize, course: &mut Course) -> Alone {
         self.take(index, course);
-        let scene = self.scene(start);
+        let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
         let mut alone = Alone::new(scene, &self.motion.steps[index], (course, &self.gearing));
         let around =
             |(&item, levers)| course.around(scene, item, (&self.gearing, levers), &alone.runs);
-        alone.around = start.movers.iter().zip(&start.levers).map(around).collect();
+        alone.around = cast.movers.iter().zip(&cast.levers).map(around).collect();
         alone
     }
 
@@ -130,13 +187,12 @@ impl<'a> Steps<'a> {
 
     /// Finds what may come near in a step.
     pub(super) fn among(&self, start: &Start, index: usize, alone: &Alone) -> Among {
-        let (scene, options) = (self.scene(start), self.options);
-        let reach = options.near.max(scene.cell.clearance).max(scene.cell.slot_clearance);
-        let mut items = start.movers.clone();
-        let step = &self.motion.steps[index];
-        let pairs = pairs(scene, step, alone, &mut items, &start.others, reach);
+        let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
+        let clearance = scene.cell.clearance.max(scene.cell.slot_clearance);
+        let reach = self.options.near.max(clearance);
+        let (items, pairs) = cast.pairs(scene, &self.motion.steps[index], alone, reach);
         let mut key = start.key.clone();
-        items[start.movers.len()..].iter().for_each(|&item| scene.items[item].key(&mut key));
+        items[cast.movers.len()..].iter().for_each(|&item| scene.items[item].key(&mut key));
         for Pair { items: [a, b], rule } in &pairs {
             key.extend([*a as u64, *b as u64]);
             rule.key(&mut key);
@@ -160,50 +216,9 @@ impl<'a> Steps<'a> {
             course,
             items: &among.items,
             gearing: &self.gearing,
-            levers: &start.levers,
+            levers: &self.casts[start.scene].levers,
             near: self.options.near,
         };
         look.at(&among.pairs, &alone.runs)
     }
-}
-
-/// Pairs that something is asked of in a step and that may come near each other; what of the others takes part is added to the items that move.
-fn pairs(
-    scene: &Scene<'_>,
-    step: &Step,
-    alone: &Alone,
-    items: &mut Vec<usize>,
-    others: &[usize],
-    reach: f64,
-) -> Vec<Pair> {
-    let movers = items.len();
-    let mut pairs = Vec::new();
-    for a in 0..movers {
-        for b in a + 1..movers {
-            let rule = scene.rule(items[a], items[b], step);
-            if rule != Rule::Free {
-                pairs.push(Pair { items: [a, b], rule });
-            }
-        }
-    }
-    for &other in others {
-        let standing = &scene.items[other].around;
-        let mut place = None;
-        for mover in 0..movers {
-            let Some(around) = &alone.around[mover] else { continue };
-            if !around.comes_near(standing, reach) {
-                continue;
-            }
-            let rule = scene.rule(items[mover], other, step);
-            if rule == Rule::Free {
-                continue;
-            }
-            let place = *place.get_or_insert_with(|| {
-                items.push(other);
-                items.len() - 1
-            });
-            pairs.push(Pair { items: [mover, place], rule });
-        }
-    }
-    pairs
 }
