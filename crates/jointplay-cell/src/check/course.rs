@@ -12,7 +12,7 @@ use crate::robot::{Positions, RODS};
 use crate::solid::Span;
 
 /// Samples from one place that a box around a way is made of to the next.
-const STRIDE: usize = 32;
+const STRIDE: usize = 16;
 
 /// The samples of a step, and how far what moves has come by each.
 ///
