@@ -1,6 +1,6 @@
 """Builds the wheel, installs it into clean environments and tests it there.
 
-Run by `cargo xtask python`, as the last step of `cargo xtask test`.
+Run by `cargo xtask python`, as the last step of `cargo xtask test`, with the path of the `jointplay` command.
 Everything it makes is in `target/python`: the wheel, its tools, an environment for the oldest and one for the newest
 Python that this machine has, what pip downloads for them, and bytecode.
 With `--prepare` it only makes the environments.
@@ -102,18 +102,11 @@ def built_wheel(python: str) -> Path:
     shutil.rmtree(wheels, ignore_errors=True)
     # Not the release profile, which optimises across all crates for minutes; the kernels are optimised in either.
     build: list[str | Path] = ["build", "--quiet", "--locked", "--interpreter", python, "--out", wheels]
+    # What it is built with where all features of all crates are built; maturin lists what is in it.
+    build += ["--features", "jointplay/mcap,jointplay/parquet"]
     run([tools / "maturin", *build], cwd=PYTHON)
     (wheel,) = wheels.glob("*.whl")
     return wheel
-
-
-def built_command() -> Path:
-    """The `jointplay` command, which says the same numbers."""
-    cargo = os.environ.get("CARGO", "cargo")
-    # With the features of the other tests, so that it is there already when they have run.
-    run([cargo, "build", "--quiet", "--workspace", "--all-features", "--bin", "jointplay"], cwd=ROOT)
-    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    return target / "debug" / ("jointplay.exe" if os.name == "nt" else "jointplay")
 
 
 def main() -> None:
@@ -136,7 +129,8 @@ def main() -> None:
         return
     wheel = built_wheel(found[newest])
     say(f"built {wheel.relative_to(ROOT)} after {time.monotonic() - start:.0f} s")
-    os.environ["JOINTPLAY_COMMAND"] = str(built_command())
+    # It says the same numbers.
+    os.environ["JOINTPLAY_COMMAND"] = str(Path(sys.argv[1]).resolve())
     for one in sorted({oldest, newest}):
         binaries = tested(found, one)
         python = binaries / "python"

@@ -1,7 +1,8 @@
 // Builds the studio's page and tests it: types, logic, and in a real browser against the real server.
 //
 // Run by `cargo xtask page`. Everything it makes is in `studio/node_modules`, `studio/dist` and `target`;
-// where this machine has no Chromium, Debian's is installed. With `--prepare` it only fetches these.
+// where this machine has no Chromium, Debian's is installed. With `--prepare` it only fetches these; without a word
+// it builds the page and tests what needs no server; with the path of the `jointplay` command it tests the rest.
 
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
@@ -32,15 +33,6 @@ function packages() {
   writeFileSync(stamp, lock);
 }
 
-/** The command that serves the page. */
-function command() {
-  // With the features of the other tests, so that it is there already when they have run.
-  const features = ['--workspace', '--all-features', '--bin', 'jointplay'];
-  run(process.env.CARGO ?? 'cargo', ['build', '--quiet', ...features], { cwd: ROOT });
-  const target = process.env.CARGO_TARGET_DIR ?? resolve(ROOT, 'target');
-  return resolve(target, 'debug', process.platform === 'win32' ? 'jointplay.exe' : 'jointplay');
-}
-
 /** A Chromium of this machine; Debian's, installed now, where there is none. */
 function chromium() {
   const known = () => [process.env.CHROMIUM, ...CHROMIUMS].find((path) => path && existsSync(path));
@@ -64,11 +56,15 @@ const start = Date.now();
 const seconds = () => `${((Date.now() - start) / 1000).toFixed(0)} s`;
 packages();
 const browser = chromium();
-if (process.argv.includes('--prepare')) process.exit(0);
-for (const script of ['build', 'check', 'test']) {
-  say(script);
-  run('npm', ['run', '--silent', script]);
+const [word] = process.argv.slice(2);
+if (word === '--prepare') process.exit(0);
+if (word) {
+  run('npm', ['run', '--silent', 'e2e'], { env: { ...process.env, JOINTPLAY_COMMAND: resolve(word), CHROMIUM: browser } });
+  say(`tested in the browser in ${seconds()}`);
+} else {
+  for (const script of ['build', 'check', 'test']) {
+    say(script);
+    run('npm', ['run', '--silent', script]);
+  }
+  say(`built and checked in ${seconds()}`);
 }
-say(`built and checked after ${seconds()}; now in the browser`);
-run('npm', ['run', '--silent', 'e2e'], { env: { ...process.env, JOINTPLAY_COMMAND: command(), CHROMIUM: browser } });
-say(`the studio's page passed in ${seconds()}`);

@@ -17,6 +17,7 @@
 )]
 
 mod cell;
+mod command;
 mod deps;
 mod finding;
 mod markdown;
@@ -53,6 +54,8 @@ fn main() -> ExitCode {
         ["cell"] => cell::run(&root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
+        // Asked by maturin alone.
+        ["rustc", ref arguments @ ..] => python::rustc(arguments, &root),
         [] | ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             true

@@ -1,9 +1,11 @@
 //! `cargo xtask page`: build the studio's page, and test it in a browser.
 //!
-//! The work is done by `studio/test.mjs`; here is only the search for a Node that runs it.
+//! The work is done by `studio/test.mjs`; here a Node is found that runs it, and the command is built that serves the page.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+
+use crate::command;
 
 /// Fails on a Node that is too old for the page's tools.
 const NEW_ENOUGH: &str = "const [major, minor] = process.versions.node.split('.').map(Number); \
@@ -12,13 +14,13 @@ const NEW_ENOUGH: &str = "const [major, minor] = process.versions.node.split('.'
 /// Builds and tests the page at `root`; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
     let Some(node) = find() else { return false };
-    match Command::new(node).arg("studio/test.mjs").current_dir(root).status() {
-        Ok(status) => status.success(),
-        Err(error) => {
-            eprintln!("page: cannot start {node}: {error}");
-            false
-        }
-    }
+    let test = |command: Option<PathBuf>| {
+        let mut test = Command::new(node);
+        test.arg("studio/test.mjs").args(command).current_dir(root);
+        test.status().is_ok_and(|status| status.success())
+    };
+    // The command that serves the page is built when the page has been.
+    test(None) && command::built(root).is_some_and(|command| test(Some(command)))
 }
 
 /// The name of a Node that is new enough; says so where there is none.

@@ -45,6 +45,9 @@ const SAME_CASES: (&str, &str) = ("PROPTEST_RNG_SEED", "1");
 /// The first step that takes long.
 const CLIPPY: &str = "clippy --workspace --all-targets --all-features -- -D warnings";
 
+/// As Clippy's first run, with those features alone that are there unasked; a test is named so that it takes the same dependencies.
+const UNASKED: &str = "clippy --workspace --lib --bins --test cli -- -D warnings";
+
 /// The step whose warnings are sifted by [`doc_links`].
 const DOC: &str = "doc --workspace --all-features --no-deps";
 
@@ -88,6 +91,10 @@ fn steps(examples: &[String]) -> Vec<Step> {
         Step::new(
             CLIPPY,
             "mend what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
+        ),
+        Step::new(
+            UNASKED,
+            "put what only a feature needs under its `#[cfg(feature = …)]`, and what clippy names above to rights",
         ),
     ];
     let tests = Step::new(
@@ -218,6 +225,7 @@ mod tests {
             "cargo xtask tidy",
             "cargo xtask deps",
             "cargo clippy --workspace --all-targets --all-features -- -D warnings",
+            "cargo clippy --workspace --lib --bins --test cli -- -D warnings",
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
