@@ -107,13 +107,15 @@ impl Unit {
 
 /// Moves the decimal point of the shortest decimal that stands for `value`.
 pub(crate) fn shift(value: f64, places: i32) -> f64 {
-    let text = format!("{value:e}");
-    let moved = text.split_once('e').and_then(|(digits, exponent)| {
-        let exponent: i32 = exponent.parse().ok()?;
-        format!("{digits}e{}", exponent + places).parse().ok()
-    });
-    // NaN and the infinities have no decimals to move.
-    moved.unwrap_or(value)
+    if !value.is_finite() {
+        // NaN and the infinities have no decimals to move.
+        return value;
+    }
+    let mut buffer = zmij::Buffer::new();
+    let text = buffer.format_finite(value);
+    let (digits, exponent) = text.split_once('e').unwrap_or((text, "0"));
+    let exponent = exponent.parse().map_or(places, |exponent: i32| exponent + places);
+    format!("{digits}e{exponent}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{Kind, PairDistance, Report, Share, Unit, Verdict, Violation};
-use jointplay_cell::motion::Motion;
+use jointplay_cell::motion::{Blend, Motion, Straightness};
 use jointplay_cell::program::{Carried, Place, carried};
 use jointplay_cell::robot::MotionKind;
 use jointplay_core::virtualization::Kernel;
@@ -302,53 +302,41 @@ fn lasting(motion: &Motion, steps: Range<usize>) -> usize {
 }
 
 fn straight(motion: &Motion, steps: Range<usize>) -> Option<StraightReport> {
-    let lines = steps.filter_map(|step| motion.straightness(step));
-    let told = lines.map(|line| StraightReport {
-        motions: 1,
-        off_um: um(line.deviation),
-        off_mrad: mm(line.plane),
-    });
-    told.reduce(|one, other| StraightReport {
-        motions: one.motions + other.motions,
-        off_um: one.off_um.max(other.off_um),
-        off_mrad: one.off_mrad.max(other.off_mrad),
+    let lines: Vec<Straightness> = steps.filter_map(|step| motion.straightness(step)).collect();
+    (!lines.is_empty()).then(|| StraightReport {
+        motions: lines.len(),
+        off_um: um(most(&lines, |line| line.deviation)),
+        off_mrad: mm(most(&lines, |line| line.plane)),
     })
 }
 
 fn blended(motion: &Motion, steps: Range<usize>) -> Option<BlendedReport> {
-    let blends = steps.filter_map(|step| motion.blend(step));
-    let told = blends.map(|blend| BlendedReport {
-        motions: 1,
-        overlap_s: blend.overlap,
-        off_mm: mm(blend.deviation),
-    });
-    told.reduce(|one, other| BlendedReport {
-        motions: one.motions + other.motions,
-        overlap_s: one.overlap_s + other.overlap_s,
-        off_mm: one.off_mm.max(other.off_mm),
+    let blends: Vec<Blend> = steps.filter_map(|step| motion.blend(step)).collect();
+    (!blends.is_empty()).then(|| BlendedReport {
+        motions: blends.len(),
+        overlap_s: blends.iter().map(|blend| blend.overlap).sum(),
+        off_mm: mm(most(&blends, |blend| blend.deviation)),
     })
 }
 
 fn compensated(carried: &[Carried], steps: Range<usize>) -> Option<CompensatedReport> {
-    let told = carried.iter().filter(|one| steps.contains(&one.step));
-    let told = told.map(|one| CompensatedReport {
-        handovers: 1,
-        drop_um: um(one.deflection.drop),
-        slope_mrad: mm(one.deflection.slope),
-        sag_um: um(one.sag.abs()),
-        left_um: um(one.left),
-        left_mrad: mm(one.left_tilt),
-        bent_um: um(one.bent),
-    });
-    told.reduce(|one, other| CompensatedReport {
-        handovers: one.handovers + other.handovers,
-        drop_um: one.drop_um.max(other.drop_um),
-        slope_mrad: one.slope_mrad.max(other.slope_mrad),
-        sag_um: one.sag_um.max(other.sag_um),
-        left_um: one.left_um.max(other.left_um),
-        left_mrad: one.left_mrad.max(other.left_mrad),
-        bent_um: one.bent_um.max(other.bent_um),
+    // They come in order.
+    let at = |step| carried.partition_point(|one| one.step < step);
+    let carried = &carried[at(steps.start)..at(steps.end)];
+    (!carried.is_empty()).then(|| CompensatedReport {
+        handovers: carried.len(),
+        drop_um: um(most(carried, |one| one.deflection.drop)),
+        slope_mrad: mm(most(carried, |one| one.deflection.slope)),
+        sag_um: um(most(carried, |one| one.sag.abs())),
+        left_um: um(most(carried, |one| one.left)),
+        left_mrad: mm(most(carried, |one| one.left_tilt)),
+        bent_um: um(most(carried, |one| one.bent)),
     })
+}
+
+/// The largest of some, of which there is one at least.
+fn most<T>(all: &[T], of: impl Fn(&T) -> f64) -> f64 {
+    all.iter().map(of).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// What is wrong with a motion, as exported files say it.
