@@ -159,7 +159,9 @@ struct Inner {
 impl Desk {
     pub(crate) fn new(files: CellFiles) -> Self {
         let (files, last) = (Mutex::new(files), Mutex::new(None));
-        let all_cores = |count, job: Job<'_>| (0..count).into_par_iter().for_each(job);
+        // One by one: no core is left with a bundle of them while others have none.
+        let all_cores =
+            |count, job: Job<'_>| (0..count).into_par_iter().with_max_len(1).for_each(job);
         Self(Arc::new(Inner { files, last, memory: Mutex::new(Memory::run_by(all_cores)) }))
     }
 

@@ -1,6 +1,6 @@
 //! All steps of a motion together.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use super::alone::{Alone, raise};
 use super::found::{About, Stretch};
@@ -19,7 +19,7 @@ pub(super) struct Summary<'a> {
     /// What may go on in the next step: the violation, its severity, and the step at whose end it was broken.
     open: BTreeMap<About, Open>,
     /// Of pairs of items.
-    least: BTreeMap<[usize; 2], Nearest>,
+    least: HashMap<[usize; 2], Nearest>,
     /// Of the last instruction.
     nearest: Option<([usize; 2], Nearest)>,
     samples: usize,
@@ -47,7 +47,7 @@ impl<'a> Summary<'a> {
             rows: Vec::new(),
             violations: Vec::new(),
             open: BTreeMap::new(),
-            least: BTreeMap::new(),
+            least: HashMap::new(),
             nearest: None,
             samples: 0,
         }
@@ -216,9 +216,13 @@ impl<'a> Summary<'a> {
                 *all += time;
             }
         }
-        let mut distances: Vec<PairDistance> =
-            self.least.into_iter().map(|(pair, nearest)| named(scene, pair, nearest)).collect();
-        distances.sort_by(|a, b| a.distance.total_cmp(&b.distance).then(a.time.total_cmp(&b.time)));
+        let mut least: Vec<([usize; 2], Nearest)> = self.least.into_iter().collect();
+        least.sort_by(|(pair, a), (other, b)| {
+            let nearer = a.distance.total_cmp(&b.distance).then(a.time.total_cmp(&b.time));
+            nearer.then(pair.cmp(other))
+        });
+        let distances: Vec<PairDistance> =
+            least.into_iter().map(|(pair, nearest)| named(scene, pair, nearest)).collect();
         let wafers = scene.items.iter().filter(|item| item.role == Role::Wafer && item.laid);
         let (wafers, duration) = (wafers.count(), self.motion.duration());
         let hourly = (wafers > 0 && duration > 0.0).then(|| 3600.0 * wafers as f64 / duration);
