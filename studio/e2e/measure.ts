@@ -4,15 +4,21 @@ import { readdirSync, readFileSync } from 'node:fs';
 import { cpus } from 'node:os';
 import { resolve } from 'node:path';
 import { gzipSync } from 'node:zlib';
-import { test } from 'vitest';
+import { afterAll, test } from 'vitest';
 import { browse, drawn, ROOT, serve, until } from './studio';
 
 const median = (values: number[]) => [...values].sort((a, b) => a - b)[values.length >> 1] as number;
 const rows: [string, string][] = [];
 const say = (what: string, found: string) => rows.push([what, found]);
 const ms = (value: number) => `${value.toFixed(1)} ms`;
+const range = (values: number[]) => `${Math.min(...values).toFixed(0)} to ${Math.max(...values).toFixed(0)} ms`;
 
-test('measure', async () => {
+afterAll(() => {
+  console.log(`\n${cpus()[0]?.model}, ${cpus().length} threads, drawing in software\n`);
+  for (const [what, found] of rows) console.log(`| ${what} | ${found} |`);
+});
+
+test('the robot alone', async () => {
   const dist = resolve(ROOT, 'studio/dist');
   const files = readdirSync(dist, { recursive: true, withFileTypes: true }).filter((entry) => entry.isFile());
   const weight = files.reduce((sum, { parentPath, name }) => sum + gzipSync(readFileSync(resolve(parentPath, name))).length, 0);
@@ -115,9 +121,46 @@ test('measure', async () => {
   say('1,008,021 samples computed, sent and plotted', `${(took / 1000).toFixed(1)} s`);
   say('longest pause between frames meanwhile', ms(longest));
   say('memory of scripts afterwards', `${(heap / 2 ** 20).toFixed(0)} MiB`);
+  await browser.close();
+  await server.stop();
+});
 
-  console.log(`\n${cpus()[0]?.model}, ${cpus().length} threads, drawing in software\n`);
-  for (const [what, found] of rows) console.log(`| ${what} | ${found} |`);
+test('the example cell', async () => {
+  const [browser, server] = await Promise.all([browse(), serve(0, ['--cell', 'example'])]);
+  const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' });
+  await page.goto(server.address);
+  const calm = (pictures = 0) =>
+    until('the cell as it moves', () =>
+      page.evaluate((seen) => {
+        const shown = document.querySelector('[data-testid=planned]')?.textContent?.startsWith('Planned in');
+        return Boolean(shown) && window.jointplay.measure.cellPictures > seen;
+      }, pictures),
+    );
+  await calm();
+  for (const station of ['LP1', 'LP2', 'ALIGN', 'PM1']) {
+    await page.locator('summary', { hasText: station }).click();
+    const found: { server: number; total: number }[] = [];
+    for (let i = 0; i < 9; i++) {
+      const drawn = await page.evaluate(() => window.jointplay.measure.cellPictures);
+      found.push(
+        await page.evaluate(async (name) => {
+          const { measure } = window.jointplay;
+          const input = document.querySelector<HTMLInputElement>(`[data-testid=station-${name}-x]`)!;
+          const before = measure.verdicts;
+          performance.clearResourceTimings();
+          const start = performance.now();
+          input.value = String(Number(input.value) + 0.01);
+          input.dispatchEvent(new Event('change', { bubbles: true }));
+          while (measure.verdicts === before) await new Promise((next) => setTimeout(next, 1));
+          const [plan] = performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/plan')) as PerformanceResourceTiming[];
+          return { total: measure.judgedAt - start, server: plan ? plan.responseEnd - plan.requestStart : NaN };
+        }, station),
+      );
+      await calm(drawn);
+    }
+    say(`${station} moved by a number typed, to the verdict`, range(found.slice(1).map(({ total }) => total)));
+    say('of it the plan and its answer', range(found.slice(1).map(({ server }) => server)));
+  }
   await browser.close();
   await server.stop();
 });

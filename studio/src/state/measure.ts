@@ -22,6 +22,15 @@ class Measure {
   cellPictures = 0;
   cell: { parts: () => string[]; origin: (name: string) => number[] | null; grip: (freedom: Freedom) => { x: number; y: number } | null; marked: () => string[] } | null = null;
 
+  /** Verdicts on the cell that were shown, and when the last was, as `performance.now` tells it. */
+  verdicts = 0;
+  judgedAt = 0;
+
+  judged(): void {
+    this.verdicts += 1;
+    this.judgedAt = performance.now();
+  }
+
   cellDrawn(took_ms: number): void {
     this.took_ms = took_ms;
     this.cellPictures += 1;
