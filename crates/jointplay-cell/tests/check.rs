@@ -400,6 +400,78 @@ fn least_distances_are_those_of_all_samples() {
     assert!(followed.iter().all(|&count| count > 40), "{followed:?}");
 }
 
+/// Rows of a droop that comes and goes with the reach, by drop or by slope.
+fn waves(drop: f64, slope: f64) -> Droop {
+    let row = |k: u32| {
+        let up = f64::from(k % 2);
+        let (reach, drop, slope) = (0.05 * f64::from(k), drop * up, slope * up);
+        DroopRow {
+            reach,
+            empty_drop: drop,
+            empty_slope: slope,
+            loaded_drop: drop,
+            loaded_slope: slope,
+            load: 1.0,
+        }
+    };
+    Droop::Table { rows: (0..20).map(row).collect() }
+}
+
+#[test]
+fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
+    let mut random = random(7);
+    let mut cell = cell();
+    cell.clearance = 0.0;
+    let positions = [[-0.4, 1.1], [0.2, 0.25], [0.9, 0.6]].map(|[t, r]| [0.5, 0.5, 0.5, t, r]);
+    let steps = positions.windows(2).map(|pair| step(0, &pair[0], &pair[1])).collect();
+    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    let times: Vec<f64> =
+        (0..).map(|k| 4e-3 * f64::from(k)).take_while(|&t| t < motion.duration()).collect();
+    let options = CheckOptions::default();
+    // The same cell at each of these moments, with nothing between them.
+    let still = |cell: &Cell, time: f64| {
+        let at = motion.at(time).positions;
+        let wait = Step { path: Path::Still(0.0), ..step(0, &at, &at) };
+        let motion = timed(cell, vec![wait], &MotionOptions::default()).unwrap();
+        check(cell, &motion, &options).distances.first().map(|row| row.distance)
+    };
+    let mut followed = 0;
+    for round in 0..40 {
+        cell.robot.arms[0].droop =
+            if round % 2 == 0 { waves(0.012, 0.0) } else { waves(0.0, 0.04) };
+        let time = times[(random() * times.len() as f64) as usize % times.len()];
+        let wafer = cell.wafer_pose(A, &motion.at(time).positions, true).unwrap();
+        let off = Vector3::new(0.28 * (random() - 0.5), 0.28 * (random() - 0.5), 0.0);
+        let below = off - Vector3::z() * (0.001 + 0.03 * random());
+        cell.bodies = vec![Body {
+            name: "post".into(),
+            carrier: Carrier::World,
+            carrier_from_shape: Pose::from_parts(
+                (wafer.translation.vector + below).into(),
+                Rotation3::identity(),
+            ),
+            shape: Shape::Box { half: [0.005 + 0.05 * random(), 0.005, 2e-4] },
+            station: None,
+        }];
+        let least =
+            times.iter().filter_map(|&time| still(&cell, time)).fold(f64::INFINITY, f64::min);
+        let report = check(&cell, &motion, &options);
+        let Some(found) = report.distances.first() else {
+            assert!(least >= options.near - 1e-9, "{round}: {least} is not told");
+            continue;
+        };
+        followed += usize::from(least > 1e-3 && least < 0.9 * options.near);
+        let at_least = found.distance - found.within;
+        assert!(
+            at_least <= least + 1e-8,
+            "{round}: {} within {}, but {least}",
+            found.distance,
+            found.within
+        );
+    }
+    assert!(followed > 10, "{followed}");
+}
+
 #[test]
 fn bodies_too_near_touching_allowed_and_zones() {
     let standing = cell();

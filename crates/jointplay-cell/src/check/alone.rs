@@ -265,7 +265,7 @@ impl Alone {
         found: &mut Found,
     ) {
         let kind = Kind::SafeZone;
-        let levers = Levers::of_center(&scene.cell.robot, id);
+        let levers = Levers::of_center(scene.cell, id);
         for run in &self.runs {
             let (mut sample, mut stride) = (run.start, 1);
             while sample < run.end {

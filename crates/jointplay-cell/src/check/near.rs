@@ -18,8 +18,6 @@ const PASSED_SHARE: f64 = 0.02;
 const PASSED: f64 = 2e-5;
 /// Travel between two looks below which nothing is looked for between them [m].
 const FINEST: f64 = 2e-6;
-/// How much of a change of reach may go across the arm's plane, as a wafer droops by it.
-const DROOPING: f64 = 0.02;
 
 /// How much less than a least distance another one may have been that was passed over [m].
 pub(super) fn passed(distance: f64) -> f64 {
@@ -106,10 +104,10 @@ impl Look<'_> {
     /// Of a pair, and what they are taken to move against: the world, or what carries both.
     fn levers(&self, [a, b]: [usize; 2]) -> (Levers, Holder) {
         if b < self.levers.len() {
-            let robot = &self.scene.cell.robot;
+            let cell = self.scene.cell;
             let [one, other] = [a, b].map(|item| &self.scene.items[self.items[item]]);
-            let common = common(robot, one, other);
-            (Levers::between(robot, one, other, common), common)
+            let common = common(&cell.robot, one, other);
+            (Levers::between(cell, one, other, common), common)
         } else {
             (self.levers[a], Holder::World)
         }
@@ -179,6 +177,10 @@ struct Way {
     plane: f64,
     /// By droop alone [m].
     droop: f64,
+    /// Of that, in other directions than up and down [m].
+    aside: f64,
+    /// Angle by which the platform's normal turned [rad].
+    lean: f64,
     /// How far from straight the arms took anything [m].
     bent: f64,
 }
@@ -186,9 +188,10 @@ struct Way {
 impl Way {
     /// In either half of the interval: ways are those at the largest speed for the whole time.
     fn half(self) -> Self {
-        let Self { whole, along, plane, droop, bent } = self;
-        let [whole, along, plane, droop] = [whole, along, plane, droop].map(|way| 0.5 * way);
-        Self { whole, along, plane, droop, bent }
+        let Self { whole, along, plane, droop, aside, lean, bent } = self;
+        let [whole, along, plane, droop, aside, lean] =
+            [whole, along, plane, droop, aside, lean].map(|way| 0.5 * way);
+        Self { whole, along, plane, droop, aside, lean, bent }
     }
 }
 
@@ -366,18 +369,15 @@ impl Search<'_, '_> {
         let Look { course, gearing, .. } = &*self.look;
         let moved = course.moved(between);
         let levers = &self.levers;
-        let Travel { plane, arm, reach } = gearing.travel(levers, &moved);
-        let droop = DROOPING * reach;
+        let Travel { plane, arm, droop, aside, hang } = gearing.travel(levers, &moved);
         let [from, to] = [between.start, between.end].map(|k| course.times()[k]);
         let bent = 0.25 * (to - from) * gearing.bend(levers, &moved);
-        if self.common != Holder::World {
-            // The platform carries both, and changes no more than how they droop.
-            let plane = DROOPING * plane;
-            let along = plane + droop;
-            return Way { whole: plane + arm, along, plane, droop, bent };
-        }
-        let along = plane + droop + moved.lean.min(1.0) * arm;
-        Way { whole: plane + arm, along, plane, droop, bent }
+        let lean = moved.lean.min(1.0);
+        // Where the platform carries both, it changes no more than how they droop.
+        let (plane, swung) =
+            if self.common == Holder::World { (plane, lean * arm) } else { (hang, 0.0) };
+        let (whole, along) = (plane + arm + droop, plane + droop + swung);
+        Way { whole, along, plane, droop, aside, lean, bent }
     }
 
     /// A lower bound of the distance in an interval, by the gap along what the two were apart when last looked at.
@@ -387,17 +387,18 @@ impl Search<'_, '_> {
         let Some(along) = &self.along else { return f64::NEG_INFINITY };
         let look = &*self.look;
         let mut least = f64::INFINITY;
-        let mut across = 0.0_f64;
+        let mut upward = 0.0_f64;
         for sample in [between.start, between.end] {
             let Some(places) = look.course.placed(sample) else { return f64::NEG_INFINITY };
             let [a, b] = look.placed(places, self.pair.items);
             let along = look.scene.turned(self.common, places) * along;
             // On the same side at both ends: what passes through something is apart from it before and after.
             least = least.min(b.span(&along).least - a.span(&along).most);
-            across = across.max(along.dot(&places.normal).abs());
+            let tilt = (places.normal - Vector3::z()).norm();
+            upward = upward.max(along.dot(&places.normal).abs() + tilt);
         }
         // What droops goes down, and hardly aside.
-        let droop = (across + DROOPING) * way.droop;
+        let droop = (upward + way.lean).min(1.0) * way.droop + way.aside;
         least - way.bent - 2.0 * (way.plane + droop)
     }
 }

@@ -4,16 +4,12 @@ use std::ops::Range;
 
 use super::course::{Axes, Course};
 use super::scene::Scene;
-use super::travel::Gearing;
+use super::travel::{Gearing, droop_bounds};
 use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
-use crate::wafer::Slip;
+use crate::wafer::{DroopBounds, SHORTEST, Slip};
 
 /// Slack for what the bound leaves out: where the pressure of the pads has its centre, and the platform's shift and twist by its tilt.
 const SLACK: f64 = 1.1;
-/// How much of what an arm does may go across its plane as the droop changes with reach.
-const DROOPING: f64 = 0.02;
-/// Reach below which no arm droops to speak of [m].
-const SHORTEST: f64 = 0.05;
 /// By how much the largest share may be passed over.
 const PASSED: f64 = 1e-4;
 
@@ -45,8 +41,9 @@ impl<'a> Carried<'a> {
     ) -> Self {
         let rods = course.axes(&[0, 1, 2]);
         let arm = course.axes(scene.planar(effector).axes());
-        let changed = changed((scene, effector), course, (&rods, &arm), (gearing, tilt));
-        let tilt = tilt.sin() + DROOPING;
+        let droop = droop_bounds(scene.cell, effector);
+        let changed = changed((scene, effector), course, (&rods, &arm), (gearing, tilt, &droop));
+        let tilt = tilt.sin() + droop.at.slope;
         Self { scene, rods, arm, effector, tilt, changed, most: 0.0, seen: Vec::new() }
     }
 
@@ -134,13 +131,14 @@ struct Changed {
 ///    platform   |Δα| r + |α| (|Δr| + r |Δϑ|) + 2 |Δω| ṙ + 2 |ω| (|Δṙ| + ṙ |Δϑ|)
 ///    gravity    g |Δn| + g sin(tilt) |Δϑ|
 ///    turning    R²/2 |Δϑ̈| / b
-///    droop      slope (|Δr̈| + (|r̈| |Δr| + 4 ṙ |Δṙ| + ṙ² |Δr| / l) / l)        l: reach
+///    droop      d' |Δr̈| + (d' / l + 3 d'') (|r̈| |Δr| + 4 ṙ |Δṙ| + ṙ² |Δr| / l)        d, s: drop and slope at the reach l
+///               + (g + |r̈|) ((s' + s / l) |Δr| + s |Δϑ|)
 /// ```
 fn changed(
     (scene, effector): (&Scene<'_>, EffectorId),
     course: &Course,
     (rods, arm): (&Axes<'_, RODS>, &Axes<'_, MAX_JOINTS>),
-    (gearing, tilt): (&Gearing, f64),
+    (gearing, tilt, droop): (&Gearing, f64, &DroopBounds),
 ) -> Vec<Changed> {
     let cell = scene.cell;
     let planar = scene.planar(effector);
@@ -167,10 +165,14 @@ fn changed(
         if arm_moves {
             let urged = (now.acceleration - seen.acceleration).norm();
             let reach = (seen.place.norm() - mount).abs().max(SHORTEST);
-            let swept =
-                seen.acceleration.norm() * way + speed * (4.0 * hurried + speed * way / reach);
-            let droops = urged + swept / reach;
-            change += urged + DROOPING * droops + cell.gravity * tilt * turn + twisting * spin;
+            let pull = seen.acceleration.norm();
+            let swept = pull * way + speed * (4.0 * hurried + speed * way / reach);
+            let tipped = (droop.rate.slope + droop.turn) * way + droop.at.slope * turn;
+            change += (1.0 + droop.rate.drop) * urged
+                + (droop.rate.drop / reach + 3.0 * droop.bend.drop) * swept
+                + (cell.gravity + pull) * tipped
+                + cell.gravity * tilt * turn
+                + twisting * spin;
         }
         if rods_move {
             let after = rods.rates(sample);

@@ -61,7 +61,7 @@ impl Cast {
             (0..scene.items.len()).partition(|&item| scene.items[item].holder.moves());
         let mut key = Key::new();
         movers.iter().for_each(|&item| scene.items[item].key(&mut key));
-        let lever = |&item: &usize| Levers::new(&scene.cell.robot, &scene.items[item]);
+        let lever = |&item: &usize| Levers::new(scene.cell, &scene.items[item]);
         let levers = movers.iter().map(lever).collect();
         let mut pairs = Vec::new();
         for a in 0..movers.len() {

@@ -3,10 +3,12 @@
 use std::ops::Range;
 
 use super::scene::{Holder, Item};
+use crate::cell::Cell;
 use crate::motion::{State, Track};
-use crate::robot::{Arm, EffectorId, HybridRobot, MAX_AXES, MotionKind, RODS};
+use crate::robot::{Arm, ArmJoint, EffectorId, HybridRobot, MAX_AXES, MotionKind, RODS};
+use crate::wafer::DroopBounds;
 
-/// Slack for what the bounds leave out: the platform's shift and twist by its tilt, of the size of the tilt, and the droop's change by reach.
+/// Slack for what the bounds leave out: the platform's shift and twist by its tilt, of the size of the tilt.
 const SLACK: f64 = 1.1;
 
 /// How far points of one item go by the axes.
@@ -16,8 +18,12 @@ pub(super) struct Levers {
     arms: [f64; MAX_AXES],
     /// By the square of its speed, how hard they bend from straight [1/m or m/rad²].
     turns: [f64; MAX_AXES],
-    /// What each motor of the arms does to the reach of a wafer, which droops by it: all but turn it about the first joint [m/m or m/rad].
-    reaches: [f64; MAX_AXES],
+    /// What each motor of the arms does to how a wafer droops, all but turn it about the first joint [m/m or m/rad].
+    droops: [f64; MAX_AXES],
+    /// Of that, in other directions than up and down.
+    asides: [f64; MAX_AXES],
+    /// What drooping does as seen from the platform when that leans [m/rad].
+    hang: f64,
     /// Largest distance of a point from the platform's origin [m].
     far: f64,
 }
@@ -29,13 +35,17 @@ pub(super) struct Travel {
     pub(super) plane: f64,
     /// By the arms, parallel to the platform [m].
     pub(super) arm: f64,
-    /// How far the reach of what droops changed [m].
-    pub(super) reach: f64,
+    /// By drooping otherwise than before, as the reach changed [m].
+    pub(super) droop: f64,
+    /// Of that, in other directions than up and down [m].
+    pub(super) aside: f64,
+    /// By drooping as seen from the platform, which leaned [m].
+    pub(super) hang: f64,
 }
 
 impl Travel {
     pub(super) fn total(self) -> f64 {
-        self.plane + self.arm
+        self.plane + self.arm + self.droop
     }
 }
 
@@ -209,8 +219,11 @@ impl Gearing {
         let by = |levers: &[f64; MAX_AXES]| -> f64 {
             levers.iter().zip(&moved.axes).map(|(lever, path)| lever * path).sum()
         };
-        let [arm, reach] = [&levers.arms, &levers.reaches].map(by);
-        Travel { plane: SLACK * plane, arm: SLACK * arm, reach: SLACK * reach }
+        let hang = moved.lean * levers.hang;
+        let [arm, droop, aside] = [&levers.arms, &levers.droops, &levers.asides].map(by);
+        let [plane, arm, droop, aside, hang] =
+            [plane, arm, droop, aside, hang].map(|way| SLACK * way);
+        Travel { plane, arm, droop, aside, hang }
     }
 
     /// How fast the arms' part of the way of a point changed, in all [m/s].
@@ -235,38 +248,54 @@ fn most(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
 
 impl Levers {
     /// Of an item that moves.
-    pub(super) fn new(robot: &HybridRobot, item: &Item) -> Self {
-        Self::beyond(robot, (item.holder, item.solid.reach()), 0)
+    pub(super) fn new(cell: &Cell, item: &Item) -> Self {
+        Self::beyond(cell, (item.holder, item.solid.reach()), 0)
     }
 
     /// Of the centre of an effector's wafer.
-    pub(super) fn of_center(robot: &HybridRobot, effector: EffectorId) -> Self {
-        Self::beyond(robot, (Holder::Effector(effector), 0.0), 0)
+    pub(super) fn of_center(cell: &Cell, effector: EffectorId) -> Self {
+        Self::beyond(cell, (Holder::Effector(effector), 0.0), 0)
     }
 
     /// Of two items that move, against each other: what carries both alike counts for neither.
-    pub(super) fn between(robot: &HybridRobot, one: &Item, other: &Item, common: Holder) -> Self {
+    pub(super) fn between(cell: &Cell, one: &Item, other: &Item, common: Holder) -> Self {
         let common = if let Holder::Link { link, .. } = common { link + 1 } else { 0 };
         let [one, other] =
-            [one, other].map(|it| Self::beyond(robot, (it.holder, it.solid.reach()), common));
+            [one, other].map(|it| Self::beyond(cell, (it.holder, it.solid.reach()), common));
         let both = |one: [f64; MAX_AXES], other: [f64; MAX_AXES]| {
             std::array::from_fn(|axis| one[axis] + other[axis])
         };
         Self {
             arms: both(one.arms, other.arms),
             turns: both(one.turns, other.turns),
-            reaches: both(one.reaches, other.reaches),
+            droops: both(one.droops, other.droops),
+            asides: both(one.asides, other.asides),
+            hang: one.hang + other.hang,
             far: one.far + other.far,
         }
     }
 
-    /// By joints from a place on, and of a wafer's reach by all.
-    fn beyond(robot: &HybridRobot, (holder, reach): (Holder, f64), common: usize) -> Self {
-        let mut levers = Self::by_joints(robot, (holder, reach), common);
+    /// By joints from a place on, and by how a wafer droops by all.
+    ///
+    /// ```text
+    ///    |v|  ≤  d' |ṙ|  +  R (s' |ṙ| + s |φ̇|)  +  s |v_arm|,   |φ̇|  ≤  |ṙ| / r        d, s: drop and slope, r: reach, R: radius of the item
+    /// ```
+    fn beyond(cell: &Cell, (holder, radius): (Holder, f64), common: usize) -> Self {
+        let robot = &cell.robot;
+        let mut levers = Self::by_joints(robot, (holder, radius), common);
         if let Holder::Effector(id) = holder {
-            // Turned about its first joint, an arm reaches as far.
-            let turns = robot.arms[id.arm].joints[0].kind == MotionKind::Turn;
-            levers.reaches = Self::by_joints(robot, (holder, 0.0), usize::from(turns)).arms;
+            // Turned about its first joint, an arm droops as before.
+            let turns = usize::from(robot.arms[id.arm].joints[0].kind == MotionKind::Turn);
+            let [center, point] =
+                [0.0, radius].map(|radius| Self::by_joints(robot, (holder, radius), turns).arms);
+            let most = droop_bounds(cell, id);
+            for axis in 0..MAX_AXES {
+                let tipped = radius * (most.rate.slope + most.turn) * center[axis];
+                levers.asides[axis] = tipped;
+                levers.droops[axis] =
+                    most.rate.drop * center[axis] + tipped + most.at.slope * point[axis];
+            }
+            levers.hang = most.at.drop + radius * most.at.slope;
         }
         levers
     }
@@ -283,7 +312,7 @@ impl Levers {
     fn by_joints(robot: &HybridRobot, (holder, reach): (Holder, f64), common: usize) -> Self {
         let (mut arms, mut turns) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
         let Some((arm, joints)) = joints_of(robot, holder) else {
-            return Self { arms, turns, reaches: [0.0; MAX_AXES], far: reach };
+            return Self::rigid(arms, turns, reach);
         };
         let described = &robot.arms[arm];
         let own = match holder {
@@ -297,11 +326,8 @@ impl Levers {
         let mut far = x.hypot(y).hypot(z);
         let mut turning = [0.0_f64; MAX_AXES];
         for (place, joint) in described.joints[..joints].iter().enumerate() {
-            let mut length =
-                if place + 1 < joints { joint.length.hypot(joint.offset) } else { own };
-            if joint.kind == MotionKind::Slide {
-                length += slide(robot, joint);
-            }
+            let length = if place + 1 < joints { joint.length.hypot(joint.offset) } else { own };
+            let length = length + slide(robot, joint);
             far += length + joint.rise.abs();
             let whole: f64 = turning.iter().map(|turning| turning.abs()).sum();
             for &(axis, ratio) in joint.drives.iter().filter(|_| place >= common) {
@@ -325,8 +351,24 @@ impl Levers {
                 turns[axis] += turning * whole * length;
             }
         }
-        Self { arms, turns, reaches: [0.0; MAX_AXES], far }
+        Self::rigid(arms, turns, far)
     }
+
+    fn rigid(arms: [f64; MAX_AXES], turns: [f64; MAX_AXES], far: f64) -> Self {
+        let (droops, asides) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
+        Self { arms, turns, droops, asides, hang: 0.0, far }
+    }
+}
+
+/// How an arm droops at most, with an effector's wafer or without.
+pub(super) fn droop_bounds(cell: &Cell, id: EffectorId) -> DroopBounds {
+    let (robot, arm) = (&cell.robot, &cell.robot.arms[id.arm]);
+    let [x, y, _] = arm.effectors[id.effector].wafer_center;
+    let last = arm.joints.len() - 1;
+    let links = arm.joints[..last].iter().map(|joint| joint.length.hypot(joint.offset));
+    let slides = arm.joints.iter().map(|joint| slide(robot, joint));
+    let reach = links.chain(slides).sum::<f64>() + x.hypot(y);
+    arm.droop.at_most(reach, cell.wafer.mass(), cell.gravity)
 }
 
 /// What carries two items that move alike, the last of it.
@@ -362,8 +404,11 @@ fn begin_alike(one: &Arm, other: &Arm) -> bool {
     }
 }
 
-/// The farthest that a sliding joint goes out [m].
-fn slide(robot: &HybridRobot, joint: &crate::robot::ArmJoint) -> f64 {
+/// The farthest that a joint slides out [m].
+fn slide(robot: &HybridRobot, joint: &ArmJoint) -> f64 {
+    if joint.kind == MotionKind::Turn {
+        return 0.0;
+    }
     let most: f64 = joint
         .drives
         .iter()

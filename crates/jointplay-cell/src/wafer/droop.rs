@@ -4,6 +4,8 @@ use super::{Droop, DroopRow};
 
 /// Relative slack at the ends of a table, so that a reach computed to lie on its end is not beyond it by round-off.
 const SLACK: f64 = 1e-9;
+/// Reach below which no arm droops to speak of [m].
+pub(crate) const SHORTEST: f64 = 0.05;
 
 /// How the end of an arm gives way.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -94,6 +96,69 @@ impl Droop {
             Self::Table { rows } => interpolated(rows, reach, load),
         }
     }
+
+    /// How much of all that there is at most, up to a reach, empty or with that load.
+    ///
+    /// Rows of a table that know nothing of the load are left out: there is no wafer there.
+    pub(crate) fn at_most(&self, reach: f64, load: f64, gravity: f64) -> DroopBounds {
+        let Self::Table { rows } = self else {
+            // All of it grows with the reach and the load.
+            let [at, rate, bend] = self.by_reach(reach, load, gravity).unwrap_or_default();
+            return DroopBounds { at, rate, bend, turn: rate.slope };
+        };
+        let mut most = DroopBounds::default();
+        for load in [0.0, load] {
+            let known = rows.iter().filter_map(|row| Some((row.reach, row.under(load).ok()?)));
+            let known: Vec<(f64, Deflection)> = known.collect();
+            let shortest = interpolated(rows, SHORTEST, load).map(|[at, ..]| (SHORTEST, at));
+            for &(reach, at) in known.iter().chain(&shortest) {
+                most.at = most.at.or(at);
+                most.turn = most.turn.max(at.slope.abs() / reach.abs().max(SHORTEST));
+            }
+            for pair in known.windows(2) {
+                let [(from, at_near), (to, at_far)] = [pair[0], pair[1]];
+                let by = |near: f64, far: f64| (far - near) / (to - from);
+                let (drop, slope) =
+                    (by(at_near.drop, at_far.drop), by(at_near.slope, at_far.slope));
+                most.rate = most.rate.or(Deflection { drop, slope });
+            }
+        }
+        most
+    }
+}
+
+/// What a droop comes to and how it changes by the reach, at most and without signs.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct DroopBounds {
+    pub(crate) at: Deflection,
+    /// By the reach.
+    pub(crate) rate: Deflection,
+    /// How fast that changes by the reach; rows of a table, where it jumps, are left out.
+    pub(crate) bend: Deflection,
+    /// The slope by the reach that it is at [rad/m].
+    pub(crate) turn: f64,
+}
+
+impl Deflection {
+    /// Whichever is more of either, without signs.
+    fn or(self, other: Self) -> Self {
+        let Self { drop, slope } = self;
+        Self { drop: drop.max(other.drop.abs()), slope: slope.max(other.slope.abs()) }
+    }
+}
+
+impl DroopRow {
+    /// The droop under a load that it knows.
+    fn under(&self, load: f64) -> Result<Deflection, DroopError> {
+        if !(load >= 0.0 && load <= self.load * (1.0 + SLACK)) {
+            return Err(DroopError::Load { load, max: self.load });
+        }
+        let share = if load == 0.0 { 0.0 } else { load / self.load };
+        Ok(Deflection {
+            drop: self.empty_drop + share * (self.loaded_drop - self.empty_drop),
+            slope: self.empty_slope + share * (self.loaded_slope - self.empty_slope),
+        })
+    }
 }
 
 fn interpolated(rows: &[DroopRow], reach: f64, load: f64) -> Result<[Deflection; 3], DroopError> {
@@ -107,19 +172,9 @@ fn interpolated(rows: &[DroopRow], reach: f64, load: f64) -> Result<[Deflection;
     if !(reach >= min - slack && reach <= max + slack) {
         return Err(DroopError::Reach { reach, min, max });
     }
-    let of = |row: &DroopRow| {
-        if !(load >= 0.0 && load <= row.load * (1.0 + SLACK)) {
-            return Err(DroopError::Load { load, max: row.load });
-        }
-        let share = if load == 0.0 { 0.0 } else { load / row.load };
-        Ok(Deflection {
-            drop: row.empty_drop + share * (row.loaded_drop - row.empty_drop),
-            slope: row.empty_slope + share * (row.loaded_slope - row.empty_slope),
-        })
-    };
     let above = rows.partition_point(|row| row.reach < reach).clamp(1, rows.len().max(2) - 1);
     let (near, far) = (&rows[above - 1], &rows[above.min(rows.len() - 1)]);
-    let (at_near, at_far) = (of(near)?, of(far)?);
+    let (at_near, at_far) = (near.under(load)?, far.under(load)?);
     let width = far.reach - near.reach;
     let share = if width > 0.0 { ((reach - near.reach) / width).clamp(0.0, 1.0) } else { 0.0 };
     let by = if width > 0.0 { 1.0 / width } else { 0.0 };
@@ -167,6 +222,43 @@ mod tests {
         }
         assert!((found.drop - drop).abs() < 1e-7 * drop, "{found:?} {drop}");
         assert!((found.slope - slope).abs() < 1e-7 * slope, "{found:?} {slope}");
+    }
+
+    #[test]
+    fn no_droop_exceeds_its_bounds() {
+        let up_and_down = vec![row(0.1, 0.0), row(0.3, 4e-3), row(0.4, -2e-3), row(0.7, 1e-3)];
+        let mut weak = up_and_down.clone();
+        weak[2].load = 0.05;
+        for droop in [
+            Droop::Rigid,
+            Droop::Cantilever { stiffness: 300.0, mass_per_length: 2.5 },
+            Droop::Table { rows: up_and_down },
+            Droop::Table { rows: weak },
+            Droop::Table { rows: vec![row(0.0, 1e-3), row(0.01, 2e-3), row(0.7, 3e-3)] },
+        ] {
+            let most = droop.at_most(0.7, 0.13, 9.81);
+            let (mut seen, mut looks) = (DroopBounds::default(), 0);
+            for k in 0..=700 {
+                for load in [0.0, 0.13] {
+                    let reach = 1e-3 * f64::from(k);
+                    let Ok([at, rate, bend]) = droop.by_reach(reach, load, 9.81) else { continue };
+                    looks += 1;
+                    seen.at = seen.at.or(at);
+                    seen.rate = seen.rate.or(rate);
+                    seen.bend = seen.bend.or(bend);
+                    seen.turn = seen.turn.max(at.slope.abs() / reach.max(SHORTEST));
+                }
+            }
+            assert!(looks > 800, "{looks}");
+            let pairs = [(most.at, seen.at), (most.rate, seen.rate), (most.bend, seen.bend)];
+            for (most, seen) in pairs {
+                for (most, seen) in [(most.drop, seen.drop), (most.slope, seen.slope)] {
+                    assert!(seen <= most * (1.0 + 1e-12), "{droop:?}: {seen} above {most}");
+                    assert!(most <= 1.01 * seen, "{droop:?}: {most} far above {seen}");
+                }
+            }
+            assert!(seen.turn <= most.turn * (1.0 + 1e-12), "{droop:?}");
+        }
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod slip;
 
 pub use compensation::{BrokenWay, Reached, Unreachable, drooped};
 pub use droop::{Deflection, DroopError};
+pub(crate) use droop::{DroopBounds, SHORTEST};
 pub use sag::{Sag, SagError, sag};
 pub use slip::Slip;
 
