@@ -281,17 +281,12 @@ impl Placed<'_> {
     }
 }
 
-/// Distance of the middles of two solids [m].
-pub(super) fn between_centers(a: Placed<'_>, b: Placed<'_>) -> f64 {
+/// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
+pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
     let center = |p: &Placed<'_>| {
         p.base_from_carrier.rotation * p.solid.center + p.base_from_carrier.translation.vector
     };
-    (center(&a) - center(&b)).norm()
-}
-
-/// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
-pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
-    between_centers(a, b) - a.solid.radius - b.solid.radius
+    (center(&a) - center(&b)).norm() - a.solid.radius - b.solid.radius
 }
 
 /// A lower bound of the distance: the gap between two solids along a direction [m]; below zero where they overlap there.

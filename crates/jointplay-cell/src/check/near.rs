@@ -8,9 +8,9 @@ use super::course::Course;
 use super::found::{Found, Hit, Stretch, When};
 use super::report::{Kind, Unit};
 use super::scene::{Holder, Places, Rule, Scene};
-use super::travel::{Gearing, Levers, Travel, common};
+use super::travel::{Gearing, Levers, Travel};
 use crate::motion::{Motion, Sample};
-use crate::solid::{Placed, apart, between_balls, between_centers, depth, distance, gap_along};
+use crate::solid::{Placed, apart, between_balls, depth, distance, gap_along};
 
 /// By how much a least distance may be passed over, as a share of it.
 const PASSED_SHARE: f64 = 0.02;
@@ -55,6 +55,8 @@ pub(super) struct Look<'a> {
     pub(super) gearing: &'a Gearing,
     /// Of those that move.
     pub(super) levers: &'a [Levers],
+    /// Of the pairs of them, which come first, against what carries both.
+    pub(super) between: &'a [(Levers, Holder)],
     /// Distance from which on none is followed [m].
     pub(super) near: f64,
 }
@@ -70,12 +72,14 @@ impl Look<'_> {
     /// as long as neither keeps a pair apart, the interval is halved, down to the samples, and between them where they do not rule out that the pair comes too near.
     pub(super) fn at(&mut self, pairs: &[Pair], runs: &[Range<usize>]) -> Near {
         let (mut least, mut found) = (Vec::new(), Found::default());
-        for pair in pairs {
+        for (place, pair) in pairs.iter().enumerate() {
             let limit = match pair.rule {
                 Rule::Apart(limit) | Rule::Slots(limit) => limit,
                 Rule::Free | Rule::Out => 0.0,
             };
-            let (levers, common) = self.levers(pair.items);
+            // What stands is no less than the world.
+            let of_mover = || (self.levers[pair.items[0]], Holder::World);
+            let (levers, common) = self.between.get(place).copied().unwrap_or_else(of_mover);
             let mut search = Search {
                 look: self,
                 pair,
@@ -99,18 +103,6 @@ impl Look<'_> {
             }
         }
         Near { least, found: found.finished() }
-    }
-
-    /// Of a pair, and what they are taken to move against: the world, or what carries both.
-    fn levers(&self, [a, b]: [usize; 2]) -> (Levers, Holder) {
-        if b < self.levers.len() {
-            let cell = self.scene.cell;
-            let [one, other] = [a, b].map(|item| &self.scene.items[self.items[item]]);
-            let common = common(&cell.robot, one, other);
-            (Levers::between(cell, one, other, common), common)
-        } else {
-            (self.levers[a], Holder::World)
-        }
     }
 
     fn placed<'b>(&'b self, places: &'b Places, [a, b]: [usize; 2]) -> [Placed<'b>; 2] {
@@ -162,8 +154,6 @@ struct Known {
     is_exact: bool,
     /// Its part along the platform's normal, at least: where arms do not go [m].
     gap: f64,
-    /// What it is at most, about: that of the middles, or what the nearest look leaves [m].
-    most: f64,
 }
 
 /// How far both came in an interval, at most.
@@ -205,8 +195,8 @@ fn bound(left: &Known, right: &Known, way: Way) -> f64 {
 impl Known {
     fn of(look: &Look<'_>, places: &Places, items: [usize; 2]) -> Self {
         let [a, b] = look.placed(places, items);
-        let (apart, most) = (between_balls(a, b), between_centers(a, b));
-        Self { apart, is_exact: false, gap: gap_along(a, b, &places.normal), most }
+        let gap = gap_along(a, b, &places.normal);
+        Self { apart: between_balls(a, b), is_exact: false, gap }
     }
 }
 
@@ -245,18 +235,8 @@ impl Search<'_, '_> {
             self.between(between.end, times, [*left, *right], way);
             return;
         }
-        // Exact distances are worth finding where they may keep the pair apart.
-        if left.most + right.most - way.whole > 2.0 * self.threshold() {
-            self.exact(between.start, left);
-            self.exact(between.end, right);
-            if bound(left, right, way) > self.threshold() {
-                return;
-            }
-        }
         let middle = between.start.midpoint(between.end);
         let Some(mut center) = self.known(middle) else { return };
-        let most = left.most.min(right.most) + way.whole;
-        center.most = center.most.min(most);
         // The nearer half first: what it comes to spares looks at the other.
         if left.apart <= right.apart {
             self.search(between.start..middle, left, &mut center);
@@ -337,7 +317,7 @@ impl Search<'_, '_> {
         let found = apart(a, b, guess.as_ref());
         let apart = found.distance;
         self.along = found.along.map(|along| turned.inverse() * along).or(self.along);
-        (known.apart, known.most, known.is_exact) = (apart, apart, true);
+        (known.apart, known.is_exact) = (apart, true);
         let time = look.course.times()[sample];
         if apart <= self.limit {
             let deep = if apart == 0.0 && self.pair.rule != Rule::Out { depth(a, b) } else { 0.0 };

@@ -6,8 +6,8 @@ use super::CheckOptions;
 use super::alone::Alone;
 use super::course::{Around, Course};
 use super::near::{Look, Near, Pair};
-use super::scene::{Rule, Scene};
-use super::travel::{Gearing, Levers};
+use super::scene::{Holder, Rule, Scene};
+use super::travel::{Gearing, Levers, common};
 use crate::cell::Cell;
 use crate::memory::{Key, Run, each};
 use crate::motion::Motion;
@@ -37,6 +37,8 @@ struct Cast {
     levers: Vec<Levers>,
     /// Pairs of them that something is asked of, by their places among them.
     pairs: Vec<Pair>,
+    /// Of each of these, against what carries both.
+    between: Vec<(Levers, Holder)>,
     /// All that is known of them.
     key: Key,
 }
@@ -63,16 +65,19 @@ impl Cast {
         movers.iter().for_each(|&item| scene.items[item].key(&mut key));
         let lever = |&item: &usize| Levers::new(scene.cell, &scene.items[item]);
         let levers = movers.iter().map(lever).collect();
-        let mut pairs = Vec::new();
+        let (mut pairs, mut between) = (Vec::new(), Vec::new());
         for a in 0..movers.len() {
             for b in a + 1..movers.len() {
                 let rule = scene.general_rule(movers[a], movers[b]);
                 if rule != Rule::Free {
                     pairs.push(Pair { items: [a, b], rule });
+                    let [one, other] = [a, b].map(|place| &scene.items[movers[place]]);
+                    let common = common(&scene.cell.robot, one, other);
+                    between.push((Levers::between(scene.cell, one, other, common), common));
                 }
             }
         }
-        Self { movers, others, levers, pairs, key }
+        Self { movers, others, levers, pairs, between, key }
     }
 
     /// Who may come near in a step, those that move first, and the pairs of them that something is asked of.
@@ -217,6 +222,7 @@ impl<'a> Steps<'a> {
             items: &among.items,
             gearing: &self.gearing,
             levers: &self.casts[start.scene].levers,
+            between: &self.casts[start.scene].between,
             near: self.options.near,
         };
         look.at(&among.pairs, &alone.runs)
