@@ -1,6 +1,6 @@
 //! What each step of a motion depends on, and how it is looked at.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::CheckOptions;
 use super::alone::Alone;
@@ -37,8 +37,8 @@ struct Cast {
     levers: Vec<Levers>,
     /// Pairs of them that something is asked of, by their places among them.
     pairs: Vec<Pair>,
-    /// Of each of these, against what carries both.
-    between: Vec<(Levers, Holder)>,
+    /// Of each of these, against what carries both; found when first asked for.
+    between: OnceLock<Vec<(Levers, Holder)>>,
     /// All that is known of them.
     key: Key,
 }
@@ -65,19 +65,25 @@ impl Cast {
         movers.iter().for_each(|&item| scene.items[item].key(&mut key));
         let lever = |&item: &usize| Levers::new(scene.cell, &scene.items[item]);
         let levers = movers.iter().map(lever).collect();
-        let (mut pairs, mut between) = (Vec::new(), Vec::new());
+        let mut pairs = Vec::new();
         for a in 0..movers.len() {
             for b in a + 1..movers.len() {
                 let rule = scene.general_rule(movers[a], movers[b]);
                 if rule != Rule::Free {
                     pairs.push(Pair { items: [a, b], rule });
-                    let [one, other] = [a, b].map(|place| &scene.items[movers[place]]);
-                    let common = common(&scene.cell.robot, one, other);
-                    between.push((Levers::between(scene.cell, one, other, common), common));
                 }
             }
         }
-        Self { movers, others, levers, pairs, between, key }
+        Self { movers, others, levers, pairs, between: OnceLock::new(), key }
+    }
+
+    fn between(&self, scene: &Scene<'_>) -> &[(Levers, Holder)] {
+        let of = |pair: &Pair| {
+            let [one, other] = pair.items.map(|place| &scene.items[self.movers[place]]);
+            let common = common(&scene.cell.robot, one, other);
+            (Levers::between(scene.cell, one, other, common), common)
+        };
+        self.between.get_or_init(|| self.pairs.iter().map(of).collect())
     }
 
     /// Who may come near in a step, those that move first, and the pairs of them that something is asked of.
@@ -214,15 +220,16 @@ impl<'a> Steps<'a> {
         course: &mut Course,
     ) -> Near {
         self.take(index, course);
+        let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
         let mut look = Look {
-            scene: self.scene(start),
+            scene,
             motion: self.motion,
             step: index,
             course,
             items: &among.items,
             gearing: &self.gearing,
-            levers: &self.casts[start.scene].levers,
-            between: &self.casts[start.scene].between,
+            levers: &cast.levers,
+            between: cast.between(scene),
             near: self.options.near,
         };
         look.at(&among.pairs, &alone.runs)
