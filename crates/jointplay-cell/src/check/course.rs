@@ -142,7 +142,8 @@ impl Course {
         (gearing, levers): (&Gearing, &Levers),
         runs: &[Range<usize>],
     ) -> Option<Around> {
-        let mut parts: Vec<[Span; 3]> = Vec::new();
+        let count = runs.iter().map(|run| run.len().div_ceil(STRIDE)).sum();
+        let mut parts: Vec<[Span; 3]> = Vec::with_capacity(count);
         for run in runs {
             let ends = run.clone().step_by(STRIDE).skip(1).chain([run.end - 1]);
             let mut from = run.start;

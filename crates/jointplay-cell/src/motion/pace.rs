@@ -71,7 +71,8 @@ impl<'a> Pace<'a> {
         let stages: Vec<Stage> = self.stages().map(|s| self.stage(s)).collect();
         for share in SHARES {
             let way = self.fastest(&stages, share);
-            let total: f64 = way.iter().map(|(duration, _)| duration).sum();
+            let starts = starts(&way);
+            let total = starts[way.len()];
             // From the second share on only near the width that was best.
             // Those first that are most likely the best: what they come to spares looks at the others.
             let widths: Vec<f64> = match about {
@@ -80,7 +81,7 @@ impl<'a> Pace<'a> {
             };
             let mut shortest = f64::INFINITY;
             for width in widths {
-                let candidate = averaged(&way, width);
+                let candidate = averaged(&way, &starts, width);
                 let Some(duration) = self.glance(&candidate, shortest.max(best.0)) else {
                     continue;
                 };
@@ -315,19 +316,25 @@ impl Stage {
     }
 }
 
+/// When each stretch of a way begins, and the last ends [s].
+fn starts(way: &[(f64, f64)]) -> Vec<f64> {
+    let mut time = 0.0;
+    let ends = way.iter().map(|(duration, _)| {
+        time += duration;
+        time
+    });
+    std::iter::once(0.0).chain(ends).collect()
+}
+
 /// The average of a way over a window [s]: stretches of constant jerk.
 ///
 /// ```text
 ///    s̈(t)  =  (ṡ(t) − ṡ(t − w)) / w        s⃛(t)  =  (s̈(t) − s̈(t − w)) / w
 /// ```
-fn averaged(way: &[(f64, f64)], width: f64) -> Curve {
-    let mut starts = Vec::with_capacity(way.len() + 1);
-    let mut time = 0.0;
-    for (duration, _) in way {
-        starts.push(time);
-        time += duration;
-    }
-    starts.push(time);
+///
+/// # Arguments
+/// * `starts` – when each stretch begins, and the last ends [s]
+fn averaged(way: &[(f64, f64)], starts: &[f64], width: f64) -> Curve {
     // Where a stretch begins, now or a window ago, one after the other.
     let acceleration = |begun: usize| match begun {
         0 => 0.0,
