@@ -125,7 +125,40 @@ test('the robot alone', async () => {
   await server.stop();
 });
 
-test('the example cell', async () => {
+const STATIONS = ['LP1', 'LP2', 'ALIGN', 'PM1'];
+
+test('plans of the example cell', async () => {
+  const server = await serve(0, ['--cell', 'example']);
+  const headers = { 'content-type': 'application/json', origin: server.address.slice(0, -1) };
+  const ask = async (path: string, body?: object) => {
+    const method = body ? 'POST' : 'GET';
+    const answer = await fetch(`${server.address}api/v1/${path}`, { method, headers, body: body && JSON.stringify(body) });
+    if (!answer.ok) throw new Error(`${path}: ${await answer.text()}`);
+    return answer.text();
+  };
+  const { cell } = JSON.parse(await ask('cell')) as { cell: string };
+  const plan = async (cell: string) => {
+    const start = performance.now();
+    const answer = await ask('cell/plan', { cell });
+    return { took: performance.now() - start, answer };
+  };
+  const first = await plan(cell);
+  say('first plan and its answer, nobody else there', ms(first.took));
+  const { stations } = JSON.parse(first.answer) as { stations: { name: string; position_mm: number[] }[] };
+  for (const station of STATIONS) {
+    const [x, y, z] = stations.find(({ name }) => name === station)!.position_mm.map((value) => value / 1000) as [number, number, number];
+    const found: number[] = [];
+    for (let i = 1; i <= 9; i++) {
+      const moved = await ask('cell/station', { cell, station, position_m: [x + i * 1e-5, y, z] });
+      found.push((await plan((JSON.parse(moved) as { cell: string }).cell)).took);
+    }
+    say(`${station} moved, the plan and its answer`, range(found.slice(1)));
+    await plan(cell);
+  }
+  await server.stop();
+});
+
+test('the example cell in a browser', async () => {
   const [browser, server] = await Promise.all([browse(), serve(0, ['--cell', 'example'])]);
   const page = await browser.newPage({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' });
   await page.goto(server.address);
@@ -137,7 +170,7 @@ test('the example cell', async () => {
       }, pictures),
     );
   await calm();
-  for (const station of ['LP1', 'LP2', 'ALIGN', 'PM1']) {
+  for (const station of STATIONS) {
     await page.locator('summary', { hasText: station }).click();
     const found: { server: number; total: number }[] = [];
     for (let i = 0; i < 9; i++) {
@@ -157,6 +190,8 @@ test('the example cell', async () => {
         }, station),
       );
       await calm(drawn);
+      // The browser may still be drawing what the page has told it.
+      await new Promise((wait) => setTimeout(wait, 2000));
     }
     say(`${station} moved by a number typed, to the verdict`, range(found.slice(1).map(({ total }) => total)));
     say('of it the plan and its answer', range(found.slice(1).map(({ server }) => server)));
