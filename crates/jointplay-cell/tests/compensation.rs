@@ -50,6 +50,25 @@ fn droops() -> impl Strategy<Value = Droop> {
     ]
 }
 
+#[test]
+fn a_droop_whose_rows_are_out_of_order_is_refused() {
+    let refused = |rows: Vec<DroopRow>| {
+        let mut robot = common::kind(0, [0.25, 0.22, 0.2]);
+        robot.arms[0].droop = Droop::Table { rows };
+        robot.checked().err().map(|error| error.to_string())
+    };
+    assert_eq!(refused(vec![table(0.2, 1e-4), table(0.6, 2e-4)]), None);
+    for rows in [
+        vec![table(0.6, 2e-4), table(0.2, 1e-4)],
+        vec![table(0.2, 1e-4), table(0.2, 2e-4)],
+        vec![table(0.1, 1e-4), table(f64::NAN, 2e-4)],
+    ] {
+        let why = refused(rows).unwrap();
+        assert!(why.contains("the reach in row 2 of the droop of arm"), "{why}");
+    }
+    assert!(refused(vec![table(0.2, f64::NAN)]).unwrap().contains("the drop in row 1"));
+}
+
 proptest! {
     #[test]
     fn the_drooping_wafer_lies_in_the_target(

@@ -10,12 +10,18 @@ use super::{
     MotionKind, RODS,
 };
 use crate::CellError;
+use crate::wafer::Droop;
 
 /// Most effectors of an arm.
 const MAX_EFFECTORS: usize = 4;
 
 /// Widest range of a turning axis: ten turns [rad].
 const WIDEST_TURN: f64 = 10.0 * std::f64::consts::TAU;
+
+/// Reaches of a droop's rows differ by this at least [m].
+const ROWS_APART: f64 = 1e-6;
+/// And none is farther [m].
+const LONGEST_REACH: f64 = 100.0;
 
 /// Velocities whose parallelogram is flatter than this share of their squares have one direction.
 const FLAT: f64 = 1e-9;
@@ -169,6 +175,7 @@ impl HybridRobot {
         }
         count(&of("joints"), arm.joints.len(), 1, MAX_JOINTS).map_err(&at_fault)?;
         count(&of("effectors"), arm.effectors.len(), 1, MAX_EFFECTORS).map_err(&at_fault)?;
+        check_droop(&arm.droop, of).map_err(&at_fault)?;
         let mut motors = BTreeSet::new();
         for (k, joint) in arm.joints.iter().enumerate() {
             let of = |what: &str| format!("{what} of joint {} of arm {}", k + 1, arm.name);
@@ -271,6 +278,33 @@ impl HybridRobot {
             }
         };
         [0.31, 0.47, 0.62, 0.83].into_iter().map(at).max().unwrap_or(0)
+    }
+}
+
+/// Rows of a table have to come in the order of their reach.
+fn check_droop(droop: &Droop, of: impl Fn(&str) -> String) -> Result<(), CellError> {
+    match droop {
+        Droop::Rigid => Ok(()),
+        Droop::Cantilever { stiffness, mass_per_length } => {
+            positive(of("the stiffness"), *stiffness, "N m²")?;
+            in_range(of("the mass by length"), *mass_per_length, 0.0, f64::MAX, "kg/m")
+        }
+        Droop::Table { rows } => {
+            let mut least = 0.0;
+            for (k, row) in rows.iter().enumerate() {
+                let of = |what: &str| of(&format!("{what} in row {} of the droop", k + 1));
+                in_range(of("the reach"), row.reach, least, LONGEST_REACH, "m")?;
+                positive(of("the load"), row.load, "kg")?;
+                for drop in [row.empty_drop, row.loaded_drop] {
+                    finite(of("the drop"), drop)?;
+                }
+                for slope in [row.empty_slope, row.loaded_slope] {
+                    finite(of("the slope"), slope)?;
+                }
+                least = row.reach + ROWS_APART;
+            }
+            Ok(())
+        }
     }
 }
 
