@@ -83,10 +83,14 @@ pub fn page() -> Result<String, Box<dyn Error>> {
     Ok(page)
 }
 
-/// The first sentence of a file.
-fn description(entry: &Entry) -> &str {
-    let first = entry.text.lines().next().unwrap_or_default();
-    first.trim_start_matches('#').trim()
+/// The first sentence of the comment at the head of a file.
+fn description(entry: &Entry) -> String {
+    let comment = entry.text.lines().map_while(|line| line.strip_prefix('#'));
+    let text = comment.map(str::trim).collect::<Vec<_>>().join(" ");
+    match text.split_once(". ") {
+        Some((sentence, _)) => format!("{sentence}."),
+        None => text,
+    }
 }
 
 /// Freedoms, rank, the three mobilities, redundancy.

@@ -67,7 +67,15 @@ fn texts(svg: &str) -> Vec<&str> {
 fn the_catalogue_page_and_its_pictures_are_current() {
     let cure = "run `cargo run -p jointplay-validation --bin figures`";
     assert_eq!(read("docs/catalogue.md"), gallery::page().expect("a page"), "{cure}");
+    let page = read("docs/catalogue.md");
     for (entry, file) in &gallery::mechanisms() {
+        let section = page.split(&format!("## {}\n", entry.name)).nth(1).expect("a section");
+        let description = section.lines().filter(|line| !line.trim().is_empty()).nth(1);
+        assert!(
+            description.is_some_and(|text| text.ends_with('.')),
+            "{}: {description:?}",
+            entry.name
+        );
         let committed = read(&format!("docs/figures/catalogue/{}.svg", entry.name));
         let picture = gallery::picture(file).map(|picture| picture.to_svg());
         let drawn = picture.expect("it closes").expect("it can be drawn");

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
 use jointplay::format::report::{self, StudyReport};
@@ -10,7 +9,7 @@ use jointplay::format::units::{deg, m_from_mm, mm};
 use jointplay::format::{robot, steps, table};
 use jointplay::gpr::AxisHeight;
 use jointplay::plot::Figure;
-use jointplay::plot::results::{Extent, rods, sides, virtual_joints};
+use jointplay::plot::results::{rods, sides, virtual_joints};
 use jointplay::study::{Order, Raster, Samples, SeriesKind, check_bounds, simulate, summarize};
 
 use super::simulate_text;
@@ -96,8 +95,10 @@ enum TableFormat {
     Parquet,
 }
 
-/// Name of the file that says what a run came to, and which files are its own.
+/// Name of the file that holds the results of a run, and lists the files that it wrote.
 const SUMMARY: &str = "summary.json";
+/// Name of the file that explains the others.
+const README: &str = "README.md";
 /// What a summary of ours says that it is from.
 const COMMAND: &str = "jointplay simulate";
 /// The most poses that a study may have: every one is kept in memory, for each virtualization.
@@ -105,11 +106,15 @@ const MOST_POSES: usize = 500_000;
 /// Width of the figures' PNG [px]: 180 mm at 250 dots an inch.
 const PNG_WIDTH: u32 = 1800;
 
+/// Tilt angles of a one-direction figure for each step of the raster: smooth curves.
+const REFINEMENT: u32 = 10;
+
 /// One virtualization's study.
 struct Study {
     samples: Samples,
+    /// One tilt direction in finer steps, for its figures.
+    one_direction: Samples,
     report: StudyReport,
-    time_per_pose: Duration,
 }
 
 impl Simulate {
@@ -153,13 +158,14 @@ impl Simulate {
         // First in line: whatever follows it is known as ours, even if this run is killed.
         let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
         names.insert(0, SUMMARY.to_owned());
+        names.push(README.to_owned());
         let summary = self.summary(&robot, &raster, &studies, &names);
         files.insert(0, (SUMMARY.to_owned(), summary.into_bytes()));
+        files.push((README.to_owned(), simulate_text::READ_ME.as_bytes().to_vec()));
         folder::write(&self.out, &files)?;
         folder::remove_stale(&self.out, &own, &files)?;
         drop(progress);
-        let reports: Vec<(&StudyReport, Duration)> =
-            studies.iter().map(|study| (&study.report, study.time_per_pose)).collect();
+        let reports: Vec<&StudyReport> = studies.iter().map(|study| &study.report).collect();
         let heading = format!(
             "{}: {} poses, yaw 0° to 360° by {}°, pitch {}° to {}°, axis height {} mm",
             robot.name,
@@ -214,15 +220,13 @@ impl Simulate {
         let (gpr, model) = (&robot.gpr, name.model());
         let options = self.metric.options(self.solver);
         progress.stage(model.name());
-        let start = Instant::now();
         let samples = simulate(gpr, raster, model, &options, &mut |done| progress.at(done))?;
-        let time = start.elapsed();
+        let one_direction = simulate(gpr, &one_direction(raster), model, &options, &mut |_| {})?;
         progress.part_done(raster.len());
         let bounds = check_bounds(gpr, raster, model, &options, &mut |done| progress.at(done))?;
         progress.part_done(raster.len());
         let report = report::study(gpr, &samples, &summarize(gpr, &samples), &bounds);
-        let count = u32::try_from(samples.len()).unwrap_or(u32::MAX);
-        Ok(Study { samples, report, time_per_pose: time / count })
+        Ok(Study { samples, one_direction, report })
     }
 
     fn table(&self, samples: &Samples) -> Result<(String, Vec<u8>), Failure> {
@@ -249,13 +253,6 @@ impl Simulate {
         files: &[String],
     ) -> String {
         let pitches = &self.pitch_deg.0;
-        let times: serde_json::Map<String, serde_json::Value> = studies
-            .iter()
-            .map(|study| {
-                let nanoseconds = study.time_per_pose.as_secs_f64() * 1e9;
-                (study.report.virtualization.clone(), nanoseconds.into())
-            })
-            .collect();
         let document = serde_json::json!({
             "command": COMMAND,
             "robot": robot.name,
@@ -267,28 +264,45 @@ impl Simulate {
             "beyond_limits_on_purpose": deg(robot.gpr.limits().tilt_max)
                 < pitches.iter().fold(0.0, |most: f64, pitch| most.max(pitch.abs())),
             "studies": studies.iter().map(|study| &study.report).collect::<Vec<_>>(),
-            "time_per_pose_ns": times,
             "files": files,
         });
         output::to_json(&document) + "\n"
     }
 }
 
+/// The raster reduced to one tilt direction in finer steps, of a ninth of the way round: there no rod stays at rest.
+fn one_direction(raster: &Raster) -> Raster {
+    let refined = raster.pitches.windows(2).flat_map(|step| {
+        (0..REFINEMENT)
+            .map(|i| step[0] + (step[1] - step[0]) * f64::from(i) / f64::from(REFINEMENT))
+    });
+    Raster {
+        yaws: vec![raster.yaws[raster.yaws.len() / 9]],
+        pitches: refined.chain(raster.pitches.last().copied()).collect(),
+        height: raster.height,
+        order: raster.order,
+    }
+}
+
 /// The figures of all studies: Figs. 5 to 11 by the paper's numbers, the other virtualizations by name.
+///
+/// Rods and sides are the same under every virtualization, and are drawn once.
 fn figures(studies: &[Study]) -> Vec<(String, Figure)> {
+    type Part = fn(&Study) -> &Samples;
+    let parts: [(Part, &str); 2] =
+        [(|study| &study.samples, ""), (|study| &study.one_direction, "-zoom")];
     let mut figures = Vec::new();
-    for (extent, suffix) in [(Extent::Full, ""), (Extent::NearPass, "-zoom")] {
+    for (part, suffix) in parts {
         if let Some(study) = studies.first() {
-            figures.push((format!("fig05-rods{suffix}"), rods(&study.samples, extent)));
+            figures.push((format!("fig05-rods{suffix}"), rods(part(study))));
+            figures.push((format!("fig08-fig11-sides{suffix}"), sides(part(study))));
         }
-        for Study { samples, .. } in studies {
-            for (kind, part) in [(SeriesKind::Linear, "linear"), (SeriesKind::Angular, "angular")] {
-                let stem = figure_stem(&samples.virtualization, part);
-                let figure = virtual_joints(samples, extent, kind);
+        for study in studies {
+            for (kind, name) in [(SeriesKind::Linear, "linear"), (SeriesKind::Angular, "angular")] {
+                let stem = figure_stem(&study.report.virtualization, name);
+                let figure = virtual_joints(part(study), kind);
                 figures.extend(figure.map(|figure| (format!("{stem}{suffix}"), figure)));
             }
-            let stem = figure_stem(&samples.virtualization, "sides");
-            figures.push((format!("{stem}{suffix}"), sides(samples, extent)));
         }
     }
     figures
@@ -299,10 +313,8 @@ fn figure_stem(virtualization: &str, part: &str) -> String {
     let number = match (virtualization, part) {
         ("polar", "linear") => "fig06-",
         ("polar", "angular") => "fig07-",
-        ("polar", "sides") => "fig08-",
         ("offset", "linear") => "fig09-",
         ("offset", "angular") => "fig10-",
-        ("offset", "sides") => "fig11-",
         _ => "",
     };
     format!("{number}{virtualization}-{part}")

@@ -1,16 +1,24 @@
 //! A study in a short table, one column a virtualization.
 
 use std::fmt::Write as _;
-use std::time::Duration;
 
 use jointplay::format::report::StudyReport;
 
 use crate::output::fixed;
 
+/// Terms of the table, in one line each.
+const NOTES: &str = "  X: virtual joint coordinates; singular pass: a sample at zero tilt, where the rods are equally long
+  bounds satisfied: tilted poses whose displacement |ΔX| is within the first-order bounds of the sensitivity,
+    taken at the midpoint of the motion from level or at the tilted pose (there it need not be)
+";
+
+/// The file that explains the others of a study's folder.
+pub(super) const READ_ME: &str = include_str!("simulate_folder.md");
+
 type Row<'a> = (&'a str, &'a dyn Fn(&StudyReport) -> String);
 
 /// The table, under a heading.
-pub(super) fn table(heading: &str, studies: &[(&StudyReport, Duration)]) -> String {
+pub(super) fn table(heading: &str, studies: &[&StudyReport]) -> String {
     let rows: &[Row<'_>] = &[
         ("solver", &|s| s.solver.clone()),
         ("iterations, most", &|s| s.most_iterations.to_string()),
@@ -23,20 +31,20 @@ pub(super) fn table(heading: &str, studies: &[(&StudyReport, Duration)]) -> Stri
         ("angular X, greatest (deg)", &|s| greatest(s, "_deg", 6)),
         ("centre shift, largest (µm)", &|s| fixed(s.largest_center_shift_um, 3)),
         ("twist, largest (deg)", &|s| format!("{:.1e}", s.largest_twist_deg)),
-        ("bounds held, chord", &|s| format!("{}/{}", s.bounds.held_at_midpoint, s.bounds.poses)),
-        ("bounds held, at the tilt", &|s| format!("{}/{}", s.bounds.held_at_end, s.bounds.poses)),
+        ("bounds satisfied, midpoint", &|s| within(s.bounds.held_at_midpoint, s.bounds.poses)),
+        ("bounds satisfied, tilted pose", &|s| within(s.bounds.held_at_end, s.bounds.poses)),
     ];
     let mut text = format!("{heading}\n");
     let mut line = |name: &str, cells: &mut dyn Iterator<Item = String>| {
         let cells: String = cells.map(|cell| format!("{cell:>16}")).collect();
         let _ = writeln!(text, "  {name:<30}{cells}");
     };
-    line("", &mut studies.iter().map(|(study, _)| study.virtualization.clone()));
+    line("", &mut studies.iter().map(|study| study.virtualization.clone()));
     for (name, cell) in rows {
-        line(name, &mut studies.iter().map(|(study, _)| cell(study)));
+        line(name, &mut studies.iter().map(|study| cell(study)));
     }
-    line("time per pose (ns)", &mut studies.iter().map(|(_, time)| time.as_nanos().to_string()));
-    if let Some((study, _)) = studies.first() {
+    text.push_str(NOTES);
+    if let Some(study) = studies.first() {
         if let Some(sides) = study.series.iter().find(|series| series.name == "L12_mm") {
             let passes = sides.at_singular_passes;
             let at =
@@ -60,6 +68,10 @@ pub(super) fn table(heading: &str, studies: &[(&StudyReport, Duration)]) -> Stri
         }
     }
     text
+}
+
+fn within(satisfied: usize, poses: usize) -> String {
+    format!("{satisfied} of {poses}")
 }
 
 /// Values of the virtual joints of one unit at the singular passes, if all are the same.

@@ -2,6 +2,7 @@
 
 use jointplay_study::Comparison;
 
+use super::coincident;
 use crate::{Axis, Curve, Figure, Model, Panel, Style, model_style, rod_style};
 
 /// Centre shift and largest displacement of every model against the pitch.
@@ -11,9 +12,9 @@ use crate::{Axis, Curve, Figure, Model, Panel, Style, model_style, rod_style};
 pub fn comparison(comparison: &Comparison) -> Figure {
     let pitch: Vec<f64> = comparison.pitches.iter().map(|pitch| pitch.to_degrees()).collect();
     let none = vec![0.0; pitch.len()];
-    let panel = |label: &str| Panel::new(Axis::linear("pitch (deg)"), Axis::linear(label));
+    let panel = |label: &str| Panel::new(Axis::linear("tilt angle (deg)"), Axis::linear(label));
     let approximate = model_style(Model::Approximate);
-    let mut figure = Figure::new("What the models say of a tilt");
+    let mut figure = Figure::new("Models compared over the tilt angle");
     let sideways =
         comparison.models.iter().flat_map(|model| &model.center_shift).any(|s| s.y.abs() > 1e-9);
     let axes: &[(usize, &str)] = if sideways {
@@ -35,9 +36,10 @@ pub fn comparison(comparison: &Comparison) -> Figure {
         }
         shift =
             shift.with_curve(Curve::new("approximate", pitch.clone(), none.clone(), approximate));
+        shift.curves = coincident::merged(shift.curves, "µm", shift.height);
         figure = figure.with_panel(shift);
     }
-    let mut displacement = panel("socket moved or off its ball (µm)");
+    let mut displacement = panel("displacement at the balls (µm)");
     for (index, model) in comparison.models.iter().enumerate() {
         let values: Vec<f64> = model.largest_displacement.iter().map(|moved| moved * 1e6).collect();
         let curve = Curve::new(
@@ -51,6 +53,7 @@ pub fn comparison(comparison: &Comparison) -> Figure {
     let gaps = comparison.approximate_gap.iter().map(|gap| gap * 1e6).collect();
     displacement =
         displacement.with_curve(Curve::new("approximate", pitch.clone(), gaps, approximate));
+    displacement.curves = coincident::merged(displacement.curves, "µm", displacement.height);
     figure.with_panel(displacement)
 }
 

@@ -1,12 +1,13 @@
 //! Figures of this project's own results, in millimetres, micrometres and degrees.
 
+mod coincident;
 mod comparison;
 mod motion;
 mod study;
 
 pub use comparison::comparison;
 pub use motion::{Follower, motion};
-pub use study::{Extent, rods, sides, virtual_joints};
+pub use study::{rods, sides, virtual_joints};
 
 /// A series' name as a symbol: `phi2` → φ₂, `L12` → L₁₂.
 fn symbol(name: &str) -> String {
