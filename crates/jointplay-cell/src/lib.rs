@@ -35,4 +35,4 @@ pub mod surface;
 pub mod wafer;
 
 pub use error::CellError;
-pub use memory::{Job, Memory, Reuse};
+pub use memory::{Interrupted, Job, Memory, Reuse, Stop, Unplanned};

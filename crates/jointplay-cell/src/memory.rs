@@ -25,12 +25,61 @@ pub struct Memory {
 /// What is to be done for each number.
 pub type Job<'j> = &'j (dyn Fn(usize) + Sync);
 
-/// Does a job for all numbers below one, in any order or at the same time.
-pub(crate) type Run<'r> = &'r dyn Fn(usize, Job<'_>);
+/// Returns true when the computation shall stop; it is called between instructions and between moves.
+pub type Stop<'s> = &'s (dyn Fn() -> bool + Sync);
+
+/// The computation was stopped before its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the computation was stopped before its end")]
+pub struct Interrupted;
+
+/// Why [`Memory::plan`] returns no motion.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum Unplanned {
+    /// It was stopped.
+    #[error(transparent)]
+    Interrupted(#[from] Interrupted),
+    /// The program has errors.
+    #[error("the program has {} errors", .0.len())]
+    Program(Vec<ProgramError>),
+    /// Steps of it cannot be timed.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+}
+
+/// How jobs are run, and when they stop.
+#[derive(Clone, Copy)]
+pub(crate) struct Run<'r> {
+    jobs: &'r dyn Fn(usize, Job<'_>),
+    stop: Stop<'r>,
+}
+
+impl Run<'static> {
+    /// One job after the other, to the end.
+    pub(crate) fn one_by_one() -> Self {
+        Self { jobs: &one_by_one, stop: &never }
+    }
+}
+
+impl Run<'_> {
+    /// Stops where a stop is asked for.
+    pub(crate) fn poll(&self) -> Result<(), Interrupted> {
+        if (self.stop)() { Err(Interrupted) } else { Ok(()) }
+    }
+}
 
 /// Does a job for one number after the other.
-pub(crate) fn one_by_one(count: usize, job: Job<'_>) {
+fn one_by_one(count: usize, job: Job<'_>) {
     (0..count).for_each(job);
+}
+
+fn never() -> bool {
+    false
+}
+
+/// The result of a computation that nothing stops.
+pub(crate) fn whole<T>(result: Result<T, Interrupted>) -> T {
+    result.expect("a computation that is never asked to stop runs to its end")
 }
 
 impl Default for Memory {
@@ -84,7 +133,7 @@ impl Memory {
         cell: &Cell,
         program: &Program,
     ) -> Result<Vec<Step>, Vec<ProgramError>> {
-        expand_by(cell, program, &mut self.places)
+        whole(expand_by(cell, program, &mut self.places, &never))
     }
 
     /// As [`timed`](crate::motion::timed).
@@ -97,13 +146,38 @@ impl Memory {
         steps: Vec<Step>,
         options: &MotionOptions,
     ) -> Result<Motion, MotionError> {
-        self.ways.timed(cell, steps, options, &*self.run)
+        let run = Run { jobs: &*self.run, stop: &never };
+        whole(self.ways.timed(cell, steps, options, run))
     }
 
     /// As [`check`](crate::check::check).
     #[must_use]
     pub fn check(&mut self, cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
-        self.checks.check(cell, motion, options, &*self.run)
+        whole(self.checks.check(cell, motion, options, Run { jobs: &*self.run, stop: &never }))
+    }
+
+    /// [`Self::expand`], [`Self::timed`] and [`Self::check`] in one, which can be stopped.
+    ///
+    /// What was computed before a stop is reused by the next plan.
+    ///
+    /// # Arguments
+    /// * `stop` – called between instructions and between moves; true stops the computation
+    ///
+    /// # Errors
+    /// [`Unplanned`]
+    pub fn plan(
+        &mut self,
+        cell: &Cell,
+        program: &Program,
+        (motion, check): (&MotionOptions, &CheckOptions),
+        stop: Stop<'_>,
+    ) -> Result<(Motion, Report), Unplanned> {
+        let run = Run { jobs: &*self.run, stop };
+        let steps = expand_by(cell, program, &mut self.places, stop)?;
+        let steps = steps.map_err(Unplanned::Program)?;
+        let motion = self.ways.timed(cell, steps, motion, run)??;
+        let report = self.checks.check(cell, &motion, check, run)?;
+        Ok((motion, report))
     }
 
     /// Of the places in the last program.
@@ -144,17 +218,22 @@ pub(crate) fn each<T: Send + Sync>(
     count: usize,
     run: Run<'_>,
     make: impl Fn(usize) -> T + Sync,
-) -> Vec<T> {
+) -> Result<Vec<T>, Interrupted> {
     let made: Vec<OnceLock<T>> = (0..count).map(|_| OnceLock::new()).collect();
+    let stop = run.stop;
     let job = |number: usize| {
-        if let Some(place) = made.get(number) {
+        if let Some(place) = made.get(number)
+            && !stop()
+        {
             place.get_or_init(|| make(number));
         }
     };
-    run(count, &job);
-    // Whoever runs the jobs may have left some.
-    let of =
-        |(number, made): (usize, OnceLock<T>)| made.into_inner().unwrap_or_else(|| make(number));
+    (run.jobs)(count, &job);
+    // The runner may have left some.
+    let of = |(number, made): (usize, OnceLock<T>)| match made.into_inner() {
+        Some(made) => Ok(made),
+        None => run.poll().map(|()| make(number)),
+    };
     made.into_iter().enumerate().map(of).collect()
 }
 
@@ -163,11 +242,11 @@ pub(crate) fn anew<'k, T: Send + Sync>(
     keys: impl Iterator<Item = (usize, &'k Key)>,
     run: Run<'_>,
     make: impl Fn(usize) -> T + Sync,
-) -> BTreeMap<Key, T> {
+) -> Result<BTreeMap<Key, T>, Interrupted> {
     let mut seen = BTreeSet::new();
     let jobs: Vec<(usize, &Key)> = keys.filter(|(_, key)| seen.insert(*key)).collect();
-    let made = each(jobs.len(), run, |place| make(jobs[place].0));
-    jobs.into_iter().map(|(_, key)| key.clone()).zip(made).collect()
+    let made = each(jobs.len(), run, |place| make(jobs[place].0))?;
+    Ok(jobs.into_iter().map(|(_, key)| key.clone()).zip(made).collect())
 }
 
 /// Results by their inputs: those of the last round, and those of this one.
@@ -189,7 +268,8 @@ impl<T> Default for Kept<T> {
 impl<T> Kept<T> {
     /// A round begins; nothing is known where the shared inputs are others.
     pub(crate) fn begin(&mut self, shared: &str) {
-        self.last = std::mem::take(&mut self.now);
+        // What is left of the round before last is of a round that was interrupted.
+        self.last.append(&mut self.now);
         self.reuse = Reuse::default();
         if self.shared != shared {
             self.last.clear();

@@ -3,6 +3,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use jointplay_cell::cell::{Cell, Shape};
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
@@ -11,7 +12,7 @@ use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
 use jointplay_cell::robot::{AxesMotion, EffectorId};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::wafer::Droop;
-use jointplay_cell::{Memory, Reuse};
+use jointplay_cell::{Memory, Reuse, Unplanned};
 use jointplay_format::{cell, program};
 use proptest::prelude::*;
 
@@ -355,6 +356,26 @@ proptest! {
             prop_assert_eq!(format!("{report:?}"), format!("{same_report:?}"), "{:?}", change);
         }
     }
+}
+
+#[test]
+fn a_plan_is_stopped_anywhere_and_planned_again_to_the_bit() {
+    let cell = example();
+    let program = program::parse(SHORT).unwrap();
+    let options = (&MotionOptions::default(), &CheckOptions { rate: 100.0, near: 0.05 });
+    let whole = Memory::default().plan(&cell, &program, options, &|| false).unwrap();
+    let (mut memory, mut stopped) = (by_two_threads(), 0);
+    for most in [0, 1, 3, 10, 20, 30, 40, 60, 80, 100, 10_000] {
+        let polls = AtomicUsize::new(0);
+        let stop = || polls.fetch_add(1, Ordering::Relaxed) >= most;
+        match memory.plan(&cell, &program, options, &stop) {
+            Err(Unplanned::Interrupted(_)) => stopped += 1,
+            found => assert_eq!(format!("{:?}", found.unwrap()), format!("{whole:?}")),
+        }
+    }
+    assert!(stopped >= 6, "{stopped}");
+    let again = memory.plan(&cell, &program, options, &|| false).unwrap();
+    assert_eq!(format!("{again:?}"), format!("{whole:?}"));
 }
 
 #[test]

@@ -20,7 +20,7 @@ use crate::meshes::Folder;
 use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
-    cell, cell_jog, compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study,
+    cell, cell_jog, cell_parts, compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study,
 };
 use crate::work::{Patience, Work};
 
@@ -67,9 +67,13 @@ fn api() -> OpenApiRouter<App> {
         .routes(routes!(study::study_parquet))
         .routes(routes!(cell::cell_files, cell::save_cell))
         .routes(routes!(cell::plan))
-        .routes(routes!(cell::motion))
         .routes(routes!(cell::samples))
         .routes(routes!(cell::station))
+        .routes(routes!(cell_parts::instructions))
+        .routes(routes!(cell_parts::violations))
+        .routes(routes!(cell_parts::overview))
+        .routes(routes!(cell_parts::window))
+        .routes(routes!(cell_parts::scene))
         .routes(routes!(cell_jog::jog))
 }
 

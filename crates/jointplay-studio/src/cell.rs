@@ -1,20 +1,17 @@
 //! The cell that this server was started with: its two files, and what a program comes to in it.
 
+use std::collections::VecDeque;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use jointplay::cell::cell::Cell;
-use jointplay::cell::check::{CheckOptions, Report};
-use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
-use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, wrong_lines};
-use jointplay::cell::{Job, Memory};
-use jointplay::format::export::{Flaw, Recording};
-use jointplay::format::{cell, program, report};
+use jointplay::cell::{Interrupted, Job, Memory, Stop};
+use jointplay::format::{cell, program};
 use rayon::prelude::*;
 
+use crate::cell_plan::{Plan, Scene};
 use crate::meshes::within;
-use crate::wire::cell::{Of, ProblemAt};
 
 /// What the example is called, in place of a file.
 pub const EXAMPLE: &str = "example";
@@ -89,7 +86,7 @@ impl CellFiles {
     }
 
     /// Reads the text of a cell that names files beside this one.
-    fn read(&self, text: &str) -> Result<Cell, Vec<cell::Problem>> {
+    pub(crate) fn read(&self, text: &str) -> Result<Cell, Vec<cell::Problem>> {
         let folder = self.path.as_deref().and_then(Path::parent);
         cell::read(text, &mut |name| {
             let folder = folder.ok_or("the example has no files beside it")?;
@@ -145,24 +142,28 @@ pub(crate) enum NotKept {
     Unwritten(String),
 }
 
-/// The two files as they stand, and the last plan made of them or of changes to them.
+/// Plans that are remembered: that of the page, and one more.
+const PLANS: usize = 2;
+
+/// The two files as they stand, and the last plans made of them or of changes to them.
 #[derive(Clone)]
 pub(crate) struct Desk(Arc<Inner>);
 
 struct Inner {
     files: Mutex<CellFiles>,
-    last: Mutex<Option<Arc<Plan>>>,
+    /// The last ones, the newest at the end.
+    plans: Mutex<VecDeque<Arc<Plan>>>,
     /// What its moves came to, for the next plan.
     memory: Mutex<Memory>,
 }
 
 impl Desk {
     pub(crate) fn new(files: CellFiles) -> Self {
-        let (files, last) = (Mutex::new(files), Mutex::new(None));
+        let (files, plans) = (Mutex::new(files), Mutex::default());
         // One by one: no core is left with a bundle of them while others have none.
         let all_cores =
             |count, job: Job<'_>| (0..count).into_par_iter().with_max_len(1).for_each(job);
-        Self(Arc::new(Inner { files, last, memory: Mutex::new(Memory::run_by(all_cores)) }))
+        Self(Arc::new(Inner { files, plans, memory: Mutex::new(Memory::run_by(all_cores)) }))
     }
 
     /// The files as they stand.
@@ -176,21 +177,65 @@ impl Desk {
         (cell.unwrap_or(files.cell), program.unwrap_or(files.program))
     }
 
-    /// What a program comes to in a cell; the last question is remembered.
-    pub(crate) fn plan(&self, cell: String, program: String) -> Arc<Plan> {
-        let last = || self.0.last.lock().unwrap_or_else(PoisonError::into_inner);
-        let known = || last().as_ref().filter(|plan| plan.is_of(&cell, &program)).map(Arc::clone);
+    fn plans(&self) -> MutexGuard<'_, VecDeque<Arc<Plan>>> {
+        self.0.plans.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// What a program comes to in a cell; the last questions are remembered.
+    pub(crate) fn plan(
+        &self,
+        cell: String,
+        program: String,
+        stop: Stop<'_>,
+    ) -> Result<Arc<Plan>, Interrupted> {
+        let known = || self.plans().iter().find(|plan| plan.is_of(&cell, &program)).map(Arc::clone);
         if let Some(plan) = known() {
-            return plan;
+            return Ok(plan);
         }
         // One plan after the other: each begins with what the one before came to.
         let mut memory = self.0.memory.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(plan) = known() {
-            return plan;
+            return Ok(plan);
         }
-        let plan = Arc::new(Plan::new(&self.files(), cell, program, &mut memory));
-        *last() = Some(Arc::clone(&plan));
-        plan
+        if stop() {
+            return Err(Interrupted);
+        }
+        let last = self.plans().back().map(Arc::clone);
+        let texts = (cell, program);
+        let plan = Arc::new(Plan::new(&self.files(), texts, &mut memory, last.as_deref(), stop)?);
+        let mut plans = self.plans();
+        plans.push_back(Arc::clone(&plan));
+        while plans.len() > PLANS {
+            plans.pop_front();
+        }
+        Ok(plan)
+    }
+
+    /// A plan that is remembered.
+    pub(crate) fn planned(&self, key: &str) -> Option<Arc<Plan>> {
+        self.plans().iter().find(|plan| plan.key == key).map(Arc::clone)
+    }
+
+    /// The picture of a cell standing still that is remembered.
+    pub(crate) fn scene(&self, key: &str) -> Option<Arc<Scene>> {
+        let plans = self.plans();
+        let mut scenes = plans.iter().filter_map(|plan| plan.scene.as_ref());
+        scenes.find(|scene| scene.key == key).map(Arc::clone)
+    }
+
+    /// The content of a window of a plan that is remembered.
+    pub(crate) fn window(
+        &self,
+        key: &str,
+    ) -> Option<Result<Vec<u8>, jointplay::format::export::Error>> {
+        let plans: Vec<Arc<Plan>> = self.plans().iter().map(Arc::clone).collect();
+        plans.iter().rev().find_map(|plan| plan.window(key))
+    }
+
+    /// Keys of the plans that are remembered.
+    #[cfg(test)]
+    pub(crate) fn remembered(&self) -> Vec<String> {
+        self.plans().iter().map(|plan| plan.key.clone()).collect()
     }
 
     /// How much of the distances in the last plan was known from the one before.
@@ -229,127 +274,4 @@ impl Desk {
         *files = new.clone();
         Ok(new)
     }
-}
-
-/// What a program comes to in a cell, as far as it comes.
-pub(crate) struct Plan {
-    cell_text: String,
-    program_text: String,
-    pub(crate) cell: Option<Cell>,
-    /// All that is wrong before anything moves.
-    pub(crate) problems: Vec<ProblemAt>,
-    pub(crate) motion: Option<Motion>,
-    pub(crate) report: Option<Report>,
-    flaws: Vec<Flaw>,
-}
-
-impl Plan {
-    fn new(
-        files: &CellFiles,
-        cell_text: String,
-        program_text: String,
-        memory: &mut Memory,
-    ) -> Self {
-        let mut plan = Self {
-            cell_text,
-            program_text,
-            cell: None,
-            problems: Vec::new(),
-            motion: None,
-            report: None,
-            flaws: Vec::new(),
-        };
-        match files.read(&plan.cell_text) {
-            Ok(cell) => plan.cell = Some(cell),
-            Err(problems) => plan.problems.extend(
-                problems.iter().map(|one| ProblemAt::new(Of::Cell, &one.place, one.to_string())),
-            ),
-        }
-        let (program, unread) = program::parse_what_can_be(&plan.program_text);
-        let mut wrong: Vec<ProblemAt> = unread
-            .iter()
-            .map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string()))
-            .collect();
-        if let (Some(cell), false) = (&plan.cell, wrong.is_empty()) {
-            wrong.extend(Stopped::Steps(wrong_lines(cell, &program)).told(&plan.program_text));
-            wrong.sort_by_key(|one| (one.line, one.column));
-        }
-        let readable = wrong.is_empty();
-        plan.problems.append(&mut wrong);
-        if let (Some(cell), true) = (&plan.cell, readable) {
-            match motion(cell, &program, memory) {
-                Ok(motion) => {
-                    let report = memory.check(cell, &motion, &CheckOptions::default());
-                    plan.flaws = report::flaws(&report);
-                    (plan.motion, plan.report) = (Some(motion), Some(report));
-                }
-                Err(stopped) => plan.problems.extend(stopped.told(&plan.program_text)),
-            }
-        }
-        plan
-    }
-
-    fn is_of(&self, cell: &str, program: &str) -> bool {
-        self.cell_text == cell && self.program_text == program
-    }
-
-    /// What `jointplay cell check` says of it.
-    pub(crate) fn document(&self) -> Option<report::CellReport> {
-        let (cell, motion, report) =
-            (self.cell.as_ref()?, self.motion.as_ref()?, self.report.as_ref()?);
-        Some(report::cell(cell, &self.program_text, motion, report))
-    }
-
-    /// The motion as exports take it.
-    pub(crate) fn recording(&self) -> Option<Recording<'_>> {
-        Some(Recording {
-            cell: self.cell.as_ref()?,
-            motion: self.motion.as_ref()?,
-            program: &self.program_text,
-            flaws: &self.flaws,
-        })
-    }
-}
-
-/// Why a program comes to no motion.
-enum Stopped {
-    Steps(Vec<ProgramError>),
-    Times(MotionError),
-}
-
-impl Stopped {
-    /// All that is wrong with the text, the same at one place once.
-    fn told(&self, text: &str) -> Vec<ProblemAt> {
-        let mut told: Vec<ProblemAt> = Vec::new();
-        let mut tell = |problem: ProblemAt| {
-            if !told.contains(&problem) {
-                told.push(problem);
-            }
-        };
-        match self {
-            Self::Steps(errors) => errors.iter().for_each(|error| {
-                let error = program::explain(text, error);
-                tell(ProblemAt::new(Of::Program, &error.place, error.to_string()));
-            }),
-            Self::Times(error) => error.problems.iter().for_each(|one| {
-                let Place { line, column } = one.place;
-                let message = one.message.clone();
-                tell(ProblemAt { of: Of::Program, line, column, width: 0, message });
-            }),
-        }
-        told
-    }
-}
-
-fn motion(cell: &Cell, program: &Program, memory: &mut Memory) -> Result<Motion, Stopped> {
-    let steps = memory.expand(cell, program).map_err(Stopped::Steps)?;
-    memory.timed(cell, steps, &MotionOptions::default()).map_err(Stopped::Times)
-}
-
-/// The robot standing at home in a cell, for a picture of it where there is no motion.
-pub(crate) fn standing(cell: &Cell) -> Option<Motion> {
-    let place = Place { line: 1, column: 1 };
-    let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
-    let program = Program { body: vec![wait], routines: Vec::new() };
-    motion(cell, &program, &mut Memory::default()).ok()
 }

@@ -21,6 +21,7 @@
 mod app;
 mod body;
 mod cell;
+mod cell_plan;
 mod guard;
 mod meshes;
 mod page;

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use axum::http::StatusCode;
+use jointplay::cell::Stop;
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
 
 use crate::problem::Problem;
@@ -63,17 +64,38 @@ impl Work {
         &self,
         compute: impl FnOnce() -> Result<T, Problem> + Send + 'static,
     ) -> Result<T, Problem> {
+        self.run_while_awaited(|_| compute()).await
+    }
+
+    /// The same of a computation that asks now and then whether it shall stop: when the client is gone, when it took too long, and when the server ends.
+    pub(crate) async fn run_while_awaited<T: Send + 'static>(
+        &self,
+        compute: impl FnOnce(Stop<'_>) -> Result<T, Problem> + Send + 'static,
+    ) -> Result<T, Problem> {
+        // Dropped with this future, which nobody awaits any more then.
+        let awaited = Arc::new(());
+        let (gone, stopping) = (Arc::downgrade(&awaited), Arc::clone(&self.stopping));
         let turn = Arc::clone(&self.turns).acquire_owned();
         let Ok(Ok(turn)) = tokio::time::timeout(LONGEST_WAIT, turn).await else {
             let detail = "all cores are busy with other requests; try again in a while";
             return Err(Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail));
         };
         let computed = tokio::task::spawn_blocking(move || {
-            let answer = compute();
+            let stop = move || gone.strong_count() == 0 || stopping.load(Ordering::Relaxed);
+            let answer = compute(&stop);
             drop(turn);
             answer
         });
-        computed.await.unwrap_or_else(|_| Err(Problem::broken("the computation broke down")))
+        let answer = computed.await;
+        drop(awaited);
+        answer.unwrap_or_else(|_| Err(Problem::broken("the computation broke down")))
+    }
+
+    /// Computations that run at the moment.
+    #[cfg(test)]
+    pub(crate) fn running(&self) -> usize {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        cores - self.turns.available_permits()
     }
 
     /// Tells long computations to end.

@@ -1,6 +1,8 @@
 // The server's API. Types come from its own description, `openapi.json`, by `npm run types`.
 
 import type { Command, Metric, Motion } from '../lib/document';
+import { changedLines } from '../lib/lines';
+import { unpack } from '../lib/motion';
 import { metres, radians } from '../lib/units';
 import type { components } from './schema';
 
@@ -12,11 +14,12 @@ export type AnswerDocument = Schemas['AnswerDocument'];
 export type MobilityDocument = Schemas['MobilityDocument'];
 export type CellDocument = Schemas['CellDocument'];
 export type PlanDocument = Schemas['PlanDocument'];
+export type InstructionDocument = Schemas['InstructionReport'];
 export type StationDocument = Schemas['StationDocument'];
 export type JogDocument = Schemas['JogDocument'];
 /** Where the robot of the cell is moved to, in m and rad. */
 export type Jog = Schemas['Jog'];
-export type JogQuestion = Omit<Schemas['JogRequest'], 'cell' | 'program'>;
+export type JogQuestion = Omit<Schemas['JogRequest'], 'cell' | 'program' | 'plan'>;
 export type ViolationDocument = Schemas['ViolationReport'];
 export type StationChange = Omit<Schemas['StationRequest'], 'cell' | 'station'>;
 export type ModelChoice = Schemas['ModelChoice'];
@@ -151,32 +154,46 @@ export async function saveCell(texts: CellTexts, replaces: string | null): Promi
   return (await ask('cell', body, undefined, 'PUT')).json() as Promise<CellDocument>;
 }
 
-/** The robot of the cell, moved by hand. */
-export async function jog(texts: CellTexts, question: JogQuestion): Promise<JogDocument> {
-  return (await ask('cell/jog', { ...texts, ...question })).json() as Promise<JogDocument>;
+/** The robot of the cell, moved by hand; a plan that the server has forgotten is sent again. */
+export async function jog(planned: { texts: CellTexts; key: string }, question: JogQuestion): Promise<JogDocument> {
+  try {
+    return (await (await ask('cell/jog', { plan: planned.key, ...question })).json()) as JogDocument;
+  } catch (error) {
+    if (!(error instanceof Refused && error.status === 404)) throw error;
+  }
+  return (await ask('cell/jog', { ...planned.texts, ...question })).json() as Promise<JogDocument>;
 }
 
-/** What a program comes to in a cell. */
-export async function plan(texts: CellTexts, signal: AbortSignal): Promise<PlanDocument> {
+/** What a program comes to in a cell; of texts that the server has planned before, only what changed is sent. */
+export async function plan(texts: CellTexts, before: { texts: CellTexts; key: string } | null, signal: AbortSignal): Promise<PlanDocument> {
+  if (before)
+    try {
+      const since = { plan: before.key, cell: changedLines(before.texts.cell, texts.cell), program: changedLines(before.texts.program, texts.program) };
+      return (await (await ask('cell/plan', { since }, signal)).json()) as PlanDocument;
+    } catch (error) {
+      if (!(error instanceof Refused && error.field === 'since')) throw error;
+    }
   return (await ask('cell/plan', texts, signal)).json() as Promise<PlanDocument>;
 }
 
-/** Keys of the motion, between which the page goes by cubics; a power of two, whose times single precision holds exactly [Hz]. */
-const CELL_KEYS_HZ = 32;
-
-/** Even samples of the motion, for plots [Hz]. */
-const CELL_SAMPLES_HZ = 25;
-
-/** The cell in motion, as binary glTF. */
-export async function cellMotion(texts: CellTexts, signal: AbortSignal): Promise<ArrayBuffer> {
-  return (await ask('cell/motion.glb', { ...texts, rate_hz: CELL_KEYS_HZ }, signal)).arrayBuffer();
+/** The cell standing still, as binary glTF. */
+export async function cellScene(key: string, signal: AbortSignal): Promise<ArrayBuffer> {
+  return (await ask(`cell/scenes/${key}`, undefined, signal)).arrayBuffer();
 }
 
-/** The motion sample by sample, no peak left out, as a stream in Arrow's format. */
-export async function cellSamples(texts: CellTexts, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
-  const response = await ask('cell/samples', { ...texts, rate_hz: CELL_SAMPLES_HZ, peaks: true }, signal);
-  if (!response.body) throw new Away('the server sent no samples');
-  return response.body;
+/** What happens in a window of a motion. */
+export async function cellWindow(key: string): Promise<ArrayBuffer> {
+  return (await ask(`cell/windows/${key}`)).arrayBuffer();
+}
+
+/** Least and largest values of all axes in windows of a plan. */
+export async function cellOverview(plan: string, windows: number[]): Promise<Float64Array> {
+  return unpack(await (await ask('cell/overview', { plan, windows })).arrayBuffer()).numbers;
+}
+
+/** A hundred instructions of a plan, by the number of their page. */
+export async function cellInstructions(plan: string, page: number): Promise<Schemas['InstructionsPage']> {
+  return (await ask(`cell/plans/${plan}/instructions/${page}`)).json() as Promise<Schemas['InstructionsPage']>;
 }
 
 /** The text of the cell with new values of one station; its comments stay. */

@@ -3,8 +3,8 @@
 import * as api from '../api/client';
 import { Away, Refused, type PlanDocument, type StationDocument } from '../api/client';
 import { History } from '../lib/history';
-import { readArrow } from '../lib/arrow';
 import { Jogger } from './jogger.svelte';
+import { Forgotten, Timeline } from './timeline.svelte';
 
 interface Texts {
   cell: string;
@@ -27,11 +27,6 @@ const REST_MS = 250;
 const RETRY_MS = 1000;
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
-export interface Series {
-  name: string;
-  values: ArrayLike<number>;
-}
-
 export class Desk {
   file = $state<string | null>(null);
   texts = $state.raw<Texts>({ cell: '', program: '' });
@@ -39,20 +34,18 @@ export class Desk {
   plan = $state.raw<PlanDocument | null>(null);
   /** The stations of the last cell that could be read: what is wrong with it can be mended here too. */
   stations = $state.raw<StationDocument[]>([]);
-  /** The cell in motion, as glTF. */
+  /** The cell standing still, as glTF. */
   shape = $state.raw<ArrayBuffer | null>(null);
-  /** The motion sample by sample. */
-  series = $state.raw<Series[]>([]);
-  /** Grows with each motion. */
-  seriesVersion = $state(0);
+  /** The motion of the plan, as far as it has been fetched. */
+  readonly timeline = new Timeline((error) => this.failed(error instanceof Forgotten ? null : error, () => void this.replan(true)));
   /** The stretch of time that bars and plots show [s]; all where there is none. */
   range = $state.raw<[number, number] | null>(null);
   state = $state<'starting' | 'planning' | 'ready' | 'away'>('starting');
   notice = $state<string | null>(null);
   /** The files changed on the disk: what is here cannot be kept without a decision. */
   overtaken = $state(false);
-  /** The texts that the plan on show was made of. */
-  planned = $state.raw<Texts | null>(null);
+  /** The texts that the plan on show was made of, and its key. */
+  planned = $state.raw<{ texts: Texts; key: string } | null>(null);
   /** Whether the cell can be read, so that its robot can be moved. */
   movable = $derived((this.plan?.robot ?? null) !== null);
   /** Points taught of stations that have not enough for a plane [m]. */
@@ -94,26 +87,19 @@ export class Desk {
   took_ms = $state(0);
   changed = $derived(this.texts.cell !== this.saved.cell || this.texts.program !== this.saved.program);
   duration = $derived(this.plan?.report?.duration_s ?? 0);
+  /** What moves at the moment shown; none while it is fetched. */
+  moment = $derived(this.timeline.moment(this.time));
   /** The step that runs at the moment shown. */
-  step = $derived.by(() => {
-    const steps = this.plan?.steps ?? [];
-    let low = 0;
-    let high = steps.length;
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (steps[middle]!.start_s <= this.time) low = middle + 1;
-      else high = middle;
-    }
-    return steps[low - 1] ?? null;
-  });
+  step = $derived(this.moment?.step ?? null);
   /** What is broken at the moment shown. */
-  broken = $derived((this.plan?.report?.violations ?? []).filter(({ start_s, end_s }) => start_s - 1e-3 <= this.time && this.time <= end_s + 1e-3));
+  broken = $derived(this.timeline.broken(this.time));
+  /** Whether the moment shown is still fetched. */
+  fetching = $derived(this.duration > 0 && this.moment === null);
 
   #history = new History<Work>({ texts: this.texts, points: {} });
   #version: string | null = null;
-  #plotted = false;
-  /** The texts whose motion the samples are of. */
-  #told: Texts | null = null;
+  /** Key of the picture of the cell. */
+  #scene: string | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
@@ -136,7 +122,8 @@ export class Desk {
 
   failed(error: unknown, again: () => void = () => undefined): void {
     if (error instanceof DOMException && error.name === 'AbortError') return;
-    if (error instanceof Away) {
+    if (error === null) again();
+    else if (error instanceof Away) {
       this.state = 'away';
       clearTimeout(this.#timer);
       this.#timer = setTimeout(again, RETRY_MS);
@@ -183,7 +170,8 @@ export class Desk {
     void this.replan();
   }
 
-  async replan(): Promise<void> {
+  /** Plans the texts; where the server has forgotten the last plan, that is not what they are told by. */
+  async replan(whole = false): Promise<void> {
     this.#abort?.abort();
     const abort = new AbortController();
     this.#abort = abort;
@@ -191,48 +179,28 @@ export class Desk {
     const begun = performance.now();
     try {
       const { texts } = this;
-      const plan = await api.plan(texts, abort.signal);
+      const plan = await api.plan(texts, whole ? null : this.planned, abort.signal);
       if (abort.signal.aborted) return;
       if (plan.report?.duration_s !== this.plan?.report?.duration_s) this.range = null;
       this.plan = plan;
-      this.planned = texts;
+      this.timeline.show(plan);
+      this.planned = { texts, key: plan.key };
       if (plan.stations.length > 0) this.stations = plan.stations;
       this.dragged = null;
       this.took_ms = performance.now() - begun;
       if (this.time > this.duration) this.time = this.duration;
+      this.timeline.want(this.time, this.range);
       this.jog.renew();
       // Where the cell cannot be read, the last one that could stays in view.
-      if (!plan.problems.some(({ of }) => of === 'cell')) this.shape = await api.cellMotion(texts, abort.signal);
-      this.#told = null;
-      await this.#sample(texts, abort.signal);
+      if (plan.scene !== null && plan.scene !== this.#scene) {
+        this.shape = await api.cellScene(plan.scene, abort.signal);
+        this.#scene = plan.scene;
+      }
       if (abort.signal.aborted) return;
       this.state = 'ready';
     } catch (error) {
       if (!abort.signal.aborted) this.failed(error, () => void this.replan());
     }
-  }
-
-  /** Whether the motion is plotted: nobody else wants its samples. */
-  async plot(on: boolean): Promise<void> {
-    this.#plotted = on;
-    const abort = this.#abort;
-    if (!abort || !this.planned) return;
-    try {
-      await this.#sample(this.planned, abort.signal);
-    } catch (error) {
-      if (!abort.signal.aborted) this.failed(error, () => void this.plot(this.#plotted));
-    }
-  }
-
-  /** The motion of the plan on show sample by sample, where it is wanted and not there yet. */
-  async #sample(texts: Texts, signal: AbortSignal): Promise<void> {
-    if (this.#told === texts) return;
-    const wanted = this.#plotted && this.plan?.report;
-    const series = wanted ? await read(await api.cellSamples(texts, signal)) : [];
-    if (signal.aborted || this.#told === texts) return;
-    this.#told = this.#plotted ? texts : null;
-    this.series = series;
-    this.seriesVersion += 1;
   }
 
   /** New values of a station, written into the text of the cell. */
@@ -347,16 +315,11 @@ export class Desk {
         return;
       }
     }
-    this.time = to;
+    // It waits for what is not there yet.
+    this.timeline.want(to, null);
+    if (this.timeline.moment(to)) this.time = to;
     this.#frame = requestAnimationFrame((next) => this.#tick(next));
   }
-}
-
-async function read(stream: ReadableStream<Uint8Array>): Promise<Series[]> {
-  const { fields, batches } = await readArrow(stream);
-  for await (const batch of batches)
-    return fields.map((name) => ({ name, values: batch.getChild(name)!.toArray() as ArrayLike<number> }));
-  return [];
 }
 
 export const desk = new Desk();

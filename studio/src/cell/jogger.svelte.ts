@@ -6,8 +6,8 @@ import type { CellTexts } from '../api/client';
 
 /** What the jogger needs to know of the desk. */
 export interface Bench {
-  /** The texts that the plan on show was made of. */
-  readonly planned: CellTexts | null;
+  /** The texts that the plan on show was made of, and its key. */
+  readonly planned: { texts: CellTexts; key: string } | null;
   /** Whether the cell can be read. */
   readonly movable: boolean;
   readonly time: number;

@@ -1,7 +1,6 @@
-// The cell in three dimensions: what the server tells as glTF, at any time of its one animation. Metres.
+// The cell in three dimensions: what the server tells as glTF, with its frames where the motion has them. Metres.
 
 import {
-  AnimationMixer,
   Box3,
   DirectionalLight,
   GridHelper,
@@ -18,22 +17,14 @@ import {
   type Material,
 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
-import type { JogDocument, StationDocument } from '../api/client';
+import type { StationDocument } from '../api/client';
+import type { Frame } from '../lib/kinematics';
 import { Handles, type Freedom } from '../scene/handles';
 import { SCENE, type Theme } from '../scene/palette';
 import { paintGrid, Stage, type Captions, type StageEvents } from '../scene/stage';
 
 const VIEWS = { home: [-0.75, -1, 0.9], top: [0, -1e-3, 1], front: [0, -1, 0.12], left: [-1, 0, 0.12] } as const;
 export type CellView = keyof typeof VIEWS;
-
-type Frame = JogDocument['frames'][number];
-
-/** A slot that a wafer lies in, as its node is called, and when [s]. */
-interface Lying {
-  slot: string;
-  from_s: number;
-  to_s: number;
-}
 
 export interface CellViewerEvents extends StageEvents {
   /** A part was clicked; none where there is none. */
@@ -55,21 +46,18 @@ export class CellViewer extends Stage {
   readonly #broken = new MeshStandardMaterial({ color: 0xd62f1f, emissive: 0x8a1208, roughness: 0.6, transparent: true, opacity: 0.7, depthWrite: false });
   readonly #chosen = new MeshStandardMaterial({ color: 0xf0b000, emissive: 0x5a3d00, roughness: 0.6, transparent: true, opacity: 0.55, depthWrite: false });
   #whole: Object3D | null = null;
-  #mixer: AnimationMixer | null = null;
-  #duration = 0;
-  #time = 0;
   #materials = new Map<Mesh, Material | Material[]>();
   /** What moves, by name. */
   #frames = new Map<string, Object3D>();
   /** What belongs to a station, by its name: slots and bodies. */
   #ofStation = new Map<string, Object3D[]>();
-  /** Wafers, and where each lies when. */
-  #wafers: { part: Object3D; lies: Lying[] }[] = [];
-  /** Where the frames were before the robot was moved by hand. */
-  #before: Map<Object3D, { place: Vector3; turn: Quaternion }> | null = null;
+  /** Where the frames are while the robot stands at home. */
+  #home: Frame[] = [];
+  /** The slot that each wafer lies in, by the names of both. */
+  #lying: ReadonlyMap<string, string> = new Map();
   #stations: { name: string; at: Vector3 }[] = [];
   #theme: Theme = 'light';
-  #posed: Frame[] | null = null;
+  #placed: readonly Frame[] | null = null;
   /** A station that is dragged, with its slots, its bodies and what lies in it. */
   #nudged: { station: string; slots: Set<string>; group: Group } | null = null;
   #loads = 0;
@@ -108,10 +96,10 @@ export class CellViewer extends Stage {
     return [...new Set([...this.#materials.keys()].map((mesh) => nameOf(mesh)))];
   }
 
-  /** Shows another cell or another motion of it; the eye stays where it is. */
+  /** Shows another cell; the eye stays where it is. */
   async load(file: ArrayBuffer, stations: { name: string; position_mm: number[] }[]): Promise<void> {
     const load = ++this.#loads;
-    const { scene, animations } = await new GLTFLoader().parseAsync(file, '');
+    const { scene } = await new GLTFLoader().parseAsync(file, '');
     if (load !== this.#loads) return;
     const first = this.#whole === null;
     this.#drop();
@@ -122,45 +110,28 @@ export class CellViewer extends Stage {
       const { name } = part.userData as { name?: string };
       // A body may be called as the frame that it is on, which comes first.
       if (name && !this.#frames.has(name)) this.#frames.set(name, part);
-      const { lies, station } = part.userData as { lies?: Lying[]; station?: string };
+      const { station } = part.userData as { station?: string };
       if (station) this.#ofStation.set(station, [...(this.#ofStation.get(station) ?? []), part]);
-      if (lies) this.#wafers.push({ part, lies });
     });
     this.#whole = scene;
     this.scene.add(scene);
-    const [motion] = animations;
-    this.#mixer = motion ? new AnimationMixer(scene) : null;
-    this.#duration = motion?.duration ?? 0;
-    if (motion) this.#mixer?.clipAction(motion).play();
+    this.#home = [...this.#frames].map(([name, { position, quaternion }]) => ({ name, origin_m: position.toArray(), quaternion: quaternion.toArray() }));
     this.#stations = stations.map(({ name, position_mm: [x, y, z] }) => ({ name, at: new Vector3(x! / 1000, y! / 1000, z! / 1000 + 0.02) }));
-    this.at(this.#time);
+    this.place(this.#placed, this.#lying);
     this.#mark();
-    if (this.#posed) this.#place(this.#posed);
     if (first) this.look('home');
   }
 
-  /** Shows a moment of the motion [s]. */
-  at(time: number): void {
-    this.#time = time;
-    this.#gather();
-    if (this.#before) return;
-    // At its very end an animation begins anew.
-    this.#mixer?.setTime(Math.min(Math.max(time, 0), Math.max(this.#duration - 1e-6, 0)));
-    this.invalidate();
-  }
-
-  /** Shows the robot moved by hand, with what it carries; `null` gives it back to the motion. */
-  pose(frames: Frame[] | null): void {
-    this.#posed = frames;
-    if (frames) this.#place(frames);
-    else if (this.#before) {
-      for (const [part, { place, turn }] of this.#before) {
-        part.position.copy(place);
-        part.quaternion.copy(turn);
-      }
-      this.#before = null;
-      this.at(this.#time);
+  /** Puts the frames where they are at a moment, and notes which wafer lies in which slot; without frames, the robot stands at home. */
+  place(frames: readonly Frame[] | null, lying: ReadonlyMap<string, string>): void {
+    this.#placed = frames;
+    this.#lying = lying;
+    for (const { name, origin_m, quaternion } of frames ?? this.#home) {
+      const part = this.#frames.get(name);
+      part?.position.fromArray(origin_m);
+      part?.quaternion.fromArray(quaternion);
     }
+    this.#gather();
     this.invalidate();
   }
 
@@ -170,19 +141,6 @@ export class CellViewer extends Stage {
     if (!part) return null;
     this.#whole?.updateMatrixWorld(true);
     return part.getWorldPosition(new Vector3()).toArray();
-  }
-
-  #place(frames: Frame[]): void {
-    if (!this.#before) {
-      this.#before = new Map();
-      for (const part of this.#frames.values()) this.#before.set(part, { place: part.position.clone(), turn: part.quaternion.clone() });
-    }
-    for (const { name, origin_m, quaternion } of frames) {
-      const part = this.#frames.get(name);
-      part?.position.fromArray(origin_m);
-      part?.quaternion.fromArray(quaternion);
-    }
-    this.invalidate();
   }
 
   /** Marks parts by name: those that break something now, and the one that is chosen. */
@@ -271,8 +229,10 @@ export class CellViewer extends Stage {
   #gather(): void {
     if (!this.#nudged) return;
     const { slots } = this.#nudged;
-    for (const { part, lies } of this.#wafers)
-      this.#regroup(part, lies.some(({ slot, from_s, to_s }) => slots.has(slot) && from_s <= this.#time && this.#time <= to_s));
+    for (const [name, slot] of this.#lying) {
+      const part = this.#frames.get(name);
+      if (part) this.#regroup(part, slots.has(slot));
+    }
   }
 
   paint(theme: Theme): void {
@@ -310,17 +270,13 @@ export class CellViewer extends Stage {
   }
 
   #drop(): void {
-    this.#mixer?.stopAllAction();
-    this.#mixer = null;
     for (const [mesh, own] of this.#materials) {
       mesh.geometry.dispose();
       for (const one of [own].flat()) one.dispose();
     }
     this.#materials = new Map();
     this.#frames = new Map();
-    this.#wafers = [];
     this.#ofStation = new Map();
-    this.#before = null;
     this.#nudged = null;
     if (this.#whole) this.scene.remove(this.#whole);
     this.#whole = null;

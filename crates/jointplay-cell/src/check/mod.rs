@@ -30,12 +30,13 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use crate::cell::{Cell, ZoneRule};
-use crate::memory::{Kept, Key, Reuse, Run, anew, each, one_by_one};
+use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, each, whole};
 use crate::motion::{Motion, Way};
 use crate::solid::Solids;
 use alone::Alone;
 use near::Near;
-use steps::{Among, Steps};
+use scene::Scene;
+use steps::{Among, Start, Steps};
 use summary::Summary;
 
 /// How closely a motion is looked at.
@@ -76,8 +77,11 @@ impl Default for CheckOptions {
 /// Links and wafers are rigid where distances are concerned; wafers lie as flat discs, lowered and turned by the droop of their arm.
 #[must_use]
 pub fn check(cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
-    Checks::default().check(cell, motion, options, &one_by_one)
+    whole(Checks::default().check(cell, motion, options, Run::one_by_one()))
 }
+
+/// Steps that are checked at a time: memory for what they are among does not grow with the motion.
+const AT_A_TIME: usize = 1024;
 
 /// What was found of the steps of the last motion, by what it depends on.
 #[derive(Default)]
@@ -96,63 +100,86 @@ impl Checks {
         motion: &Motion,
         options: &CheckOptions,
         run: Run<'_>,
-    ) -> Report {
+    ) -> Result<Report, Interrupted> {
         let shared = shared(cell, options);
         self.solids.begin();
         self.moves.begin(&shared);
         self.distances.begin(&shared);
-        let (steps, starts) = Steps::new(cell, motion, options, &mut self.solids, run);
-        // By themselves, and among what is near them while their samples are at hand.
-        let unknown = starts.iter().map(|start| &start.key).enumerate();
-        let unknown = unknown.filter(|(_, key)| !self.moves.knows(key));
-        let mut by_themselves = anew(unknown, run, |index| {
-            steps.with_course(|course| {
-                let alone = steps.alone(&starts[index], index, course);
-                let among = steps.among(&starts[index], index, &alone);
-                let near = (!self.distances.knows(&among.key))
-                    .then(|| steps.near(&starts[index], index, (&alone, &among), course));
-                (alone, among, near)
-            })
-        });
-        let mut nears: BTreeMap<Key, Near> = BTreeMap::new();
-        let (mut alone, mut near_it) = (Vec::with_capacity(starts.len()), BTreeMap::new());
-        for (index, start) in starts.iter().enumerate() {
-            let Ok(found) = self.moves.get::<Infallible>(start.key.clone(), || {
-                let (found, among, near) =
-                    by_themselves.remove(&start.key).expect("what is not known was looked at");
-                nears.extend(near.map(|near| (among.key.clone(), near)));
-                near_it.insert(index, among);
-                Ok((found, motion.way_of(index)))
-            });
-            alone.push(found);
-        }
-        let among = each(starts.len(), run, |index| match near_it.get(&index) {
-            Some(_) => None,
-            None => Some(steps.among(&starts[index], index, &alone[index].0)),
-        });
-        let among = among.into_iter().enumerate();
-        let among: Vec<Among> =
-            among.filter_map(|(index, among)| among.or_else(|| near_it.remove(&index))).collect();
-        // Moves that are known, among other things than before.
-        let unknown = among.iter().map(|among| &among.key).enumerate();
-        let unknown =
-            unknown.filter(|(_, key)| !(self.distances.knows(key) || nears.contains_key(*key)));
-        let others = anew(unknown, run, |index| {
-            let things = (&alone[index].0, &among[index]);
-            steps.with_course(|course| steps.near(&starts[index], index, things, course))
-        });
-        nears.extend(others);
         let mut summary = Summary::new(cell, motion);
-        for (index, (alone, among)) in alone.iter().zip(&among).enumerate() {
-            let Ok(near) = self.distances.get::<Infallible>(among.key.clone(), || {
-                Ok(nears.remove(&among.key).expect("what is not known was looked at"))
-            });
-            summary.add(steps.scene(&starts[index]), index, &alone.0, &near, &among.items);
+        let mut scene = Scene::new(cell, &mut self.solids);
+        for first in (0..motion.steps.len()).step_by(AT_A_TIME) {
+            let range = first..(first + AT_A_TIME).min(motion.steps.len());
+            let (steps, starts) =
+                Steps::new((motion, range), options, scene, &mut self.solids, run)?;
+            self.some((&steps, &starts), first, motion, run, &mut summary)?;
+            scene = steps.into_last();
         }
         self.solids.end();
         self.moves.end();
         self.distances.end();
-        summary.finished(steps.last())
+        Ok(summary.finished(&scene))
+    }
+
+    /// Checks some steps, from the first one on.
+    fn some(
+        &mut self,
+        (steps, starts): (&Steps<'_>, &[Start]),
+        first: usize,
+        motion: &Motion,
+        run: Run<'_>,
+        summary: &mut Summary<'_>,
+    ) -> Result<(), Interrupted> {
+        // By themselves, and among what is near them while their samples are at hand.
+        let unknown = starts.iter().map(|start| &start.key).enumerate();
+        let unknown = unknown.filter(|(_, key)| !self.moves.knows(key));
+        let mut by_themselves = anew(unknown, run, |place| {
+            steps.with_course(|course| {
+                let alone = steps.alone(&starts[place], first + place, course);
+                let among = steps.among(&starts[place], first + place, &alone);
+                let near = (!self.distances.knows(&among.key)).then(|| {
+                    steps.near(&starts[place], first + place, (&alone, &among), course)
+                });
+                (alone, among, near)
+            })
+        })?;
+        let mut nears: BTreeMap<Key, Near> = BTreeMap::new();
+        let (mut alone, mut near_it) = (Vec::with_capacity(starts.len()), BTreeMap::new());
+        for (place, start) in starts.iter().enumerate() {
+            let Ok(found) = self.moves.get::<Infallible>(start.key.clone(), || {
+                let (found, among, near) =
+                    by_themselves.remove(&start.key).expect("what is not known was looked at");
+                nears.extend(near.map(|near| (among.key.clone(), near)));
+                near_it.insert(place, among);
+                Ok((found, motion.way_of(first + place)))
+            });
+            alone.push(found);
+        }
+        let among = each(starts.len(), run, |place| match near_it.get(&place) {
+            Some(_) => None,
+            None => Some(steps.among(&starts[place], first + place, &alone[place].0)),
+        })?;
+        let among = among.into_iter().enumerate();
+        let among: Vec<Among> =
+            among.filter_map(|(place, among)| among.or_else(|| near_it.remove(&place))).collect();
+        // Moves that are known, among other things than before.
+        let unknown = among.iter().map(|among| &among.key).enumerate();
+        let unknown =
+            unknown.filter(|(_, key)| !(self.distances.knows(key) || nears.contains_key(*key)));
+        let others = anew(unknown, run, |place| {
+            let things = (&alone[place].0, &among[place]);
+            steps.with_course(|course| {
+                steps.near(&starts[place], first + place, things, course)
+            })
+        })?;
+        nears.extend(others);
+        for (place, (alone, among)) in alone.iter().zip(&among).enumerate() {
+            let Ok(near) = self.distances.get::<Infallible>(among.key.clone(), || {
+                Ok(nears.remove(&among.key).expect("what is not known was looked at"))
+            });
+            let scene = steps.scene(&starts[place]);
+            summary.add(scene, first + place, &alone.0, &near, &among.items);
+        }
+        Ok(())
     }
 
     pub(crate) fn reuse_of_moves(&self) -> Reuse {

@@ -1,5 +1,6 @@
 //! What each step of a motion depends on, and how it is looked at.
 
+use std::ops::Range;
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::CheckOptions;
@@ -8,13 +9,12 @@ use super::course::{Around, Course};
 use super::near::{Look, Near, Pair};
 use super::scene::{Holder, Rule, Scene};
 use super::travel::{Gearing, Levers, common};
-use crate::cell::Cell;
-use crate::memory::{Key, Run, each};
+use crate::memory::{Interrupted, Key, Run, each};
 use crate::motion::Motion;
 use crate::program::{Phase, Step};
 use crate::solid::Solids;
 
-/// All steps of a motion, and what they are among.
+/// Some steps of a motion, and what they are among.
 pub(super) struct Steps<'a> {
     motion: &'a Motion,
     options: &'a CheckOptions,
@@ -134,17 +134,22 @@ impl Start {
 }
 
 impl<'a> Steps<'a> {
-    /// Of a motion, with what each step by itself depends on.
+    /// Some steps of a motion, with what each by itself depends on.
+    ///
+    /// # Arguments
+    /// * `scene` – before the first of them
     pub(super) fn new(
-        cell: &'a Cell,
-        motion: &'a Motion,
+        (motion, range): (&'a Motion, Range<usize>),
         options: &'a CheckOptions,
+        scene: Scene<'a>,
         solids: &mut Solids,
         run: Run<'_>,
-    ) -> (Self, Vec<Start>) {
-        let mut scenes = vec![Scene::new(cell, solids)];
-        let mut scene_of = Vec::with_capacity(motion.steps.len());
-        for step in &motion.steps {
+    ) -> Result<(Self, Vec<Start>), Interrupted> {
+        let robot = &scene.cell.robot;
+        let mut scenes = vec![scene];
+        let mut scene_of = Vec::with_capacity(range.len());
+        for step in &motion.steps[range.clone()] {
+            run.poll()?;
             let last = scenes.len() - 1;
             scene_of.push(last);
             if let Some(handover) = step.handover {
@@ -153,11 +158,12 @@ impl<'a> Steps<'a> {
                 scenes.push(next);
             }
         }
-        let casts = each(scenes.len(), run, |scene| Cast::new(&scenes[scene]));
+        let casts = each(scenes.len(), run, |scene| Cast::new(&scenes[scene]))?;
         let of = |index: usize| (scene_of[index], &casts[scene_of[index]]);
-        let starts = each(motion.steps.len(), run, |index| Start::new(motion, index, of(index)));
-        let (gearing, courses) = (Gearing::new(&cell.robot), Mutex::default());
-        (Self { motion, options, gearing, scenes, casts, courses }, starts)
+        let start = |place: usize| Start::new(motion, range.start + place, of(place));
+        let starts = each(range.len(), run, start)?;
+        let (gearing, courses) = (Gearing::new(robot), Mutex::default());
+        Ok((Self { motion, options, gearing, scenes, casts, courses }, starts))
     }
 
     pub(super) fn scene(&self, start: &Start) -> &Scene<'a> {
@@ -165,8 +171,8 @@ impl<'a> Steps<'a> {
     }
 
     /// After the last step.
-    pub(super) fn last(&self) -> &Scene<'a> {
-        &self.scenes[self.scenes.len() - 1]
+    pub(super) fn into_last(mut self) -> Scene<'a> {
+        self.scenes.swap_remove(self.scenes.len() - 1)
     }
 
     /// Does something in the room that was used before.

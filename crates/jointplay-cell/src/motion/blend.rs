@@ -7,7 +7,7 @@ use super::Way;
 use super::corner::Corner;
 use super::plan::key;
 use crate::cell::{Cell, Zone, ZoneRule};
-use crate::memory::{Kept, Key, Run, anew, extend};
+use crate::memory::{Interrupted, Kept, Key, Run, anew, extend};
 use crate::program::Step;
 use crate::solid::{Solid, Solids};
 
@@ -58,7 +58,7 @@ impl Blends {
         steps: &[Step],
         ways: &mut [Arc<Way>],
         run: Run<'_>,
-    ) -> Vec<f64> {
+    ) -> Result<Vec<f64>, Interrupted> {
         let corners: Vec<usize> = (0..steps.len().saturating_sub(1))
             .filter(|&before| at((cell, &self.safe), steps, ways, before).is_some())
             .collect();
@@ -70,7 +70,7 @@ impl Blends {
         let plain = keys(&factors);
         fill(&mut self.slower, &plain, run, |before| {
             at((cell, &self.safe), steps, ways, before).map_or(1.0, |corner| corner.slower())
-        });
+        })?;
         for (before, key) in &plain {
             let Ok(factor) = self.slower.get::<Infallible>(key.clone(), || Ok(1.0));
             for factor_of in &mut factors[*before..before + 2] {
@@ -81,8 +81,8 @@ impl Blends {
             (0..steps.len()).map(|k| self.slowed(&steps[k], &ways[k], factors[k])).collect();
         let blend =
             |ways: &[Arc<Way>], before: usize| at((cell, &self.safe), steps, ways, before)?.blend();
-        fill(&mut self.blends, &plain, run, |before| blend(ways, before));
-        fill(&mut self.blends, &keys(&factors), run, |before| blend(&slowed, before));
+        fill(&mut self.blends, &plain, run, |before| blend(ways, before))?;
+        fill(&mut self.blends, &keys(&factors), run, |before| blend(&slowed, before))?;
         // Each corner gains by its own factor; whether all do together is seen from rest to rest.
         let mut start = 0;
         for end in 0..steps.len() {
@@ -103,7 +103,7 @@ impl Blends {
                 factors[run].fill(1.0);
             }
         }
-        factors
+        Ok(factors)
     }
 
     fn slowed(&mut self, step: &Step, way: &Arc<Way>, factor: f64) -> Arc<Way> {
@@ -147,11 +147,12 @@ fn fill<T: Send + Sync>(
     corners: &[(usize, Key)],
     run: Run<'_>,
     make: impl Fn(usize) -> T + Sync,
-) {
+) -> Result<(), Interrupted> {
     let unknown = corners.iter().filter(|(_, key)| !kept.knows(key));
-    for (key, made) in anew(unknown.map(|(before, key)| (*before, key)), run, make) {
+    for (key, made) in anew(unknown.map(|(before, key)| (*before, key)), run, make)? {
         let Ok(_) = kept.get::<Infallible>(key, || Ok(made));
     }
+    Ok(())
 }
 
 /// Where a step and the next meet.

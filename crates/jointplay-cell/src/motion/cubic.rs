@@ -1,5 +1,12 @@
 //! One coordinate in time, by pieces of constant jerk.
 
+use std::hash::Hasher;
+
+/// Adds numbers to a hash, bit by bit.
+pub(super) fn put(to: &mut impl Hasher, numbers: &[f64]) {
+    numbers.iter().for_each(|number| to.write_u64(number.to_bits()));
+}
+
 /// Position, velocity, acceleration and jerk of one coordinate at one time.
 pub(crate) type State = [f64; 4];
 
@@ -46,6 +53,15 @@ impl Curve {
             piece.state[0] += from;
         }
         Self { pieces, duration: start, end: to }
+    }
+
+    /// Adds all that it is made of to a hash.
+    pub(crate) fn hash(&self, to: &mut impl Hasher) {
+        put(to, &[self.duration, self.end]);
+        for piece in &self.pieces {
+            put(to, &[piece.start]);
+            put(to, &piece.state);
+        }
     }
 
     /// How long it takes [s].

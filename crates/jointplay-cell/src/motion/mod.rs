@@ -14,6 +14,7 @@ mod line;
 mod pace;
 mod plan;
 mod spline;
+mod steps;
 mod track;
 
 pub use blend::Blend;
@@ -352,7 +353,7 @@ impl Motion {
     }
 
     /// The times of [`Self::samples`].
-    pub(crate) fn sample_times(&self, rate: f64) -> impl Iterator<Item = f64> + use<> {
+    pub fn sample_times(&self, rate: f64) -> impl Iterator<Item = f64> + use<> {
         let duration = self.duration();
         // A last even time within a thousandth of the end is the end.
         let whole = (duration * rate - 1e-3).ceil().max(0.0);

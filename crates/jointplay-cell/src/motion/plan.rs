@@ -10,7 +10,7 @@ use super::line::Task;
 use super::pace::Pace;
 use super::{Motion, Way};
 use crate::cell::Cell;
-use crate::memory::{Kept, Key, Reuse, Run, anew, extend, one_by_one};
+use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
 use crate::program::{Path, Place, Step};
 use crate::robot::{Dynamics, EffectorId, MotionKind, Planar, RODS};
 
@@ -58,7 +58,7 @@ pub fn timed(
     steps: Vec<Step>,
     options: &MotionOptions,
 ) -> Result<Motion, MotionError> {
-    Ways::default().timed(cell, steps, options, &one_by_one)
+    whole(Ways::default().timed(cell, steps, options, Run::one_by_one()))
 }
 
 /// The ways of the last motion, by what they depend on.
@@ -76,7 +76,7 @@ impl Ways {
         steps: Vec<Step>,
         options: &MotionOptions,
         run: Run<'_>,
-    ) -> Result<Motion, MotionError> {
+    ) -> Result<Result<Motion, MotionError>, Interrupted> {
         let shared = shared(cell, options);
         self.ways.begin(&shared);
         self.blends.begin(cell, &shared);
@@ -86,7 +86,7 @@ impl Ways {
             .collect();
         let unknown = keys.iter().map(|(index, key)| (*index, key));
         let unknown = unknown.filter(|(_, key)| !self.ways.knows(key));
-        let mut made = anew(unknown, run, |index| way(cell, &steps[index], options));
+        let mut made = anew(unknown, run, |index| way(cell, &steps[index], options))?;
         let mut problems = Vec::new();
         let mut failed = |index: usize, message| {
             let Step { instruction, place, .. } = steps[index];
@@ -101,16 +101,22 @@ impl Ways {
             };
             ways.push(way.unwrap_or_else(|message| failed(index, message)));
         }
-        let factors = self.blends.slow(cell, &steps, &mut ways, run);
+        let factors = self.blends.slow(cell, &steps, &mut ways, run)?;
         let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
         let mut times = Vec::with_capacity(steps.len() + 1);
         let mut now = 0.0;
         times.push(now);
         for (index, step) in steps.iter().enumerate() {
+            run.poll()?;
             if let Path::Processed { since, seconds } = step.path {
                 // Known only now that it is known when the wafer was left.
                 let way = if since < index {
-                    self.still((times[since + 1] + seconds - now).max(0.0), step)
+                    // By the moves since then alone, so that the same moves make the same wait wherever they are in a program.
+                    let moved: f64 = ways[since + 1..index].iter().map(|way| way.duration()).sum();
+                    let gained = blends[since + 1..index].iter().flatten();
+                    let gained: f64 = gained.map(|blend| blend.overlap).sum();
+                    let half = blends[since].map_or(0.0, |blend| 0.5 * blend.overlap);
+                    self.still((seconds - (moved - gained - half)).max(0.0), step)
                 } else {
                     Err("waits for a station that gets its wafer only later".into())
                 };
@@ -130,11 +136,11 @@ impl Ways {
         self.ways.end();
         self.blends.end();
         problems.sort_by_key(|problem| problem.step);
-        if problems.is_empty() {
+        Ok(if problems.is_empty() {
             Ok(Motion { steps, times, ways, blends })
         } else {
             Err(MotionError { problems })
-        }
+        })
     }
 
     fn way(

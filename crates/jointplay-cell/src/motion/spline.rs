@@ -1,5 +1,9 @@
 //! Positions of all axes along a path: cubic pieces with continuous first and second derivatives.
 
+use std::hash::Hasher;
+
+use super::cubic::put;
+
 /// Value and three derivatives of one axis.
 pub(crate) type Jet = [f64; 4];
 
@@ -85,6 +89,12 @@ impl Spline {
             // A piece without a third derivative has no turn: that is no number, and never the most.
             most.max(at(0.0)).max(at(whole)).max(at(turn))
         })
+    }
+
+    /// Adds all that it is made of to a hash.
+    pub(crate) fn hash(&self, to: &mut impl Hasher) {
+        put(to, &self.knots);
+        self.jets().flatten().for_each(|jet| put(to, jet));
     }
 
     /// Where the pieces meet, and both ends.

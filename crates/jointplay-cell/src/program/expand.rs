@@ -9,6 +9,7 @@ use super::resolve::{Act, Line, Number, Resolved, Slot, resolve};
 use super::sequence::Robot;
 use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
 use crate::cell::Cell;
+use crate::memory::{Interrupted, Stop, whole};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 
@@ -23,7 +24,7 @@ use crate::station::SlotId;
 /// # Errors
 /// Everything that is wrong with the program in this cell, each thing once with its place: names, programs without end, wafers that are missing or in the way, places out of reach and limits that stop them.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
-    expand_by(cell, program, &mut Places::default())
+    whole(expand_by(cell, program, &mut Places::default(), &|| false))
 }
 
 /// The same, with what is known of the last program's places.
@@ -31,7 +32,8 @@ pub(crate) fn expand_by(
     cell: &Cell,
     program: &Program,
     places: &mut Places,
-) -> Result<Vec<Step>, Vec<ProgramError>> {
+    stop: Stop<'_>,
+) -> Result<Result<Vec<Step>, Vec<ProgramError>>, Interrupted> {
     let (resolved, unresolved) = resolve(cell, program);
     let mut errors = Errors::default();
     for error in unresolved {
@@ -46,13 +48,14 @@ pub(crate) fn expand_by(
             robot: Robot::new(cell, places),
             errors: &mut errors,
             instruction: 0,
+            stop,
         };
-        run.block(&resolved.body, &mut Vec::new());
+        run.block(&resolved.body, &mut Vec::new())?;
         steps = run.robot.steps;
         places.end();
     }
     let errors: Vec<ProgramError> = errors.0.into_values().flatten().collect();
-    if errors.is_empty() { Ok(steps) } else { Err(errors) }
+    Ok(if errors.is_empty() { Ok(steps) } else { Err(errors) })
 }
 
 /// What is wrong, each thing once a place.
@@ -78,22 +81,26 @@ struct Run<'r> {
     errors: &'r mut Errors,
     /// How many instructions have been run.
     instruction: usize,
+    stop: Stop<'r>,
 }
 
 impl Run<'_> {
     /// Goes through a block; `passes` are those of the REPEATs around it, from 1.
-    fn block(&mut self, body: &[Line], passes: &mut Vec<u64>) {
+    fn block(&mut self, body: &[Line], passes: &mut Vec<u64>) -> Result<(), Interrupted> {
         let resolved = self.resolved;
         for Line { place, act } in body {
+            if (self.stop)() {
+                return Err(Interrupted);
+            }
             match act {
                 Act::Repeat { times, body } => {
                     for pass in 1..=*times {
                         passes.push(pass);
-                        self.block(body, passes);
+                        self.block(body, passes)?;
                         passes.pop();
                     }
                 }
-                Act::Call(routine) => self.block(&resolved.routines[*routine], &mut Vec::new()),
+                Act::Call(routine) => self.block(&resolved.routines[*routine], &mut Vec::new())?,
                 act => {
                     self.robot.start(self.instruction, *place, self.presence.loaded());
                     self.instruction += 1;
@@ -101,6 +108,7 @@ impl Run<'_> {
                 }
             }
         }
+        Ok(())
     }
 
     fn simple(&mut self, place: Place, act: &Act, passes: &[u64]) {

@@ -3,6 +3,7 @@
 //! | to… | use | units |
 //! | --- | --- | --- |
 //! | a spreadsheet or a data frame | [`samples`](fn@samples), then [`crate::table::csv`] or [`crate::table::parquet`] | mm, degrees, in the names of the columns |
+//! | a viewer that shows a part of a long motion | [`Timeline`]: windows of steps, each by itself | m, rad |
 //! | a 3D viewer | [`gltf`](fn@gltf): one binary file with an animation | m, y up |
 //! | Foxglove, PlotJuggler or ROS 2 | `mcap::write`: JointState, JointTrajectory and transforms | m, rad |
 //! | SolidWorks | [`solidworks`](fn@solidworks): a file for each motor, and a macro that loads them | mm, degrees |
@@ -12,6 +13,7 @@
 //! What is wrong with the motion is told in each of them.
 
 pub mod dialect;
+mod channel;
 mod error;
 mod gltf;
 #[cfg(feature = "mcap")]
@@ -19,7 +21,9 @@ pub mod mcap;
 mod peaks;
 mod samples;
 mod scene;
+mod segment;
 mod solidworks;
+mod timeline;
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::motion::Motion;
@@ -27,8 +31,9 @@ use jointplay_cell::robot::EffectorId;
 
 pub use error::Error;
 pub use gltf::gltf;
-pub use samples::{samples, samples_with_peaks, tracks};
+pub use samples::{samples, samples_with_peaks, samples_within, tracks};
 pub use scene::{Frame, frames};
+pub use timeline::{Envelope, HeldAt, Timeline, Window, wafers_at_start};
 pub use solidworks::{MACRO, solidworks, solidworks_names};
 
 /// The most samples that one export may have: a day at 1 kHz is less.

@@ -9,7 +9,7 @@ const STRAY: f64 = 2.5e-3;
 /// Samples need not be nearer to each other than this [s].
 const NEAREST: f64 = 1e-3;
 
-/// Even times, the ends of all steps, and between them wherever an acceleration bends or a speed is at its peak.
+/// In a stretch of time: even times, the ends of all steps, and between them wherever an acceleration bends or a speed is at its peak.
 ///
 /// ```text
 ///    one bend between two samples, h apart:   d = a₁ − a₀ − j₀ h = (j₁ − j₀) r         r: from the bend to the second
@@ -20,7 +20,7 @@ const NEAREST: f64 = 1e-3;
 ///
 /// # Source
 /// Own derivation.
-pub(super) fn times(recording: &Recording<'_>, rate: f64) -> Vec<f64> {
+pub(super) fn times(recording: &Recording<'_>, rate: f64, [from, to]: [f64; 2]) -> Vec<f64> {
     let motion = recording.motion;
     let duration = motion.duration();
     // As even samples are: a last one within a thousandth of the end is the end.
@@ -32,20 +32,21 @@ pub(super) fn times(recording: &Recording<'_>, rate: f64) -> Vec<f64> {
         time
     });
     let mut base: Vec<f64> = even.chain(motion.times.iter().copied()).chain([duration]).collect();
+    base.retain(|time| (from..=to).contains(time));
     base.sort_by(f64::total_cmp);
     base.dedup_by(|later, earlier| *later - *earlier < 1e-9);
     let limits = recording.cell.robot.axes.iter().map(|axis| &axis.empty);
     let strays: Vec<[f64; 2]> =
         limits.map(|limit| [STRAY * limit.velocity, STRAY * limit.acceleration]).collect();
     let mut times = Vec::with_capacity(2 * base.len());
-    let mut from = Sample::default();
+    let mut last = Sample::default();
     for &time in &base {
         let to = motion.at(time);
         if !times.is_empty() {
-            between(&|time| motion.at(time), &from, &to, &strays, &mut times);
+            between(&|time| motion.at(time), &last, &to, &strays, &mut times);
         }
         times.push(time);
-        from = to;
+        last = to;
     }
     times
 }

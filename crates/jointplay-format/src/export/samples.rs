@@ -28,8 +28,33 @@ pub fn samples(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Erro
 /// As [`samples`].
 pub fn samples_with_peaks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
     recording.check_rate(rate)?;
-    let times = peaks::times(recording, rate);
+    let times = peaks::times(recording, rate, [0.0, recording.motion.duration()]);
     table(recording, times.into_iter().map(|time| recording.motion.at(time)))
+}
+
+/// [`samples`], or [`samples_with_peaks`], of a stretch of time.
+///
+/// # Arguments
+/// * `rate` – rows a second at least [Hz]
+/// * `peaks` – whether there are rows between the even times
+/// * `from`, `to` – first and last time; rows outside are left out [s]
+///
+/// # Errors
+/// As [`samples`].
+pub fn samples_within(
+    recording: &Recording<'_>,
+    rate: f64,
+    peaks: bool,
+    [from, to]: [f64; 2],
+) -> Result<Vec<Column>, Error> {
+    recording.check_rate(rate)?;
+    let motion = recording.motion;
+    if peaks {
+        let times = peaks::times(recording, rate, [from, to]);
+        return table(recording, times.into_iter().map(|time| motion.at(time)));
+    }
+    let times = motion.sample_times(rate).filter(|time| (from..=to).contains(time));
+    table(recording, times.map(|time| motion.at(time)))
 }
 
 fn table(

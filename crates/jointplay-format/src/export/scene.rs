@@ -70,17 +70,17 @@ pub(super) struct Scene {
 }
 
 /// Where a wafer is.
-#[derive(Clone, Copy)]
-enum Held {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Held {
     /// Lying somewhere, in the base frame.
     Lying(Pose),
     /// On an effector, in its wafer frame.
     On(EffectorId, Pose),
 }
 
-struct Wafer {
+pub(super) struct Wafer {
     name: String,
-    held: Held,
+    pub(super) held: Held,
     lies: Vec<Lying>,
 }
 
@@ -207,7 +207,7 @@ fn slower<const N: usize>([before, now, after]: [SVector<f64, N>; 3]) -> [f64; N
 }
 
 /// A number to the nearest fraction.
-fn rounded(value: f64, fractions: f64) -> f64 {
+pub(super) fn rounded(value: f64, fractions: f64) -> f64 {
     // Without a minus before a zero, which would be another number than zero for those who compare bits.
     (value * fractions).round() / fractions + 0.0
 }
@@ -235,8 +235,8 @@ fn tracks(cell: &Cell) -> Vec<Track> {
 }
 
 /// All wafers, those of slots first.
-struct Wafers {
-    all: Vec<Wafer>,
+pub(super) struct Wafers {
+    pub(super) all: Vec<Wafer>,
     in_slot: Vec<(SlotId, usize)>,
     /// The step that may hand one over next.
     step: usize,
@@ -244,7 +244,7 @@ struct Wafers {
 
 impl Wafers {
     /// Where they are at the start.
-    fn new(recording: &Recording<'_>) -> Self {
+    pub(super) fn new(recording: &Recording<'_>) -> Self {
         let (cell, to) = (recording.cell, recording.motion.duration());
         let in_slots = cell.occupied.iter().map(|&slot| {
             let station = &cell.stations[slot.station];
@@ -270,25 +270,38 @@ impl Wafers {
     fn until(&mut self, recording: &Recording<'_>, time: f64) -> Result<(), Error> {
         let motion = recording.motion;
         while self.step < motion.steps.len() && motion.times[self.step + 1] <= time {
-            if let Some(handover) = motion.steps[self.step].handover {
-                let time = motion.times[self.step + 1];
-                let at = motion.at(time);
-                // Up to then the arm droops as in the step that ends.
-                let pose = placed(recording, time, &at.positions, loaded(recording, self.step))?;
-                self.hand_over(handover, &pose, [time, motion.duration()]);
-            }
-            self.step += 1;
+            self.next_step(recording)?;
         }
         Ok(())
     }
 
+    /// Hands over what is handed over at the end of the next step: index of that wafer and its new slot, which is `None` for an effector.
+    pub(super) fn next_step(
+        &mut self,
+        recording: &Recording<'_>,
+    ) -> Result<Option<(usize, Option<SlotId>)>, Error> {
+        let (motion, step) = (recording.motion, self.step);
+        self.step += 1;
+        let Some(handover) = motion.steps[step].handover else { return Ok(None) };
+        let time = motion.times[step + 1];
+        let at = motion.at(time);
+        // Up to then the arm droops as in the step that ends.
+        let pose = placed(recording, time, &at.positions, loaded(recording, step))?;
+        Ok(self.hand_over(handover, &pose, [time, motion.duration()]))
+    }
+
     /// From then on the wafer moves with what holds it, from exactly where it is.
-    fn hand_over(&mut self, handover: Handover, pose: &ChainPose, [time, end]: [f64; 2]) {
+    fn hand_over(
+        &mut self,
+        handover: Handover,
+        pose: &ChainPose,
+        [time, end]: [f64; 2],
+    ) -> Option<(usize, Option<SlotId>)> {
         let Self { all: wafers, in_slot, .. } = self;
         let effector = |id: EffectorId| pose.base_from_wafer[id.arm][id.effector];
         match handover {
             Handover::Taken(id, slot) => {
-                let Some(found) = in_slot.iter().position(|&(one, _)| one == slot) else { return };
+                let found = in_slot.iter().position(|&(one, _)| one == slot)?;
                 let (_, k) = in_slot.remove(found);
                 if let Held::Lying(at) = wafers[k].held {
                     wafers[k].held = Held::On(id, effector(id).inverse() * at);
@@ -296,15 +309,17 @@ impl Wafers {
                 if let Some(lying) = wafers[k].lies.last_mut() {
                     lying.to = time;
                 }
+                Some((k, None))
             }
             Handover::Left(id, slot) => {
                 let on = |wafer: &Wafer| matches!(wafer.held, Held::On(with, _) if with == id);
-                let Some(k) = wafers.iter().position(on) else { return };
+                let k = wafers.iter().position(on)?;
                 if let Held::On(_, at) = wafers[k].held {
                     wafers[k].held = Held::Lying(effector(id) * at);
                     wafers[k].lies.push(Lying { slot, from: time, to: end });
                     in_slot.push((slot, k));
                 }
+                Some((k, Some(slot)))
             }
         }
     }

@@ -10,19 +10,22 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use jointplay::cell::{Interrupted, Stop};
 use jointplay::format::cell;
-use jointplay::format::export::{self, Recording};
+use jointplay::format::export::{self, Window};
 use jointplay::format::table::{Column, Values};
 
 use crate::app::App;
 use crate::body::Body;
-use crate::cell::{Desk, NotKept, Plan, standing};
+use crate::cell::{Desk, NotKept};
+use crate::cell_plan::Plan;
 use crate::problem::Problem;
 use crate::wire::Binary;
 use crate::wire::cell::{
-    CellDocument, CellRequest, CellText, MotionRequest, PlanDocument, SaveRequest, StationRequest,
-    steps,
+    CellDocument, CellText, PlanDocument, PlanRequest, SamplesRequest, SaveRequest, StationRequest,
+    WindowDocument, broken, short,
 };
+use crate::wire::cell_chain::ChainDocument;
 use crate::wire::cell_parts::{RobotParts, bodies, stations, wafers, zones};
 
 pub(super) fn desk(app: &App) -> Result<Desk, Problem> {
@@ -79,40 +82,71 @@ pub(crate) async fn save_cell(
     app.work.run(save).await.map(|files| Json(CellDocument::new(files)))
 }
 
-/// What a program comes to in a cell: steps, times, and all that is wrong
+/// What a program comes to in a cell: its motion in windows, its report, and all that is wrong
 ///
 /// A text that is wrong is no error of the request: `problems` says what and where, all of it at once.
+/// Closing the connection ends the planning.
 #[utoipa::path(
     post,
     path = "/api/v1/cell/plan",
     operation_id = "plan",
-    request_body = CellRequest,
+    request_body = PlanRequest,
     responses(
         (status = 200, description = "The plan", body = PlanDocument),
+        (status = 409, description = "The plan of `since` is not remembered: send whole texts", body = Problem, content_type = "application/problem+json"),
         (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
         (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn plan(
     State(app): State<App>,
-    Body(CellRequest { cell, program }): Body<CellRequest>,
+    Body(PlanRequest { cell, program, since }): Body<PlanRequest>,
 ) -> Result<Json<PlanDocument>, Problem> {
     let desk = desk(&app)?;
-    let (cell, program) = desk.texts(cell, program);
-    app.work.run(move || Ok(Json(document(&desk.plan(cell, program))))).await
+    let (cell, program) = match since {
+        Some(since) => {
+            let known = desk.planned(&since.plan).ok_or_else(|| {
+                Problem::outdated("since", "this plan is not remembered: send whole texts")
+            })?;
+            let changed = since.texts(known.texts())?;
+            (cell.unwrap_or(changed.0), program.unwrap_or(changed.1))
+        }
+        None => desk.texts(cell, program),
+    };
+    let planned = move |stop: Stop<'_>| {
+        let plan = desk.plan(cell, program, stop).map_err(interrupted)?;
+        Ok(Json(document(&plan)))
+    };
+    app.work.run_while_awaited(planned).await
+}
+
+pub(super) fn interrupted(_: Interrupted) -> Problem {
+    let detail = "the computation was stopped: the client is gone, or the server ends";
+    Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail)
 }
 
 fn document(plan: &Plan) -> PlanDocument {
     let cell = plan.cell.as_ref();
+    let report = plan.report.as_ref();
+    let window = |window: &Window| WindowDocument {
+        key: window.key.clone(),
+        start_s: window.start,
+        step: window.steps.start + 1,
+        instruction: window.instruction + 1,
+        line: window.line,
+    };
     PlanDocument {
+        key: plan.key.clone(),
         problems: plan.problems.clone(),
-        report: plan.document(),
-        steps: match (cell, &plan.motion) {
-            (Some(cell), Some(motion)) => steps(cell, motion),
-            _ => Vec::new(),
-        },
+        report: report.map(short),
+        instructions: report.map_or(0, |report| report.instructions.len()),
+        violations: report.map_or(0, |report| report.violations.len()),
+        broken_s: report.map(broken).unwrap_or_default(),
+        windows: plan.timeline.iter().flat_map(|all| &all.windows).map(window).collect(),
+        scene: plan.scene.as_ref().map(|scene| scene.key.clone()),
         stations: cell.map(stations).unwrap_or_default(),
         robot: cell.map(RobotParts::new),
+        chain: cell.map(ChainDocument::new),
         wafers: cell.map(wafers).unwrap_or_default(),
         zones: cell.map(zones).unwrap_or_default(),
         bodies: cell.map(bodies).unwrap_or_default(),
@@ -127,45 +161,6 @@ fn document(plan: &Plan) -> PlanDocument {
     }
 }
 
-/// The cell with its motion, as binary glTF with one animation
-///
-/// Where the program comes to no motion, the cell stands still; where the cell cannot be read there is nothing to show.
-#[utoipa::path(
-    post,
-    path = "/api/v1/cell/motion.glb",
-    operation_id = "motion",
-    request_body = MotionRequest,
-    responses(
-        (status = 200, description = "The cell in motion", body = Binary, content_type = "model/gltf-binary"),
-        (status = 409, description = "There is nothing to show", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
-    )
-)]
-pub(crate) async fn motion(
-    State(app): State<App>,
-    Body(request): Body<MotionRequest>,
-) -> Result<Response, Problem> {
-    let (desk, rate) = (desk(&app)?, request.rate()?);
-    let (cell, program) = desk.texts(request.cell, request.program);
-    let shown = move || {
-        let plan = desk.plan(cell, program);
-        let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
-        let still;
-        let recording = match (plan.recording(), &plan.cell) {
-            (Some(recording), _) => recording,
-            (None, Some(cell)) => {
-                still = standing(cell).ok_or_else(|| refused(nothing(&plan)))?;
-                Recording { cell, motion: &still, program: "", flaws: &[] }
-            }
-            (None, None) => return Err(refused(nothing(&plan))),
-        };
-        export::gltf(&recording, rate).map_err(|error| refused(error.to_string()))
-    };
-    let file = app.work.run(shown).await?;
-    Ok(([(header::CONTENT_TYPE, "model/gltf-binary")], file).into_response())
-}
-
 pub(super) fn nothing(plan: &Plan) -> String {
     match plan.problems.first() {
         Some(first) => format!("there is nothing to show: line {}: {}", first.line, first.message),
@@ -173,14 +168,18 @@ pub(super) fn nothing(plan: &Plan) -> String {
     }
 }
 
+/// Most rows of samples in one answer.
+const ROWS: f64 = 100_000.0;
+
 /// The motion sample by sample, as an Arrow stream
 ///
 /// Time, line of the program, step; position, speed and acceleration of each axis and the wafer centre of each effector, in mm and degrees, as `jointplay cell run` writes them.
+/// Longer motions are asked for in stretches of time.
 #[utoipa::path(
     post,
     path = "/api/v1/cell/samples",
     operation_id = "samples",
-    request_body = MotionRequest,
+    request_body = SamplesRequest,
     responses(
         (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.arrow.stream"),
         (status = 409, description = "Nothing moves", body = Problem, content_type = "application/problem+json"),
@@ -190,19 +189,29 @@ pub(super) fn nothing(plan: &Plan) -> String {
 )]
 pub(crate) async fn samples(
     State(app): State<App>,
-    Body(request): Body<MotionRequest>,
+    Body(request): Body<SamplesRequest>,
 ) -> Result<Response, Problem> {
     let (desk, rate, peaks) = (desk(&app)?, request.rate()?, request.peaks);
+    let (from, to) = (request.from_s.unwrap_or(0.0), request.to_s.unwrap_or(f64::INFINITY));
     let (cell, program) = desk.texts(request.cell, request.program);
-    let told = move || {
-        let plan = desk.plan(cell, program);
+    let told = move |stop: Stop<'_>| {
+        let plan = desk.plan(cell, program, stop).map_err(interrupted)?;
         let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
         let recording = plan.recording().ok_or_else(|| refused(nothing(&plan)))?;
-        let table = if peaks { export::samples_with_peaks } else { export::samples };
-        let columns = table(&recording, rate).map_err(|error| refused(error.to_string()))?;
+        let stretch = [from.max(0.0), to.min(recording.motion.duration())];
+        let rows = (stretch[1] - stretch[0]) * rate;
+        // Written so that what is no number is refused.
+        if !(rows <= ROWS) {
+            let detail = format!(
+                "{rows:.0} samples are more than the {ROWS:.0} of one answer: ask for a shorter stretch by from_s and to_s, or for fewer a second by rate_hz"
+            );
+            return Err(Problem::field("to_s", detail));
+        }
+        let columns = export::samples_within(&recording, rate, peaks, stretch);
+        let columns = columns.map_err(|error| refused(error.to_string()))?;
         arrow(columns).map_err(|error| Problem::broken(&error.to_string()))
     };
-    let stream = app.work.run(told).await?;
+    let stream = app.work.run_while_awaited(told).await?;
     Ok(([(header::CONTENT_TYPE, "application/vnd.apache.arrow.stream")], stream).into_response())
 }
 

@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use jointplay::cell::CellError;
+use jointplay::cell::{CellError, Stop};
 use jointplay::cell::cell::Cell;
 use jointplay::cell::jog::{Jogged, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
@@ -13,10 +13,11 @@ use jointplay::format::cell::explain;
 use jointplay::format::export::{Recording, frames};
 use jointplay::gpr::AxisHeight;
 
-use super::cell::{desk, nothing};
+use super::cell::{desk, interrupted, nothing};
+use super::cell_parts::forgotten;
 use crate::app::App;
 use crate::body::Body;
-use crate::cell::standing;
+use crate::cell_plan::standing;
 use crate::problem::Problem;
 use crate::wire::cell_jog::{Aim, JogRequest, SlotFields, positions};
 use crate::wire::cell_jogged::{
@@ -44,9 +45,14 @@ pub(crate) async fn jog(
     Body(mut request): Body<JogRequest>,
 ) -> Result<Json<JogDocument>, Problem> {
     let desk = desk(&app)?;
+    let known = request.plan.take().map(|key| desk.planned(&key).ok_or_else(forgotten));
+    let known = known.transpose()?;
     let (cell, program) = desk.texts(request.cell.take(), request.program.take());
-    let moved = move || {
-        let plan = desk.plan(cell, program);
+    let moved = move |stop: Stop<'_>| {
+        let plan = match known {
+            Some(plan) => plan,
+            None => desk.plan(cell, program, stop).map_err(interrupted)?,
+        };
         let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
         let Some(cell) = &plan.cell else { return Err(refused(nothing(&plan))) };
         let still;
@@ -59,7 +65,7 @@ pub(crate) async fn jog(
         };
         moved(&recording, request).map(Json)
     };
-    app.work.run(moved).await
+    app.work.run_while_awaited(moved).await
 }
 
 fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, Problem> {

@@ -2,6 +2,7 @@
 
 pub(crate) mod cell;
 pub(crate) mod cell_jog;
+pub(crate) mod cell_parts;
 pub(crate) mod compare;
 pub(crate) mod forward;
 pub(crate) mod inverse;

@@ -29,10 +29,51 @@ pub(super) fn ask(server: &Router, method: Method, path: &str, body: &Value) -> 
 }
 
 #[track_caller]
-fn plan(server: &Router, body: &Value) -> Value {
+pub(super) fn plan(server: &Router, body: &Value) -> Value {
     let answer = ask(server, Method::POST, "cell/plan", body);
     assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
     answer.json()
+}
+
+pub(super) fn fetch(server: &Router, path: &str) -> Answer {
+    let request = Request::get(format!("/api/v1/{path}")).header(header::HOST, HOST);
+    send_to(server.clone(), request.body(Body::empty()).unwrap())
+}
+
+/// The description and the numbers of a window.
+pub(super) fn window(server: &Router, key: &Value) -> (Value, Vec<f64>) {
+    let answer = fetch(server, &format!("cell/windows/{}", key.as_str().unwrap()));
+    assert_eq!(answer.status, StatusCode::OK, "{}", String::from_utf8_lossy(&answer.bytes));
+    unpacked(&answer.bytes)
+}
+
+/// A JSON text and numbers in one.
+pub(super) fn unpacked(bytes: &[u8]) -> (Value, Vec<f64>) {
+    let (length, rest) = bytes.split_at(4);
+    let length = u32::from_le_bytes(length.try_into().unwrap()) as usize;
+    let (text, numbers) = rest.split_at(length);
+    let number = |bytes: &[u8]| f64::from_le_bytes(bytes.try_into().unwrap());
+    (serde_json::from_slice(text).unwrap(), numbers.chunks_exact(8).map(number).collect())
+}
+
+/// The motions of a plan that take time, with their times since the start.
+pub(super) fn steps(server: &Router, plan: &Value) -> Vec<Value> {
+    let mut steps = Vec::new();
+    for shown in plan["windows"].as_array().unwrap() {
+        let (description, _) = window(server, &shown["key"]);
+        let mut now = shown["start_s"].as_f64().unwrap();
+        for step in description["steps"].as_array().unwrap() {
+            let segment = &description["segments"][step["segment"].as_u64().unwrap() as usize];
+            let (start, duration) = (now, segment["duration_s"].as_f64().unwrap());
+            now += duration;
+            if duration > 0.0 {
+                let mut step = step.clone();
+                (step["start_s"], step["end_s"]) = (start.into(), now.into());
+                steps.push(step);
+            }
+        }
+    }
+    steps
 }
 
 #[test]
@@ -48,9 +89,11 @@ fn a_wait_that_takes_no_time_is_no_step() {
     let server = server(CellFiles::example());
     let waits = |program: &str| {
         let found = plan(&server, &json!({ "program": program }));
-        let (report, steps) = (&found["report"], found["steps"].as_array().unwrap());
+        let (report, steps) = (&found["report"], steps(&server, &found));
         assert_eq!(report["steps"], steps.len());
-        let counted = report["instructions"].as_array().unwrap().iter();
+        let path = format!("cell/plans/{}/instructions/0", found["key"].as_str().unwrap());
+        let rows = fetch(&server, &path).json()["instructions"].clone();
+        let counted = rows.as_array().unwrap().iter();
         let counted = counted.map(|row| row["steps"].as_u64().unwrap()).sum::<u64>();
         assert_eq!(counted, steps.len() as u64);
         let lasts = |step: &&Value| step["end_s"].as_f64() > step["start_s"].as_f64();
@@ -70,15 +113,16 @@ fn a_program_is_planned_shown_and_told() {
     let found = plan(&server, &json!({ "program": SHORT }));
     assert_eq!(found["problems"], json!([]));
     assert_eq!(found["report"]["verdict"], "sound", "{}", found["report"]["violations"]);
-    let (report, steps) = (&found["report"], found["steps"].as_array().unwrap());
+    let (report, steps) = (&found["report"], steps(&server, &found));
     assert_eq!(report["steps"], steps.len());
-    assert_eq!(steps.last().unwrap()["end_s"], report["duration_s"]);
-    assert!(steps.iter().any(|step| step["phase"] == "lift" && step["loaded"] == json!(["A"])));
+    let end = steps.last().unwrap()["end_s"].as_f64().unwrap();
+    assert!((end - report["duration_s"].as_f64().unwrap()).abs() < 1e-9, "{end}");
+    assert!(steps.iter().any(|step| step["phase"] == "lift" && step["loaded"] == json!([0])));
     assert_eq!(
         found["stations"][1]["tilt_pitch_deg"].as_f64().map(|lean| (lean * 1e9).round() / 1e9),
         Some(0.8)
     );
-    let shown = ask(&server, Method::POST, "cell/motion.glb", &json!({ "program": SHORT }));
+    let shown = fetch(&server, &format!("cell/scenes/{}", found["scene"].as_str().unwrap()));
     assert_eq!(
         (shown.header("content-type"), &shown.bytes[..4]),
         ("model/gltf-binary", &b"glTF"[..])
@@ -102,10 +146,10 @@ fn a_changed_station_is_planned_with_what_the_last_plan_came_to() {
     let desk = Desk::new(CellFiles::example());
     let program = "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\nTRANSFER ALIGN TO PM1 WITH A\n";
     let texts = CellFiles::example().into_texts();
-    desk.plan(texts.0.clone(), program.to_owned());
+    desk.plan(texts.0.clone(), program.to_owned(), &|| false).unwrap();
     assert_eq!(desk.reuse().known, 0);
     let moved = texts.0.replace("[800.0, 0.0, 620.18]", "[800.0, 0.0, 620.17]");
-    let plan = desk.plan(moved, program.to_owned());
+    let plan = desk.plan(moved, program.to_owned(), &|| false).unwrap();
     assert!(plan.report.is_some());
     let reuse = desk.reuse();
     assert!(reuse.known > reuse.anew && reuse.anew > 0, "{reuse:?}");
@@ -135,7 +179,7 @@ fn all_mistakes_are_told_with_their_places() {
     );
     assert!(first["message"].as_str().unwrap().contains("LP9"), "{first}");
     // The cell stands still, to be looked at while the program is mended.
-    let shown = ask(&server, Method::POST, "cell/motion.glb", &json!({ "program": wrong }));
+    let shown = fetch(&server, &format!("cell/scenes/{}", found["scene"].as_str().unwrap()));
     assert_eq!((shown.status, &shown.bytes[..4]), (StatusCode::OK, &b"glTF"[..]));
     let told = ask(&server, Method::POST, "cell/samples", &json!({ "program": wrong }));
     assert_eq!(told.status, StatusCode::CONFLICT);
@@ -322,7 +366,7 @@ fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
 #[test]
 fn bad_questions_name_their_field() {
     let server = server(CellFiles::example());
-    let rate = ask(&server, Method::POST, "cell/motion.glb", &json!({ "rate_hz": 0 }));
+    let rate = ask(&server, Method::POST, "cell/samples", &json!({ "rate_hz": 0 }));
     assert_eq!(
         (rate.status, &rate.json()["field"]),
         (StatusCode::UNPROCESSABLE_ENTITY, &"rate_hz".into())

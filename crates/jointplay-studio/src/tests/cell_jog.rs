@@ -4,7 +4,7 @@ use axum::Router;
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
 
-use super::cell::{SHORT, ask, server};
+use super::cell::{SHORT, ask, server, steps};
 use crate::cell::CellFiles;
 
 #[track_caller]
@@ -37,8 +37,8 @@ fn it_starts_where_the_program_has_it() {
     assert_eq!(names[..5], ["q1", "q2", "q3", "platform", "upper link 1"]);
     assert!(names.contains(&"wafer of LP1 1"));
     let plan = ask(&server, Method::POST, "cell/plan", &json!({ "program": SHORT })).json();
-    let lifted =
-        plan["steps"].as_array().unwrap().iter().find(|step| step["loaded"] == json!(["A"]));
+    let told = steps(&server, &plan);
+    let lifted = told.iter().find(|step| step["loaded"] == json!([0]));
     let time = lifted.unwrap()["end_s"].as_f64().unwrap();
     let later = jog(&server, json!({ "time_s": time }));
     assert_eq!(later["effectors"][0]["loaded"], true);

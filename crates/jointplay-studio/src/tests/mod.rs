@@ -2,6 +2,7 @@
 
 mod cell;
 mod cell_jog;
+mod cell_windows;
 mod meshes;
 mod pose;
 mod questions;

@@ -1,18 +1,16 @@
 //! A cell, its program, and what they come to.
 
-use jointplay::cell::cell::Cell;
-use jointplay::cell::motion::Motion;
-use jointplay::cell::program::Phase;
 use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
-use jointplay::format::report::CellReport;
+use jointplay::format::report::{CellReport, InstructionReport, ViolationReport};
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::Tilt;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::Triple;
+use super::cell_chain::ChainDocument;
 use super::cell_parts::{BodyDocument, RobotParts, StationDocument, WaferDocument, ZoneDocument};
+use super::{Pair, Triple};
 use crate::cell::CellFiles;
 use crate::problem::Problem;
 use crate::strict;
@@ -39,22 +37,77 @@ impl CellDocument {
     }
 }
 
-/// A cell and a program; what is left out is as in the files.
+/// A cell and a program; what is left out is as in the files, or in the plan that `since` names.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct CellRequest {
+pub(crate) struct PlanRequest {
     /// Text of a cell file.
     #[serde(default)]
     pub(crate) cell: Option<String>,
     /// Text of a program.
     #[serde(default)]
     pub(crate) program: Option<String>,
+    /// Changes of the texts of a plan; whole texts come before them.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) since: Option<SinceFields>,
+}
+
+/// Changes of the texts of a plan that the server remembers.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct SinceFields {
+    /// Key of the plan.
+    pub(crate) plan: String,
+    /// What is another in the cell's text.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) cell: Option<LinesFields>,
+    /// What is another in the program's text.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) program: Option<LinesFields>,
+}
+
+/// Lines in place of others; lines end with a line feed each.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LinesFields {
+    /// How many lines stay before them.
+    pub(crate) from: usize,
+    /// How many lines go.
+    pub(crate) count: usize,
+    /// Those in their place.
+    pub(crate) lines: Vec<String>,
+}
+
+impl LinesFields {
+    /// The text with these lines.
+    fn of(&self, text: &str, field: &str) -> Result<String, Problem> {
+        let mut lines: Vec<&str> = text.split('\n').collect();
+        let end = self.from.checked_add(self.count).filter(|&end| end <= lines.len());
+        let Some(end) = end else {
+            let detail = format!("lines {} and {} more are beyond {}", self.from, self.count, lines.len());
+            return Err(Problem::field(field, detail));
+        };
+        lines.splice(self.from..end, self.lines.iter().map(String::as_str));
+        Ok(lines.join("\n"))
+    }
+}
+
+impl SinceFields {
+    /// Both texts with their changes, the cell's first.
+    pub(crate) fn texts(&self, (cell, program): (&str, &str)) -> Result<(String, String), Problem> {
+        let changed = |text: &str, lines: &Option<LinesFields>, field: &str| match lines {
+            Some(lines) => lines.of(text, field),
+            None => Ok(text.to_owned()),
+        };
+        let cell = changed(cell, &self.cell, "since.cell")?;
+        Ok((cell, changed(program, &self.program, "since.program")?))
+    }
 }
 
 /// A cell and a program, to be told sample by sample.
 #[derive(Debug, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct MotionRequest {
+pub(crate) struct SamplesRequest {
     /// Text of a cell file; without it, that of the file.
     #[serde(default)]
     pub(crate) cell: Option<String>,
@@ -65,16 +118,22 @@ pub(crate) struct MotionRequest {
     #[serde(default = "usual_rate")]
     #[schema(required = false, default = 25.0, minimum = 0.1, maximum = 10000)]
     pub(crate) rate_hz: f64,
-    /// Of samples: others between, so that lines from one to the next are the motion, at peaks of speeds and where accelerations bend.
+    /// Others between, so that lines from one to the next are the motion, at peaks of speeds and where accelerations bend.
     #[serde(default)]
     pub(crate) peaks: bool,
+    /// From when on; without it, from the start [s].
+    #[serde(default)]
+    pub(crate) from_s: Option<f64>,
+    /// Until when; without it, to the end [s].
+    #[serde(default)]
+    pub(crate) to_s: Option<f64>,
 }
 
 fn usual_rate() -> f64 {
     25.0
 }
 
-impl MotionRequest {
+impl SamplesRequest {
     /// The rate, if a motion can be told at it [Hz].
     pub(crate) fn rate(&self) -> Result<f64, Problem> {
         if (0.1..=10_000.0).contains(&self.rate_hz) {
@@ -116,19 +175,33 @@ impl ProblemAt {
     }
 }
 
-/// What a program comes to in a cell.
+/// What a program comes to in a cell; long lists are shortened here, and told in pages by paths of their own.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
 pub(crate) struct PlanDocument {
+    /// Hash of both texts, which names this plan as long as the server remembers it.
+    pub(crate) key: String,
     /// All that is wrong before anything moves; with any of it there is no report.
     pub(crate) problems: Vec<ProblemAt>,
-    /// What `jointplay cell check --format json` says; `null` where nothing moves.
+    /// What `jointplay cell check --format json` says, without its instructions, and with the first of its violations and distances; `null` where nothing moves.
     #[schema(required = true)]
     pub(crate) report: Option<CellReport>,
-    /// The motions, one after the other; a wait that takes no time is none.
-    pub(crate) steps: Vec<StepDocument>,
+    /// How many instructions are run.
+    pub(crate) instructions: usize,
+    /// How many violations there are.
+    pub(crate) violations: usize,
+    /// When something is broken, by time: stretches near to each other are one [s].
+    pub(crate) broken_s: Vec<Pair>,
+    /// The motion in windows; none where nothing moves.
+    pub(crate) windows: Vec<WindowDocument>,
+    /// Key of the picture of the cell standing still; `null` where there is none.
+    #[schema(required = true)]
+    pub(crate) scene: Option<String>,
     /// What the robot is made of; `null` where the cell cannot be read.
     #[schema(required = true)]
     pub(crate) robot: Option<RobotParts>,
+    /// How the robot's frames follow from its axes; `null` where the cell cannot be read.
+    #[schema(required = true)]
+    pub(crate) chain: Option<ChainDocument>,
     /// Where the stations are; none where the cell cannot be read.
     pub(crate) stations: Vec<StationDocument>,
     /// Wafers, as they are at the start.
@@ -141,58 +214,89 @@ pub(crate) struct PlanDocument {
     pub(crate) effectors: Vec<String>,
 }
 
-/// A motion from rest to rest.
+/// Some motions from rest to rest, one after the other.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
-pub(crate) struct StepDocument {
-    /// Number of its instruction in the order of running, from 1.
+pub(crate) struct WindowDocument {
+    /// Hash of its content, which `cell/windows/{key}` has.
+    pub(crate) key: String,
+    /// When it starts [s].
+    pub(crate) start_s: f64,
+    /// Number of its first motion, from 1.
+    pub(crate) step: usize,
+    /// Number of its first instruction, from 1.
     pub(crate) instruction: usize,
     /// Line of that.
     pub(crate) line: usize,
-    /// What part of it this is.
-    pub(crate) phase: &'static str,
-    /// When it starts [s].
-    pub(crate) start_s: f64,
-    /// When it ends [s].
-    pub(crate) end_s: f64,
-    /// Effectors that carry a wafer meanwhile.
-    pub(crate) loaded: Vec<String>,
-    /// Axes that move in it.
-    pub(crate) moving: Vec<String>,
 }
 
-/// What each motion is, how long it takes and who carries.
-pub(crate) fn steps(cell: &Cell, motion: &Motion) -> Vec<StepDocument> {
-    let name = |id: &jointplay::cell::robot::EffectorId| {
-        cell.robot.arms[id.arm].effectors[id.effector].name.clone()
-    };
-    let of = |(k, step): (usize, &jointplay::cell::program::Step)| StepDocument {
-        instruction: step.instruction + 1,
-        line: step.place.line,
-        phase: match step.phase {
-            Phase::Move => "move",
-            Phase::TuckIn => "tuck in",
-            Phase::Turn => "turn",
-            Phase::Enter => "enter",
-            Phase::Extend => "extend",
-            Phase::Lift => "lift",
-            Phase::Lower => "lower",
-            Phase::Retract => "retract",
-            Phase::Level => "level",
-            Phase::Wait => "wait",
-        },
-        start_s: motion.times[k],
-        end_s: motion.times[k + 1],
-        loaded: step.loaded.iter().map(name).collect(),
-        moving: cell
-            .robot
-            .axes
-            .iter()
-            .zip(step.from.iter().zip(&step.to))
-            .filter(|(_, (from, to))| from != to)
-            .map(|(axis, _)| axis.name.clone())
-            .collect(),
-    };
-    motion.steps.iter().enumerate().filter(|&(k, _)| motion.lasts(k)).map(of).collect()
+/// Windows of which an overview is asked for.
+#[derive(Debug, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct OverviewRequest {
+    /// Key of the plan.
+    pub(crate) plan: String,
+    /// Indices of windows, from 0.
+    pub(crate) windows: Vec<usize>,
+}
+
+/// Some instructions of a plan.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct InstructionsPage {
+    /// How many there are.
+    pub(crate) of: usize,
+    /// Those of this page.
+    pub(crate) instructions: Vec<InstructionReport>,
+}
+
+/// Some violations of a plan.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct ViolationsPage {
+    /// How many there are.
+    pub(crate) of: usize,
+    /// Those of this page.
+    pub(crate) violations: Vec<ViolationReport>,
+}
+
+/// Violations and pairs of bodies that a plan tells at once.
+const TOLD: usize = 200;
+/// Stretches of time in which something is broken that a plan tells.
+const STRETCHES: usize = 500;
+
+/// The report with its long lists shortened.
+pub(crate) fn short(report: &CellReport) -> CellReport {
+    fn first<T: Clone>(all: &[T], count: usize) -> Vec<T> {
+        all[..count.min(all.len())].to_vec()
+    }
+    // What is not copied is not long.
+    let CellReport { instructions: _, violations, distances, .. } = report;
+    CellReport {
+        cell: report.cell.clone(),
+        robot: report.robot.clone(),
+        solver: report.solver.clone(),
+        assumed: report.assumed.clone(),
+        straight: report.straight.clone(),
+        blended: report.blended.clone(),
+        compensated: report.compensated.clone(),
+        axes: report.axes.clone(),
+        nearest: report.nearest.clone(),
+        instructions: Vec::new(),
+        violations: first(violations, TOLD),
+        distances: first(distances, TOLD),
+        ..*report
+    }
+}
+
+/// When something is broken.
+pub(crate) fn broken(report: &CellReport) -> Vec<Pair> {
+    let near = report.duration_s / (2.0 * STRETCHES as f64);
+    let mut found: Vec<Pair> = Vec::new();
+    for one in &report.violations {
+        match found.last_mut() {
+            Some(Pair([_, end])) if one.start_s <= *end + near => *end = end.max(one.end_s),
+            _ => found.push(Pair([one.start_s, one.end_s])),
+        }
+    }
+    found
 }
 
 /// New values of one station.

@@ -18,6 +18,9 @@ use crate::strict;
 #[derive(Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct JogRequest {
+    /// Key of a plan that the server remembers, in place of both texts.
+    #[serde(default)]
+    pub(crate) plan: Option<String>,
     /// Text of a cell file; without it, that of the file.
     #[serde(default)]
     pub(crate) cell: Option<String>,

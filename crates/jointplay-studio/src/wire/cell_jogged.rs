@@ -31,7 +31,7 @@ pub(crate) struct JogDocument {
     /// Why the robot is not where it was told to go; `null` where it is.
     #[schema(required = true)]
     pub(crate) stopped: Option<StoppedDocument>,
-    /// Where all that moves is, named and nested as in `cell/motion.glb`.
+    /// Where all that moves is, named and nested as in the picture of the cell.
     pub(crate) frames: Vec<FrameDocument>,
 }
 

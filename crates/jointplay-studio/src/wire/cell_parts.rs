@@ -3,6 +3,7 @@
 use jointplay::cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station, teach};
+use jointplay::format::export::wafers_at_start;
 use jointplay::format::report::{self, StationReport};
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::{Pose, Tilt};
@@ -10,6 +11,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Triple;
+use super::cell_chain::HeldDocument;
 use super::cell_jogged::{AxisDocument, axes};
 
 /// What the robot is made of.
@@ -82,6 +84,8 @@ pub(crate) struct WaferDocument {
     pub(crate) name: String,
     /// Where it is at the start.
     pub(crate) starts: String,
+    /// The same as a frame.
+    pub(crate) held: HeldDocument,
 }
 
 /// A region with a rule.
@@ -228,16 +232,20 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
 pub(crate) fn wafers(cell: &Cell) -> Vec<WaferDocument> {
     let in_slots = cell.occupied.iter().map(|slot| {
         let station = &cell.stations[slot.station].name;
-        WaferDocument {
-            name: format!("wafer of {station} {}", slot.slot),
-            starts: format!("{station}, slot {}", slot.slot),
-        }
+        let (name, slot) = (format!("wafer of {station} {}", slot.slot), slot.slot);
+        (name, format!("{station}, slot {slot}"))
     });
     let carried = cell.carried.iter().map(|id| {
         let effector = effector_name(cell, id);
-        WaferDocument { name: format!("wafer of {effector}"), starts: format!("on {effector}") }
+        (format!("wafer of {effector}"), format!("on {effector}"))
     });
-    in_slots.chain(carried).collect()
+    let told = in_slots.chain(carried).zip(wafers_at_start(cell));
+    let of = |((name, starts), held)| WaferDocument {
+        name,
+        starts,
+        held: HeldDocument::new(cell, &held),
+    };
+    told.map(of).collect()
 }
 
 /// All zones.

@@ -3,6 +3,7 @@
 #![expect(clippy::approx_constant, reason = "attributes take literals only")]
 
 pub(crate) mod cell;
+pub(crate) mod cell_chain;
 pub(crate) mod cell_jog;
 pub(crate) mod cell_jogged;
 pub(crate) mod cell_parts;

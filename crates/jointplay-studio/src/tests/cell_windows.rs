@@ -1,0 +1,190 @@
+//! Long programs: windows of their motion, lists in pages, plans that are not awaited.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use axum::body::Body;
+use axum::http::{Method, Request, StatusCode, header};
+use jointplay::format::robot;
+use serde_json::{Value, json};
+use tower::ServiceExt as _;
+
+use super::cell::{SHORT, ask, fetch, plan, server, unpacked, window};
+use super::{HOST, PORT, app};
+use crate::cell::{CellFiles, Desk};
+
+/// A wafer there and back, so many times.
+fn long(lines: usize) -> String {
+    let mut text = String::from("HOME\n");
+    for line in 0..lines {
+        let way = if line % 2 == 0 { ["LP1", "LP2"] } else { ["LP2", "LP1"] };
+        writeln!(text, "TRANSFER {} SLOT 1 TO {} SLOT 1 WITH A", way[0], way[1]).unwrap();
+    }
+    text
+}
+
+/// The example with a free slot where that program goes.
+fn cell() -> String {
+    jointplay::format::cell::EXAMPLE.to_owned()
+}
+
+fn keys(plan: &Value) -> Vec<Value> {
+    plan["windows"].as_array().unwrap().iter().map(|window| window["key"].clone()).collect()
+}
+
+#[test]
+fn an_edit_of_one_line_names_the_windows_that_there_were() {
+    let server = server(CellFiles::example());
+    let text = long(200);
+    let first = plan(&server, &json!({ "cell": cell(), "program": text }));
+    assert_eq!(first["problems"], json!([]));
+    let known: BTreeSet<String> = keys(&first).iter().map(Value::to_string).collect();
+    assert!(keys(&first).len() >= 15, "{}", keys(&first).len());
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines.insert(100, "WAIT 1 s");
+    let second = plan(&server, &json!({ "cell": cell(), "program": lines.join("\n") }));
+    let unknown = keys(&second).iter().filter(|key| !known.contains(&key.to_string())).count();
+    assert!((1..=2).contains(&unknown), "{unknown} of {}", keys(&second).len());
+    // A remark changes nothing but where lines are, below it; of this the windows know nothing.
+    lines.insert(50, "# Half of it.");
+    let third = plan(&server, &json!({ "cell": cell(), "program": lines.join("\n") }));
+    let told: BTreeSet<String> = keys(&second).iter().map(Value::to_string).collect();
+    let unknown = keys(&third).iter().filter(|key| !told.contains(&key.to_string())).count();
+    assert!(unknown <= 1, "{unknown}: the one in which the remark is");
+    // What a key names is the same, whichever plan it is taken from.
+    let same = keys(&third).last().unwrap().clone();
+    assert_eq!(keys(&second).last().unwrap(), &same);
+    let answer = fetch(&server, &format!("cell/windows/{}", same.as_str().unwrap()));
+    assert!(answer.header("cache-control").contains("immutable"));
+}
+
+#[test]
+fn a_long_plan_is_told_in_little_and_its_lists_in_pages() {
+    let server = server(CellFiles::example());
+    let body = json!({ "cell": cell(), "program": long(400) });
+    let answer = ask(&server, Method::POST, "cell/plan", &body);
+    let (short, found) = (answer.bytes.len(), answer.json());
+    let body = json!({ "cell": cell(), "program": long(800) });
+    let longer = ask(&server, Method::POST, "cell/plan", &body);
+    let a_line = (longer.bytes.len() - short) as f64 / 400.0;
+    assert!(a_line < 30.0, "{a_line} bytes a line");
+    assert!(short < 60_000, "{short}");
+    assert_eq!((&found["instructions"], &found["report"]["instructions"]), (&401.into(), &json!([])));
+    let page = |list: &str, number: &str| {
+        let key = found["key"].as_str().unwrap();
+        fetch(&server, &format!("cell/plans/{key}/{list}/{number}"))
+    };
+    let last = page("instructions", "4").json();
+    assert_eq!((&last["of"], last["instructions"].as_array().unwrap().len()), (&401.into(), 1));
+    assert_eq!(last["instructions"][0]["number"], 401);
+    assert_eq!(page("instructions", "9").json()["instructions"], json!([]));
+    assert_eq!(page("violations", "0").json(), json!({ "of": 0, "violations": [] }));
+    for wrong in ["-1", "x", "1.5"] {
+        assert_eq!(page("instructions", wrong).status, StatusCode::NOT_FOUND, "{wrong}");
+    }
+    for path in ["cell/plans/none/instructions/0", "cell/windows/none", "cell/scenes/none"] {
+        assert_eq!(fetch(&server, path).status, StatusCode::NOT_FOUND, "{path}");
+    }
+    let windows = keys(&found).len();
+    let asked = json!({ "plan": found["key"], "windows": [0, windows - 1] });
+    let (told, numbers) = unpacked(&ask(&server, Method::POST, "cell/overview", &asked).bytes);
+    assert_eq!((&told, numbers.len()), (&json!({ "windows": 2, "axes": 6 }), 2 * 6 * 7));
+    let asked = json!({ "plan": found["key"], "windows": [windows] });
+    assert_eq!(ask(&server, Method::POST, "cell/overview", &asked).json()["field"], "windows[0]");
+}
+
+#[test]
+fn an_overview_holds_all_that_its_window_does() {
+    let server = server(CellFiles::example());
+    let found = plan(&server, &json!({ "program": SHORT }));
+    let (description, numbers) = window(&server, &found["windows"][0]["key"]);
+    let asked = json!({ "plan": found["key"], "windows": [0] });
+    let (_, bounds) = unpacked(&ask(&server, Method::POST, "cell/overview", &asked).bytes);
+    let mut moving = [0.0; 6];
+    for step in description["steps"].as_array().unwrap() {
+        let segment = &description["segments"][step["segment"].as_u64().unwrap() as usize];
+        for axis in segment["moving"].as_array().unwrap() {
+            moving[axis.as_u64().unwrap() as usize] += segment["duration_s"].as_f64().unwrap();
+        }
+        for (axis, bounds) in bounds.chunks_exact(7).enumerate() {
+            let place = &description["channels"][segment["channels"][axis].as_u64().unwrap() as usize];
+            let [from, count] = [0, 1].map(|k| place[k].as_u64().unwrap() as usize);
+            let values = &numbers[from + count..from + 2 * count];
+            let rates = &numbers[from + 2 * count..from + 3 * count];
+            for (values, [least, most]) in [(values, [bounds[0], bounds[1]]), (rates, [bounds[2], bounds[3]])] {
+                for value in values {
+                    assert!((least - 1e-6..=most + 1e-6).contains(value), "{axis}: {value} {least} {most}");
+                }
+            }
+        }
+    }
+    for (axis, moving) in moving.iter().enumerate() {
+        assert!((bounds[7 * axis + 6] - moving).abs() < 1e-9, "{axis}");
+    }
+}
+
+#[test]
+fn texts_are_sent_by_the_lines_that_changed() {
+    let server = server(CellFiles::example());
+    let first = plan(&server, &json!({ "program": "HOME\nWAIT 1 s\nHOME\n" }));
+    let lines = json!({ "from": 1, "count": 1, "lines": ["WAIT 2 s", "WAIT 3 s"] });
+    let since = json!({ "since": { "plan": first["key"], "program": lines } });
+    let second = plan(&server, &since);
+    let whole = plan(&server, &json!({ "program": "HOME\nWAIT 2 s\nWAIT 3 s\nHOME\n" }));
+    assert_eq!((&second["key"], &second["report"]), (&whole["key"], &whole["report"]));
+    assert_eq!(second["report"]["duration_s"], 5.0);
+    let wrong = |since: Value| ask(&server, Method::POST, "cell/plan", &json!({ "since": since }));
+    let beyond = wrong(json!({ "plan": first["key"], "program": { "from": 4, "count": 1, "lines": [] } }));
+    assert_eq!((beyond.status, &beyond.json()["field"]), (StatusCode::UNPROCESSABLE_ENTITY, &"since.program".into()));
+    let huge = wrong(json!({ "plan": first["key"], "program": { "from": 1, "count": usize::MAX, "lines": [] } }));
+    assert_eq!(huge.status, StatusCode::UNPROCESSABLE_ENTITY);
+    let unknown = wrong(json!({ "plan": "none" }));
+    assert_eq!((unknown.status, &unknown.json()["field"]), (StatusCode::CONFLICT, &"since".into()));
+    // A robot is moved in a plan that is remembered.
+    let jog = ask(&server, Method::POST, "cell/jog", &json!({ "plan": second["key"], "time_s": 4.0 }));
+    assert_eq!(jog.status, StatusCode::OK);
+    assert_eq!(ask(&server, Method::POST, "cell/jog", &json!({ "plan": "none" })).status, StatusCode::NOT_FOUND);
+}
+
+#[test]
+fn samples_of_a_long_motion_are_asked_for_in_stretches() {
+    let server = server(CellFiles::example());
+    let program = "HOME\nWAIT 86400 s\nHOME\n";
+    let all = ask(&server, Method::POST, "cell/samples", &json!({ "program": program }));
+    assert_eq!((all.status, &all.json()["field"]), (StatusCode::UNPROCESSABLE_ENTITY, &"to_s".into()));
+    let stretch = json!({ "program": program, "from_s": 100.0, "to_s": 110.0 });
+    let some = ask(&server, Method::POST, "cell/samples", &stretch);
+    assert_eq!(some.status, StatusCode::OK);
+    let read = arrow_ipc::reader::StreamReader::try_new(some.bytes.as_slice(), None).unwrap();
+    let rows: usize = read.map(|batch| batch.unwrap().num_rows()).sum();
+    assert_eq!(rows, 251);
+}
+
+#[test]
+fn a_plan_that_nobody_awaits_is_stopped() {
+    let mut app = app(robot::paper(), None).unwrap();
+    let desk = Desk::new(CellFiles::example());
+    app.desk = Some(desk.clone());
+    let work = app.work.clone();
+    let server = crate::app::router(app, PORT);
+    let body = json!({ "cell": cell(), "program": long(8_000) }).to_string();
+    let request = Request::post("/api/v1/cell/plan").header(header::HOST, HOST);
+    let request = request.header(header::CONTENT_TYPE, "application/json");
+    let request = request.body(Body::from(body)).unwrap();
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    runtime.block_on(async {
+        let asked = tokio::spawn(server.oneshot(request));
+        while work.running() == 0 {
+            tokio::task::yield_now().await;
+        }
+        // The client goes.
+        asked.abort();
+        assert!(asked.await.is_err());
+        while work.running() > 0 {
+            tokio::task::yield_now().await;
+        }
+    });
+    assert_eq!(desk.remembered(), Vec::<String>::new(), "it was stopped before it was done");
+    let plan = desk.plan(cell(), SHORT.to_owned(), &|| false).unwrap();
+    assert!(plan.report.is_some());
+}

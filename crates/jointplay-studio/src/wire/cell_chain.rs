@@ -1,0 +1,125 @@
+//! How the frames of a robot follow from its axes.
+
+use jointplay::cell::cell::Cell;
+use jointplay::cell::robot::{Arm, MotionKind};
+use jointplay::format::export::HeldAt;
+use serde::Serialize;
+use utoipa::ToSchema;
+
+use super::{Pair, Triple};
+use crate::wire::cell_jogged::AxisKind;
+
+/// How the frames of a robot follow from its axes, and from the poses that windows have.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct ChainDocument {
+    /// Where the axes of the rods cross the base plane, x and y [m].
+    pub(crate) base_points_m: Vec<Pair>,
+    /// Its arms.
+    pub(crate) arms: Vec<ArmChain>,
+}
+
+/// An arm.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct ArmChain {
+    /// Its first joint in the platform frame [m].
+    pub(crate) mount_m: Triple,
+    /// From the platform out.
+    pub(crate) joints: Vec<JointChain>,
+    /// Its effectors.
+    pub(crate) effectors: Vec<EffectorChain>,
+}
+
+/// A joint of an arm, and the link after it.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct JointChain {
+    /// Whether it turns about z or slides along x.
+    pub(crate) kind: AxisKind,
+    /// Its value where all axes are at zero [m or rad].
+    pub(crate) zero: f64,
+    /// Axes that move it.
+    pub(crate) drives: Vec<DriveChain>,
+    /// Where the next joint is in the frame of the link after it, x and y [m].
+    pub(crate) next_m: Pair,
+    /// Rise of the link after it [m].
+    pub(crate) rise_m: f64,
+}
+
+/// An axis that moves a joint.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct DriveChain {
+    /// Index of the axis.
+    pub(crate) axis: usize,
+    /// By how much of its position.
+    pub(crate) ratio: f64,
+}
+
+/// An effector: the frame of its wafer on the last link.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct EffectorChain {
+    /// What it is called.
+    pub(crate) name: String,
+    /// Origin [m].
+    pub(crate) center_m: Triple,
+    /// Turn about z [rad].
+    pub(crate) heading_rad: f64,
+}
+
+/// What holds a wafer.
+#[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
+pub(crate) struct HeldDocument {
+    /// Index of the effector; `null` where it lies in a slot.
+    #[schema(required = true)]
+    pub(crate) effector: Option<usize>,
+    /// Index of the station and number of the slot; `null` where an effector carries it.
+    #[schema(required = true, min_items = 2, max_items = 2)]
+    pub(crate) slot: Option<Vec<usize>>,
+    /// Origin [m] and vector part of its unit quaternion: in the wafer frame of the effector, or in the base frame.
+    #[schema(min_items = 6, max_items = 6)]
+    pub(crate) pose: Vec<f64>,
+}
+
+impl ChainDocument {
+    pub(crate) fn new(cell: &Cell) -> Self {
+        let robot = &cell.robot;
+        Self {
+            base_points_m: robot.gpr.base_points().map(|point| Pair([point.x, point.y])).to_vec(),
+            arms: robot.arms.iter().map(ArmChain::new).collect(),
+        }
+    }
+}
+
+impl ArmChain {
+    fn new(arm: &Arm) -> Self {
+        let joints = arm.joints.iter().map(|joint| JointChain {
+            kind: match joint.kind {
+                MotionKind::Turn => AxisKind::Turn,
+                MotionKind::Slide => AxisKind::Slide,
+            },
+            zero: joint.zero,
+            drives: joint.drives.iter().map(|&(axis, ratio)| DriveChain { axis, ratio }).collect(),
+            next_m: Pair([joint.length, joint.offset]),
+            rise_m: joint.rise,
+        });
+        let effectors = arm.effectors.iter().map(|effector| EffectorChain {
+            name: effector.name.clone(),
+            center_m: Triple(effector.wafer_center),
+            heading_rad: effector.heading,
+        });
+        Self {
+            mount_m: Triple(arm.mount),
+            joints: joints.collect(),
+            effectors: effectors.collect(),
+        }
+    }
+}
+
+impl HeldDocument {
+    pub(crate) fn new(cell: &Cell, held: &HeldAt) -> Self {
+        let index = |id| cell.robot.effectors().position(|one| one == id);
+        Self {
+            effector: held.effector.and_then(index),
+            slot: held.slot.map(|slot| vec![slot.station, slot.slot]),
+            pose: held.pose.to_vec(),
+        }
+    }
+}

@@ -1,0 +1,102 @@
+// Forward kinematics of a robot with arms: from the channels of a motion to where all frames are. Metres and radians.
+
+/** How the frames of a robot follow from its axes, as the server tells it. */
+export interface Chain {
+  base_points_m: number[][];
+  arms: {
+    mount_m: number[];
+    joints: { kind: 'turn' | 'slide'; zero: number; drives: { axis: number; ratio: number }[]; next_m: number[]; rise_m: number }[];
+    effectors: { name: string; center_m: number[]; heading_rad: number }[];
+  }[];
+}
+
+export interface Frame {
+  name: string;
+  /** Its origin in the frame that it moves with. */
+  origin_m: number[];
+  /** Its unit quaternion x, y, z, w there. */
+  quaternion: number[];
+}
+
+/** A pose: origin x, y, z and unit quaternion x, y, z, w. */
+type Pose = readonly [number, number, number, number, number, number, number];
+
+const RODS = 3;
+/** Numbers of a pose among the channels: origin, and vector part of a unit quaternion. */
+const POSE = 6;
+
+/** A pose by its origin and the vector part of its quaternion, whose scalar part is positive. */
+export function poseOf(numbers: ArrayLike<number>, at = 0): Pose {
+  const [x, y, z] = [numbers[at + 3]!, numbers[at + 4]!, numbers[at + 5]!];
+  return [numbers[at]!, numbers[at + 1]!, numbers[at + 2]!, x, y, z, Math.sqrt(Math.max(0, 1 - x * x - y * y - z * z))];
+}
+
+const moved = (x: number, y: number, z: number): Pose => [x, y, z, 0, 0, 0, 1];
+const turned = (angle: number): Pose => [0, 0, 0, 0, 0, Math.sin(angle / 2), Math.cos(angle / 2)];
+
+/** The second pose in the frame that the first is told in. */
+export function compose(a: Pose, b: Pose): Pose {
+  const [ax, ay, az, x, y, z, w] = a;
+  const [bx, by, bz, p, q, r, s] = b;
+  // v + 2 w (u × v) + 2 u × (u × v)
+  const [cx, cy, cz] = [y * bz - z * by, z * bx - x * bz, x * by - y * bx];
+  return [
+    ax + bx + 2 * (w * cx + y * cz - z * cy),
+    ay + by + 2 * (w * cy + z * cx - x * cz),
+    az + bz + 2 * (w * cz + x * cy - y * cx),
+    w * p + x * s + y * r - z * q,
+    w * q - x * r + y * s + z * p,
+    w * r + x * q - y * p + z * s,
+    w * s - x * p - y * q - z * r,
+  ];
+}
+
+const frame = (name: string, pose: Pose): Frame => ({ name, origin_m: pose.slice(0, 3), quaternion: pose.slice(3) });
+
+/** Names of frames that move. */
+export interface Names {
+  axes: readonly string[];
+  /** Of each arm, its links. */
+  links: readonly (readonly string[])[];
+  wafers: readonly string[];
+}
+
+/**
+ * Where all frames are, each in the one that it moves with: rods, platform and wafers in the base, links in the one before.
+ *
+ * `values` are the channels of a segment: positions of all axes, the pose of the platform, and the deflections: of the last link of each arm, then of each effector, in the rigid last link.
+ */
+export function frames(chain: Chain, names: Names, values: ArrayLike<number>, held: readonly { effector: number | null; pose: ArrayLike<number> }[]): Frame[] {
+  const found: Frame[] = [];
+  for (let k = 0; k < RODS; k += 1) {
+    const [x, y] = chain.base_points_m[k]!;
+    found.push(frame(names.axes[k]!, moved(x!, y!, values[k]!)));
+  }
+  const platform = poseOf(values, names.axes.length);
+  found.push(frame('platform', platform));
+  let link = names.axes.length + POSE;
+  let effector = link + POSE * chain.arms.length;
+  const wafers: Pose[] = [];
+  chain.arms.forEach(({ mount_m, joints, effectors }, arm) => {
+    let at = moved(mount_m[0]!, mount_m[1]!, mount_m[2]!);
+    let base = platform;
+    joints.forEach(({ kind, zero, drives, next_m, rise_m }, k) => {
+      const value = drives.reduce((sum, { axis, ratio }) => sum + ratio * values[axis]!, zero);
+      const local = compose(compose(at, moved(0, 0, rise_m)), kind === 'turn' ? turned(value) : moved(value, 0, 0));
+      base = compose(base, local);
+      found.push(frame(names.links[arm]![k]!, k + 1 === joints.length ? compose(local, poseOf(values, link)) : local));
+      at = moved(next_m[0]!, next_m[1]!, 0);
+    });
+    link += POSE;
+    for (const { center_m, heading_rad } of effectors) {
+      const center = compose(moved(center_m[0]!, center_m[1]!, center_m[2]!), turned(heading_rad));
+      wafers.push(compose(compose(base, poseOf(values, effector)), center));
+      effector += POSE;
+    }
+  });
+  held.forEach(({ effector, pose }, k) => {
+    const own = poseOf(pose);
+    found.push(frame(names.wafers[k]!, effector === null ? own : compose(wafers[effector]!, own)));
+  });
+  return found;
+}
