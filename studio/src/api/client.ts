@@ -2,6 +2,7 @@
 
 import type { Command, Metric, Motion } from '../lib/document';
 import { metres, radians } from '../lib/units';
+import { connection } from './connection.svelte';
 import type { components } from './schema';
 
 type Schemas = components['schemas'];
@@ -51,20 +52,37 @@ async function ask(path: string, body?: unknown, signal?: AbortSignal, method = 
     });
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    connection.failed();
     throw new Away('the server does not answer');
   }
+  connection.answered();
   if (response.ok) return response;
   const problem = (await response.json().catch(() => ({}))) as Partial<Schemas['Problem']>;
   throw new Refused(response.status, problem.detail ?? `the server answered ${response.status}`, problem.field ?? undefined);
 }
 
+/** The body of an answer; a server that ends in the middle of it does not answer. */
+async function body<T>(answer: Promise<Response>, read: (response: Response) => Promise<unknown>): Promise<T> {
+  const response = await answer;
+  try {
+    return (await read(response)) as T;
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    connection.failed();
+    throw new Away('the server broke off its answer');
+  }
+}
+const json = <T>(answer: Promise<Response>) => body<T>(answer, (response) => response.json());
+const buffer = (answer: Promise<Response>) => body<ArrayBuffer>(answer, (response) => response.arrayBuffer());
+const blob = (answer: Promise<Response>) => body<Blob>(answer, (response) => response.blob());
+
 export async function robot(): Promise<RobotDocument> {
-  return (await ask('robot')).json() as Promise<RobotDocument>;
+  return json(ask('robot'));
 }
 
 /** A shape that the robot file names. */
 export async function mesh(part: 'base' | 'platform'): Promise<ArrayBuffer> {
-  return (await ask(`meshes/${part}`)).arrayBuffer();
+  return buffer(ask(`meshes/${part}`));
 }
 
 export function modelChoice(virtualization: string, solver: string, metric: Metric): ModelChoice {
@@ -88,7 +106,7 @@ export function apiCommand(command: Command): Timed {
  */
 export async function pose(command: Timed, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
   const from = from_rods_m ? { from_rods_m } : {};
-  return (await ask('pose', { command, models, ...from })).json() as Promise<PoseDocument>;
+  return json(ask('pose', { command, models, ...from }));
 }
 
 /** What is plotted of a motion, or moves the robot. */
@@ -103,12 +121,12 @@ export async function study(motion: Motion, model: ModelChoice, signal: AbortSig
 
 /** The same as a file; as Parquet only where the server was built with it. */
 export async function studyFile(motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
-  return (await ask(`study.${kind}`, { motion: apiMotion(motion), model })).blob();
+  return blob(ask(`study.${kind}`, { motion: apiMotion(motion), model }));
 }
 
 /** What `jointplay forward --format json` prints of these rods. */
 export async function forward(rods_m: number[], model: ModelChoice): Promise<Blob> {
-  return (await ask('forward', { rods_m, model, ignore_limits: true })).blob();
+  return blob(ask('forward', { rods_m, model, ignore_limits: true }));
 }
 
 /** Samples a second of a motion through key poses: as many as a screen shows. */
@@ -142,23 +160,23 @@ export interface CellTexts {
 }
 
 export async function cell(): Promise<CellDocument> {
-  return (await ask('cell')).json() as Promise<CellDocument>;
+  return json(ask('cell'));
 }
 
 /** Keeps both texts in their files; where they are to replace a version, not if the files have changed since. */
 export async function saveCell(texts: CellTexts, replaces: string | null): Promise<CellDocument> {
   const body = replaces === null ? texts : { ...texts, replaces };
-  return (await ask('cell', body, undefined, 'PUT')).json() as Promise<CellDocument>;
+  return json(ask('cell', body, undefined, 'PUT'));
 }
 
 /** The robot of the cell, moved by hand. */
 export async function jog(texts: CellTexts, question: JogQuestion): Promise<JogDocument> {
-  return (await ask('cell/jog', { ...texts, ...question })).json() as Promise<JogDocument>;
+  return json(ask('cell/jog', { ...texts, ...question }));
 }
 
 /** What a program comes to in a cell. */
 export async function plan(texts: CellTexts, signal: AbortSignal): Promise<PlanDocument> {
-  return (await ask('cell/plan', texts, signal)).json() as Promise<PlanDocument>;
+  return json(ask('cell/plan', texts, signal));
 }
 
 /** Keys of the motion, between which the page goes by cubics; a power of two, whose times single precision holds exactly [Hz]. */
@@ -169,7 +187,7 @@ const CELL_SAMPLES_HZ = 25;
 
 /** The cell in motion, as binary glTF. */
 export async function cellMotion(texts: CellTexts, signal: AbortSignal): Promise<ArrayBuffer> {
-  return (await ask('cell/motion.glb', { ...texts, rate_hz: CELL_KEYS_HZ }, signal)).arrayBuffer();
+  return buffer(ask('cell/motion.glb', { ...texts, rate_hz: CELL_KEYS_HZ }, signal));
 }
 
 /** The motion sample by sample, no peak left out, as a stream in Arrow's format. */
@@ -181,5 +199,5 @@ export async function cellSamples(texts: CellTexts, signal: AbortSignal): Promis
 
 /** The text of the cell with new values of one station; its comments stay. */
 export async function setStation(text: string, station: string, change: StationChange): Promise<{ cell: string }> {
-  return (await ask('cell/station', { cell: text, station, ...change })).json() as Promise<{ cell: string }>;
+  return json(ask('cell/station', { cell: text, station, ...change }));
 }

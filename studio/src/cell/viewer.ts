@@ -25,6 +25,10 @@ import { paintGrid, Stage, type Captions, type StageEvents } from '../scene/stag
 
 const VIEWS = { home: [-0.75, -1, 0.9], top: [0, -1e-3, 1], front: [0, -1, 0.12], left: [-1, 0, 0.12] } as const;
 export type CellView = keyof typeof VIEWS;
+/** The views with their titles, in the order of their buttons and keys. */
+export const CELL_VIEWS: [CellView, string][] = [['home', 'Fit'], ['top', 'Top'], ['front', 'Front'], ['left', 'Left']];
+/** Colours of parts in collision, as checked and where the check is outdated. */
+const BROKEN = { checked: [0xd62f1f, 0x8a1208], outdated: [0x8a9099, 0x30343a] } as const;
 
 type Frame = JogDocument['frames'][number];
 
@@ -52,7 +56,7 @@ export class CellViewer extends Stage {
   readonly #sky = new HemisphereLight(0xffffff, 0x94a0ac, 1.6);
   readonly #grid = new GridHelper(3, 30);
   // What is in a wall has to be seen in it.
-  readonly #broken = new MeshStandardMaterial({ color: 0xd62f1f, emissive: 0x8a1208, roughness: 0.6, transparent: true, opacity: 0.7, depthWrite: false });
+  readonly #broken = new MeshStandardMaterial({ color: BROKEN.checked[0], emissive: BROKEN.checked[1], roughness: 0.6, transparent: true, opacity: 0.7, depthWrite: false });
   readonly #chosen = new MeshStandardMaterial({ color: 0xf0b000, emissive: 0x5a3d00, roughness: 0.6, transparent: true, opacity: 0.55, depthWrite: false });
   #whole: Object3D | null = null;
   #mixer: AnimationMixer | null = null;
@@ -73,6 +77,8 @@ export class CellViewer extends Stage {
   /** A station that is dragged, with its slots, its bodies and what lies in it. */
   #nudged: { station: string; slots: Set<string>; group: Group } | null = null;
   #loads = 0;
+  /** Whether the camera was placed before there was anything to see. */
+  #placed = false;
   #marked: { broken: ReadonlySet<string>; chosen: ReadonlySet<string> } = { broken: new Set(), chosen: new Set() };
 
   constructor(host: HTMLElement, events: CellViewerEvents) {
@@ -136,7 +142,7 @@ export class CellViewer extends Stage {
     this.at(this.#time);
     this.#mark();
     if (this.#posed) this.#place(this.#posed);
-    if (first) this.look('home');
+    if (first && !this.#placed) this.look('home');
   }
 
   /** Shows a moment of the motion [s]. */
@@ -189,6 +195,32 @@ export class CellViewer extends Stage {
   mark(broken: ReadonlySet<string>, chosen: ReadonlySet<string>): void {
     this.#marked = { broken, chosen };
     this.#mark();
+    this.invalidate();
+  }
+
+  /** Whether the marks of violations are those of an earlier state: they lose their colour. */
+  set outdated(outdated: boolean) {
+    const [color, emissive] = outdated ? BROKEN.outdated : BROKEN.checked;
+    this.#broken.color.setHex(color);
+    this.#broken.emissive.setHex(emissive);
+    this.invalidate();
+  }
+
+  /** The colour of the marks of violations, as hexadecimal digits. */
+  get brokenColour(): string {
+    return this.#broken.color.getHexString();
+  }
+
+  /** Where the camera is and what it looks at [m]. */
+  get eyeAndTarget(): { eye: number[]; target: number[] } {
+    return { eye: this.#eye.position.toArray(), target: this.controls.target.toArray() };
+  }
+
+  set eyeAndTarget({ eye, target }: { eye: number[]; target: number[] }) {
+    this.#eye.position.fromArray(eye);
+    this.controls.target.fromArray(target);
+    this.#placed = true;
+    this.controls.update();
     this.invalidate();
   }
 
