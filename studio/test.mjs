@@ -1,8 +1,9 @@
 // Builds the studio's page and tests it: types, logic, and in a real browser against the real server.
 //
-// Run by `cargo xtask page`. Everything it makes is in `studio/node_modules`, `studio/dist` and `target`;
+// Run by `cargo xtask page`. Everything it makes is in `studio/node_modules` and `target`;
 // where this machine has no Chromium, Debian's is installed. With `--prepare` it only fetches these; without a word
-// it builds the page and tests what needs no server; with the path of the `jointplay` command it tests the rest.
+// it builds the page to `target/page/built`, which the caller compares with the page in the repository, and tests what
+// needs no server; with the path of the `jointplay` command it tests the rest.
 
 import { spawnSync } from 'node:child_process';
 import { createHash } from 'node:crypto';
@@ -62,9 +63,10 @@ if (word) {
   run('npm', ['run', '--silent', 'e2e'], { env: { ...process.env, JOINTPLAY_COMMAND: resolve(word), CHROMIUM: browser } });
   say(`tested in the browser in ${seconds()}`);
 } else {
-  for (const script of ['build', 'check', 'test']) {
-    say(script);
-    run('npm', ['run', '--silent', script]);
+  const scripts = [['build', '--', '--outDir', resolve(HOME, 'built')], ['check'], ['test']];
+  for (const script of scripts) {
+    say(script[0]);
+    run('npm', ['run', '--silent', ...script]);
   }
   say(`built and checked in ${seconds()}`);
 }

@@ -11,6 +11,20 @@ export default defineConfig({
   plugins: [svelte()],
   build: {
     target: 'es2022',
+    // The built page is part of the server's crate; `cargo xtask page` checks that it is what these sources give.
+    outDir: '../crates/jointplay-studio/page',
+    emptyOutDir: true,
+    rolldownOptions: {
+      output: {
+        // Libraries are files of their own, which stay the same while the page changes.
+        codeSplitting: {
+          groups: [
+            { name: 'three', test: /node_modules\/three\/build/ },
+            { name: 'editor', test: /node_modules\/(@codemirror|@lezer|@marijn|style-mod|w3c-keyname|crelt)/ },
+          ],
+        },
+      },
+    },
     // No inline script and no data: address, so that the server's content security policy can be strict.
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },

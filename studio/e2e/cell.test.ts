@@ -6,7 +6,7 @@ import { join, resolve } from 'node:path';
 import axe from 'axe-core';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { browse, complaints, ROOT, serve, until, type Server } from './studio';
+import { browse, complaints, frames, ROOT, serve, until, visit, type Server } from './studio';
 
 const PROGRAM = 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n';
 const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
@@ -22,8 +22,7 @@ beforeAll(async () => {
   writeFileSync(join(folder, 'mine.toml'), CELL);
   writeFileSync(join(folder, 'mine.program'), PROGRAM);
   [browser, server] = await Promise.all([browse(), serve(0, ['--cell', join(folder, 'mine.toml')])]);
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' });
-  page = await context.newPage();
+  page = await visit(browser);
   heard = complaints(page);
   await page.goto(server.address);
 });
@@ -60,7 +59,7 @@ test('the program runs by the keyboard, by the slider and by its steps', async (
   await until('it plays', async () => (await now()) > 0.5);
   await page.keyboard.press(' ');
   const stopped = await now();
-  await new Promise((wait) => setTimeout(wait, 200));
+  await frames(page);
   expect(await now()).toBe(stopped);
   await page.getByTestId('cell-time').fill('0');
   expect(await now()).toBe(0);
@@ -345,7 +344,7 @@ test('positions and speeds are plotted, at the time of the bars', async () => {
   expect(await page.getByTestId('plot-turn').getByRole('button', { name: /^T\b/ }).getAttribute('aria-pressed')).toBe('false');
   await page.getByTestId('plot-turn').locator('.u-over').hover();
   await page.mouse.wheel(0, -200);
-  await page.getByRole('button', { name: 'Whole', exact: true }).click();
+  await page.getByRole('button', { name: 'Fit time', exact: true }).click();
   await page.getByTestId('plot-turn').getByRole('button', { name: /in °$/ }).click();
 });
 

@@ -2,7 +2,9 @@ import { execFileSync } from 'node:child_process';
 import axe from 'axe-core';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
-import { browse, COMMAND, complaints, drawn, serve, until, type Server } from './studio';
+import { browse, COMMAND, complaints, drawn, serve, until, visit, type Server } from './studio';
+
+const CLIPBOARD = { permissions: ['clipboard-read', 'clipboard-write'] };
 
 let browser: Browser;
 let server: Server;
@@ -11,7 +13,7 @@ let heard: string[];
 
 beforeAll(async () => {
   [browser, server] = await Promise.all([browse(), serve()]);
-  page = await visit();
+  page = await visit(browser, CLIPBOARD);
   heard = complaints(page);
   await page.goto(server.address);
 });
@@ -22,16 +24,6 @@ afterAll(async () => {
 afterEach(() => {
   expect(heard.splice(0)).toEqual([]);
 });
-
-async function visit(): Promise<Page> {
-  const context = await browser.newContext({
-    viewport: { width: 1280, height: 720 },
-    reducedMotion: 'reduce',
-    permissions: ['clipboard-read', 'clipboard-write'],
-    acceptDownloads: true,
-  });
-  return context.newPage();
-}
 
 const USUAL = '#pose=tilt,0,1.5,500,axis&model=polar,newton,paper&play=500&show=joints,arrows,frames,labels';
 
@@ -233,7 +225,7 @@ test('panels are folded, resized and moved, and stay so', async () => {
   expect(await page.locator('aside').count()).toBe(0);
   await page.locator('body').press('b');
   await page.keyboard.press('?');
-  await page.getByRole('button', { name: 'Panels as at first' }).click();
+  await page.getByRole('button', { name: 'Reset layout' }).click();
   await page.keyboard.press('Escape');
   expect(await panels('right')).toEqual(usual);
   expect(await page.getByTestId('counted').count()).toBe(1);
@@ -276,7 +268,7 @@ test('a link holds pose, model, play and view', async () => {
   const link = await page.evaluate(() => navigator.clipboard.readText());
   expect(link).toMatch(/#robot=GPR%20of%20the%20paper,[0-9a-f]{8}&pose=/);
   expect(link).toContain('&pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
-  const other = await visit();
+  const other = await visit(browser, CLIPBOARD);
   await other.goto(link);
   await drawn(other, "Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9 && pose.models[0].model.virtualization === 'radial'");
   await other.context().close();
@@ -336,9 +328,9 @@ test('the page says when the server is away, and comes back with it', async () =
   await open();
   await server.stop();
   await page.getByRole('button', { name: 'Level', exact: true }).click();
-  await page.getByText('The server is away').waitFor();
+  await page.getByTestId('disconnected').waitFor();
   server = await serve(server.port);
-  await page.getByText('The server is away').waitFor({ state: 'hidden' });
+  await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
   await drawn(page, 'pose.tilt.pitch_rad < 1e-9');
   // The browser itself notes requests that found nobody.
   heard.splice(0, heard.length, ...heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED')));

@@ -5,7 +5,7 @@ import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 import type { Browser, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
-import { browse, complaints, drawn, ROOT, serve, until } from './studio';
+import { browse, complaints, drawn, ROOT, serve, until, visit } from './studio';
 
 let browser: Browser;
 let folder: string;
@@ -31,14 +31,13 @@ function robot(shapes: Record<string, string>, change: (text: string) => string 
 
 async function at(robotFile: string, does: (page: Page, address: string, heard: string[]) => Promise<void>): Promise<void> {
   const server = await serve(0, ['--robot', robotFile]);
-  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' });
-  const page = await context.newPage();
+  const page = await visit(browser);
   const heard = complaints(page);
   try {
     await does(page, server.address, heard);
     expect(heard).toEqual([]);
   } finally {
-    await context.close();
+    await page.context().close();
     await server.stop();
   }
 }

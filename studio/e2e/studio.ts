@@ -3,7 +3,15 @@
 import { spawn, type ChildProcess } from 'node:child_process';
 import { existsSync } from 'node:fs';
 import { resolve } from 'node:path';
-import { chromium, type Browser, type Page } from 'playwright-core';
+import { chromium, type Browser, type BrowserContextOptions, type Page } from 'playwright-core';
+
+/**
+ * How long anything may take before a test gives up [ms].
+ *
+ * Tests wait for what the page shows, however long a busy machine takes; only what would never come ends here.
+ * While you write, `PATIENCE_S` makes it shorter.
+ */
+export const PATIENCE_MS = Number(process.env.PATIENCE_S ?? 900) * 1000;
 
 export const ROOT = resolve(import.meta.dirname, '../..');
 export const COMMAND = process.env.JOINTPLAY_COMMAND ?? resolve(ROOT, 'target/debug/jointplay');
@@ -55,7 +63,26 @@ export async function serve(port = 0, more: string[] = []): Promise<Server> {
 export async function browse(): Promise<Browser> {
   const executablePath = CHROMIUMS.find((path) => path && existsSync(path));
   if (!executablePath) throw new Error('no Chromium found: install it, or name it in CHROMIUM');
-  return chromium.launch({ executablePath, args: FLAGS });
+  return chromium.launch({ executablePath, args: FLAGS, timeout: PATIENCE_MS });
+}
+
+/** A page of its own in the browser. */
+export async function visit(browser: Browser, more: BrowserContextOptions = {}): Promise<Page> {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce', acceptDownloads: true, ...more });
+  context.setDefaultTimeout(PATIENCE_MS);
+  return context.newPage();
+}
+
+/** Waits until the page has painted a few more frames: time enough for what moves to be seen moving. */
+export async function frames(page: Page, count = 6): Promise<void> {
+  await page.evaluate(
+    (left) =>
+      new Promise<void>((done) => {
+        const next = () => (left-- > 0 ? requestAnimationFrame(next) : done());
+        next();
+      }),
+    count,
+  );
 }
 
 /** What the page complained about, which should be nothing. */
@@ -76,8 +103,8 @@ export async function drawn(page: Page, holds = 'true'): Promise<void> {
 }
 
 /** Asks again and again: the page's security policy forbids that the question itself stays in it. */
-export async function until(what: string, asked: () => Promise<boolean>, patience_ms = 45_000): Promise<void> {
-  const end = Date.now() + patience_ms;
+export async function until(what: string, asked: () => Promise<boolean>): Promise<void> {
+  const end = Date.now() + PATIENCE_MS;
   while (!(await asked())) {
     if (Date.now() > end) throw new Error(`waited in vain for: ${what}`);
     await new Promise((wait) => setTimeout(wait, 25));

@@ -5,8 +5,9 @@ export default defineConfig({
   test: {
     include: ['e2e/**/*.test.ts'],
     fileParallelism: false,
-    testTimeout: 60_000,
-    hookTimeout: 120_000,
+    // Each wait within a test has a limit of its own, and says what it waited for.
+    testTimeout: 0,
+    hookTimeout: 0,
     reporters: ['verbose'],
   },
 });

@@ -1,15 +1,23 @@
-//! `cargo xtask page`: build the studio's page, and test it in a browser.
+//! `cargo xtask page`: build the studio's page, compare it with the one in the repository, and test it in a browser.
 //!
-//! The work is done by `studio/test.mjs`; here a Node is found that runs it, and the command is built that serves the page.
+//! `studio/test.mjs` builds and tests; here a Node is found that runs it, the two pages are compared, and the command is built that serves the page.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::{fs, io};
 
 use crate::command;
 
 /// Fails on a Node that is too old for the page's tools.
 const NEW_ENOUGH: &str = "const [major, minor] = process.versions.node.split('.').map(Number); \
                           process.exit(major > 20 || (major === 20 && minor >= 19) ? 0 : 1)";
+
+/// The built page, as a part of the server's crate.
+const COMMITTED: &str = "crates/jointplay-studio/page";
+
+/// Where `studio/test.mjs` builds the page to compare it.
+const BUILT: &str = "target/page/built";
 
 /// Builds and tests the page at `root`; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
@@ -19,8 +27,60 @@ pub(crate) fn run(root: &Path) -> bool {
         test.arg("studio/test.mjs").args(command).current_dir(root);
         test.status().is_ok_and(|status| status.success())
     };
-    // The command that serves the page is built when the page has been.
-    test(None) && command::built(root).is_some_and(|command| test(Some(command)))
+    // Debug builds of the command read the page from its folder: a new page needs no new command.
+    test(None)
+        && is_current(root)
+        && command::built(root).is_some_and(|command| test(Some(command)))
+}
+
+/// Whether the page in the repository is what its sources give, byte for byte; prints what differs.
+fn is_current(root: &Path) -> bool {
+    let differences = match (files(&root.join(BUILT)), files(&root.join(COMMITTED))) {
+        (Ok(built), Ok(committed)) => differences(&built, &committed),
+        (Err(error), _) => vec![format!("cannot read {BUILT}: {error}")],
+        (_, Err(error)) => vec![format!("cannot read {COMMITTED}: {error}")],
+    };
+    if differences.is_empty() {
+        return true;
+    }
+    eprintln!("page: {COMMITTED} is not what the folder studio gives:");
+    for difference in &differences {
+        eprintln!("  {difference}");
+    }
+    eprintln!("run `npm run build` in the folder studio, and commit {COMMITTED}");
+    false
+}
+
+/// The files of a folder and of all folders in it, by their path within it.
+fn files(folder: &Path) -> io::Result<BTreeMap<PathBuf, Vec<u8>>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![PathBuf::new()];
+    while let Some(within) = folders.pop() {
+        for entry in folder.join(&within).read_dir()? {
+            let entry = entry?;
+            let path = within.join(entry.file_name());
+            if entry.file_type()?.is_dir() {
+                folders.push(path);
+            } else {
+                found.insert(path, fs::read(entry.path())?);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// One line for each file that only one of two folders has, or that differs.
+fn differences(
+    built: &BTreeMap<PathBuf, Vec<u8>>,
+    committed: &BTreeMap<PathBuf, Vec<u8>>,
+) -> Vec<String> {
+    let missing = built.iter().filter_map(|(path, bytes)| match committed.get(path) {
+        None => Some(format!("{} is missing", path.display())),
+        Some(other) if other != bytes => Some(format!("{} differs", path.display())),
+        Some(_) => None,
+    });
+    let obsolete = committed.keys().filter(|path| !built.contains_key(*path));
+    missing.chain(obsolete.map(|path| format!("{} is obsolete", path.display()))).collect()
 }
 
 /// The name of a Node that is new enough; says so where there is none.
@@ -34,4 +94,36 @@ pub(crate) fn find() -> Option<&'static str> {
         return None;
     }
     Some("node")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(files: &[(&str, &str)]) -> BTreeMap<PathBuf, Vec<u8>> {
+        files.iter().map(|(path, text)| (PathBuf::from(path), text.as_bytes().to_vec())).collect()
+    }
+
+    #[test]
+    fn a_page_differs_by_one_byte_one_file_more_or_one_less() {
+        let built = folder(&[("index.html", "a"), ("assets/page-1.js", "b")]);
+        assert_eq!(differences(&built, &built), <[String; 0]>::default());
+        let stale = folder(&[("index.html", "a "), ("assets/page-0.js", "b")]);
+        assert_eq!(
+            differences(&built, &stale),
+            ["assets/page-1.js is missing", "index.html differs", "assets/page-0.js is obsolete"]
+        );
+    }
+
+    #[test]
+    fn files_are_found_in_folders_within() {
+        let root = std::env::temp_dir().join(format!("xtask-page-{}", std::process::id()));
+        fs::create_dir_all(root.join("assets")).unwrap();
+        fs::write(root.join("index.html"), "a").unwrap();
+        fs::write(root.join("assets/page.js"), "b").unwrap();
+        let found = files(&root);
+        fs::remove_dir_all(&root).unwrap();
+        assert_eq!(found.unwrap(), folder(&[("index.html", "a"), ("assets/page.js", "b")]));
+        assert!(files(&root).is_err());
+    }
 }

@@ -90,8 +90,8 @@ pub fn spread(from: f64, to: f64, step: f64) -> Result<Vec<f64>, Error> {
     if whole >= most {
         return Err(Error::TooMany { found: whole + 1.0 });
     }
-    if (intervals - whole).abs() > 1e-9 * whole.max(1.0) {
-        let nearest = (to - from) / whole.max(1.0);
+    if !is_whole(intervals) {
+        let nearest = shortest_fitting(to - from, (to - from) / whole.max(1.0));
         return Err(Error::Misses { from, to, step, intervals, nearest });
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]
@@ -101,6 +101,18 @@ pub fn spread(from: f64, to: f64, step: f64) -> Result<Vec<f64>, Error> {
     let (first, stride) = ((from * unit).round(), (step * unit).round());
     let at = |i: u32| if i == count { to } else { (first + stride * f64::from(i)) / unit };
     Ok(if count == 0 { vec![from] } else { (0..=count).map(at).collect() })
+}
+
+/// Whether a number of steps is whole, up to the rounding of decimals that were typed.
+fn is_whole(intervals: f64) -> bool {
+    let whole = intervals.round();
+    (intervals - whole).abs() <= 1e-9 * whole.max(1.0)
+}
+
+/// The decimal with the fewest digits near `step` that still divides `range` into whole steps.
+fn shortest_fitting(range: f64, step: f64) -> f64 {
+    let rounded = |digits: usize| format!("{step:.digits$e}").parse::<f64>().ok();
+    (0..16).filter_map(rounded).find(|&short| is_whole(range / short)).unwrap_or(step)
 }
 
 /// Digits behind the point of the shortest decimal that stands for a number; at most 15.
@@ -144,7 +156,8 @@ mod tests {
         refuse("0:inf:1", "finite");
         refuse("0:1:0", "does not lead");
         refuse("2:-2:0.2", "does not lead");
-        refuse("0:1:0.3", "a step of 0.3333333333333333 fits");
+        refuse("0:1:0.3", "a step of 0.333333333 fits");
+        refuse("-2:2:0.003", "a step of 0.00300075019 fits");
         refuse("0:1:1e-9", "at most 1000000");
     }
 }

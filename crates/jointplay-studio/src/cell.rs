@@ -74,6 +74,14 @@ impl CellFiles {
         format!("{:016x}", hasher.finish())
     }
 
+    /// A hash of the file's absolute path; constant for the example, which is not a file.
+    pub(crate) fn identity(&self) -> String {
+        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let mut hasher = DefaultHasher::new();
+        self.path.as_deref().map(absolute).hash(&mut hasher);
+        format!("{:016x}", hasher.finish())
+    }
+
     /// The texts of cell and program.
     pub(crate) fn into_texts(self) -> (String, String) {
         (self.cell, self.program)

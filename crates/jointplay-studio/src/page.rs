@@ -6,14 +6,13 @@ use rust_embed::RustEmbed;
 
 use crate::problem::Problem;
 
-/// Files of the built page; none where it was not built before this program.
+/// Files of the built page, which `npm run build` in the folder `studio` writes.
+///
+/// Release builds embed them; other builds read them from the folder, so that a new page needs no new program.
 #[derive(RustEmbed)]
-#[folder = "../../studio/dist"]
-#[allow_missing = true]
+#[folder = "page"]
 struct Page;
 
-/// What is shown where there is no page.
-const NOT_BUILT: &str = include_str!("not_built.html");
 /// Files under it have a hash of their contents in their names.
 const HASHED: &str = "assets/";
 
@@ -28,13 +27,6 @@ pub(crate) fn answer(method: &Method, path: &str) -> Response {
         name => name,
     };
     let Some(file) = Page::get(name) else {
-        if name == "index.html" {
-            let headers = [
-                (header::CONTENT_TYPE, "text/html; charset=utf-8"),
-                (header::CACHE_CONTROL, "no-store"),
-            ];
-            return (headers, NOT_BUILT).into_response();
-        }
         let detail = format!("the page has no file {path}");
         return Problem::request(StatusCode::NOT_FOUND, detail).into_response();
     };

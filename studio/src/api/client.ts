@@ -4,6 +4,7 @@ import type { Command, Metric, Motion } from '../lib/document';
 import { changedLines } from '../lib/lines';
 import { unpack } from '../lib/motion';
 import { metres, radians } from '../lib/units';
+import { connection } from './connection.svelte';
 import type { components } from './schema';
 
 type Schemas = components['schemas'];
@@ -54,20 +55,37 @@ async function ask(path: string, body?: unknown, signal?: AbortSignal, method = 
     });
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    connection.failed();
     throw new Away('the server does not answer');
   }
+  connection.answered();
   if (response.ok) return response;
   const problem = (await response.json().catch(() => ({}))) as Partial<Schemas['Problem']>;
   throw new Refused(response.status, problem.detail ?? `the server answered ${response.status}`, problem.field ?? undefined);
 }
 
+/** The body of an answer; a server that ends in the middle of it does not answer. */
+async function body<T>(answer: Promise<Response>, read: (response: Response) => Promise<unknown>): Promise<T> {
+  const response = await answer;
+  try {
+    return (await read(response)) as T;
+  } catch (error) {
+    if (error instanceof DOMException && error.name === 'AbortError') throw error;
+    connection.failed();
+    throw new Away('the server broke off its answer');
+  }
+}
+const json = <T>(answer: Promise<Response>) => body<T>(answer, (response) => response.json());
+const buffer = (answer: Promise<Response>) => body<ArrayBuffer>(answer, (response) => response.arrayBuffer());
+const blob = (answer: Promise<Response>) => body<Blob>(answer, (response) => response.blob());
+
 export async function robot(): Promise<RobotDocument> {
-  return (await ask('robot')).json() as Promise<RobotDocument>;
+  return json(ask('robot'));
 }
 
 /** A shape that the robot file names. */
 export async function mesh(part: 'base' | 'platform'): Promise<ArrayBuffer> {
-  return (await ask(`meshes/${part}`)).arrayBuffer();
+  return buffer(ask(`meshes/${part}`));
 }
 
 export function modelChoice(virtualization: string, solver: string, metric: Metric): ModelChoice {
@@ -91,7 +109,7 @@ export function apiCommand(command: Command): Timed {
  */
 export async function pose(command: Timed, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
   const from = from_rods_m ? { from_rods_m } : {};
-  return (await ask('pose', { command, models, ...from })).json() as Promise<PoseDocument>;
+  return json(ask('pose', { command, models, ...from }));
 }
 
 /** What is plotted of a motion, or moves the robot. */
@@ -106,12 +124,12 @@ export async function study(motion: Motion, model: ModelChoice, signal: AbortSig
 
 /** The same as a file; as Parquet only where the server was built with it. */
 export async function studyFile(motion: Motion, model: ModelChoice, kind: 'csv' | 'parquet'): Promise<Blob> {
-  return (await ask(`study.${kind}`, { motion: apiMotion(motion), model })).blob();
+  return blob(ask(`study.${kind}`, { motion: apiMotion(motion), model }));
 }
 
 /** What `jointplay forward --format json` prints of these rods. */
 export async function forward(rods_m: number[], model: ModelChoice): Promise<Blob> {
-  return (await ask('forward', { rods_m, model, ignore_limits: true })).blob();
+  return blob(ask('forward', { rods_m, model, ignore_limits: true }));
 }
 
 /** Samples a second of a motion through key poses: as many as a screen shows. */
@@ -145,23 +163,23 @@ export interface CellTexts {
 }
 
 export async function cell(): Promise<CellDocument> {
-  return (await ask('cell')).json() as Promise<CellDocument>;
+  return json(ask('cell'));
 }
 
 /** Keeps both texts in their files; where they are to replace a version, not if the files have changed since. */
 export async function saveCell(texts: CellTexts, replaces: string | null): Promise<CellDocument> {
   const body = replaces === null ? texts : { ...texts, replaces };
-  return (await ask('cell', body, undefined, 'PUT')).json() as Promise<CellDocument>;
+  return json(ask('cell', body, undefined, 'PUT'));
 }
 
 /** The robot of the cell, moved by hand; a plan that the server has forgotten is sent again. */
 export async function jog(planned: { texts: CellTexts; key: string }, question: JogQuestion): Promise<JogDocument> {
   try {
-    return (await (await ask('cell/jog', { plan: planned.key, ...question })).json()) as JogDocument;
+    return await json<JogDocument>(ask('cell/jog', { plan: planned.key, ...question }));
   } catch (error) {
     if (!(error instanceof Refused && error.status === 404)) throw error;
   }
-  return (await ask('cell/jog', { ...planned.texts, ...question })).json() as Promise<JogDocument>;
+  return json(ask('cell/jog', { ...planned.texts, ...question }));
 }
 
 /** What a program comes to in a cell; of texts that the server has planned before, only what changed is sent. */
@@ -169,34 +187,34 @@ export async function plan(texts: CellTexts, before: { texts: CellTexts; key: st
   if (before)
     try {
       const since = { plan: before.key, cell: changedLines(before.texts.cell, texts.cell), program: changedLines(before.texts.program, texts.program) };
-      return (await (await ask('cell/plan', { since }, signal)).json()) as PlanDocument;
+      return await json<PlanDocument>(ask('cell/plan', { since }, signal));
     } catch (error) {
       if (!(error instanceof Refused && error.field === 'since')) throw error;
     }
-  return (await ask('cell/plan', texts, signal)).json() as Promise<PlanDocument>;
+  return json(ask('cell/plan', texts, signal));
 }
 
 /** The cell standing still, as binary glTF. */
 export async function cellScene(key: string, signal: AbortSignal): Promise<ArrayBuffer> {
-  return (await ask(`cell/scenes/${key}`, undefined, signal)).arrayBuffer();
+  return buffer(ask(`cell/scenes/${key}`, undefined, signal));
 }
 
 /** What happens in a window of a motion. */
 export async function cellWindow(key: string): Promise<ArrayBuffer> {
-  return (await ask(`cell/windows/${key}`)).arrayBuffer();
+  return buffer(ask(`cell/windows/${key}`));
 }
 
 /** Least and largest values of all axes in windows of a plan. */
 export async function cellOverview(plan: string, windows: number[]): Promise<Float64Array> {
-  return unpack(await (await ask('cell/overview', { plan, windows })).arrayBuffer()).numbers;
+  return unpack(await buffer(ask('cell/overview', { plan, windows }))).numbers;
 }
 
 /** A hundred instructions of a plan, by the number of their page. */
 export async function cellInstructions(plan: string, page: number): Promise<Schemas['InstructionsPage']> {
-  return (await ask(`cell/plans/${plan}/instructions/${page}`)).json() as Promise<Schemas['InstructionsPage']>;
+  return json(ask(`cell/plans/${plan}/instructions/${page}`));
 }
 
 /** The text of the cell with new values of one station; its comments stay. */
 export async function setStation(text: string, station: string, change: StationChange): Promise<{ cell: string }> {
-  return (await ask('cell/station', { cell: text, station, ...change })).json() as Promise<{ cell: string }>;
+  return json(ask('cell/station', { cell: text, station, ...change }));
 }

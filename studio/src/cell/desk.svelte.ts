@@ -2,9 +2,12 @@
 
 import * as api from '../api/client';
 import { Away, Refused, type PlanDocument, type StationDocument } from '../api/client';
+import { connection } from '../api/connection.svelte';
+import { readDrafts, removeDraft, removeOlderDraft, storeDraft, type Draft } from '../lib/draft';
 import { History } from '../lib/history';
 import { Jogger } from './jogger.svelte';
 import { Forgotten, Timeline } from './timeline.svelte';
+import type { CellView } from './viewer';
 
 interface Texts {
   cell: string;
@@ -24,7 +27,6 @@ const USUAL_THRESHOLD = 1e-4;
 
 /** How long nobody may type before the texts are planned anew. */
 const REST_MS = 250;
-const RETRY_MS = 1000;
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
 export class Desk {
@@ -40,12 +42,20 @@ export class Desk {
   readonly timeline = new Timeline((error) => this.failed(error instanceof Forgotten ? null : error, () => void this.replan(true)));
   /** The stretch of time that bars and plots show [s]; all where there is none. */
   range = $state.raw<[number, number] | null>(null);
-  state = $state<'starting' | 'planning' | 'ready' | 'away'>('starting');
+  state = $state<'starting' | 'planning' | 'ready' | 'failed'>('starting');
   notice = $state<string | null>(null);
   /** The files changed on the disk: what is here cannot be kept without a decision. */
   overtaken = $state(false);
+  /** Unsaved changes of an earlier visit: restored already, or offered because the files are others by now. */
+  draft = $state.raw<{ restored: boolean; draft: Draft } | null>(null);
   /** The texts that the plan on show was made of, and its key. */
   planned = $state.raw<{ texts: Texts; key: string } | null>(null);
+  /** Whether the last plan that was asked for has arrived. */
+  #answered = $state(false);
+  /** Changes of stations whose text is not there yet. */
+  #changing = $state(0);
+  /** Whether a number is being typed that is not taken yet. */
+  typing = $state(false);
   /** Whether the cell can be read, so that its robot can be moved. */
   movable = $derived((this.plan?.robot ?? null) !== null);
   /** Points taught of stations that have not enough for a plane [m]. */
@@ -53,6 +63,12 @@ export class Desk {
   /** A line that somebody wants to see. */
   sought = $state.raw<{ line: number; kind: 'program' | 'cell' } | null>(null);
   readonly jog = new Jogger(this);
+  /** Which text or list is open beside the picture. */
+  tab = $state<'program' | 'steps' | 'parts' | 'cell'>('program');
+  /** Shows a standard view, while there is a picture. */
+  look: ((view: CellView) => void) | null = null;
+  /** The camera of the picture when it was last closed. */
+  camera: { eye: number[]; target: number[] } | null = null;
   /** The moment shown [s]. */
   time = $state(0);
   playing = $state(false);
@@ -87,6 +103,17 @@ export class Desk {
   took_ms = $state(0);
   changed = $derived(this.texts.cell !== this.saved.cell || this.texts.program !== this.saved.program);
   duration = $derived(this.plan?.report?.duration_s ?? 0);
+  /** Whether the result on show is not that of all that stands on the page, checked by a server that is there. */
+  outdated = $derived(
+    this.plan !== null &&
+      (!this.#answered ||
+        this.#changing > 0 ||
+        this.typing ||
+        this.dragged !== null ||
+        connection.state !== 'connected' ||
+        this.texts.cell !== this.planned?.texts.cell ||
+        this.texts.program !== this.planned?.texts.program),
+  );
   /** What moves at the moment shown; none while it is fetched. */
   moment = $derived(this.timeline.moment(this.time));
   /** The step that runs at the moment shown. */
@@ -100,34 +127,94 @@ export class Desk {
   #version: string | null = null;
   /** Key of the picture of the cell. */
   #scene: string | null = null;
+  #identity = '';
+  /** The changes of stations that are under way, one after another. */
+  #changes: Promise<void> = Promise.resolve();
   #timer: ReturnType<typeof setTimeout> | undefined;
   #abort: AbortController | null = null;
   #frame = 0;
   #last = 0;
 
+  /** Fetches the texts at the first visit; later visits go on with what is there. */
   async start(): Promise<void> {
+    if (this.state !== 'starting') return;
     try {
-      const { file, cell, program, version } = await api.cell();
+      const { file, identity, cell, program, version } = await api.cell();
+      if (this.state !== 'starting') return;
+      this.state = 'planning';
       this.file = file;
+      this.#identity = identity;
       this.#version = version;
       this.texts = this.saved = { cell, program };
       this.points = {};
       this.#history = new History({ texts: this.texts, points: this.points });
+      this.#restoreDraft();
       this.#steps();
       await this.replan();
     } catch (error) {
-      this.failed(error, () => void this.start());
+      this.failed(error);
     }
   }
 
+  constructor() {
+    connection.onReturn(() => void (this.state === 'starting' ? this.start() : this.replan()));
+    window.addEventListener('beforeunload', (event) => {
+      this.#store();
+      if (this.changed) event.preventDefault();
+    });
+    window.addEventListener('pagehide', () => this.#store());
+  }
+
+  /** Where there is no answer, the connection waits for the server's return, and the texts are planned then. */
   failed(error: unknown, again: () => void = () => undefined): void {
     if (error instanceof DOMException && error.name === 'AbortError') return;
+    if (error instanceof Away) return;
     if (error === null) again();
-    else if (error instanceof Away) {
-      this.state = 'away';
-      clearTimeout(this.#timer);
-      this.#timer = setTimeout(again, RETRY_MS);
-    } else this.notice = error instanceof Error ? error.message : String(error);
+    else this.notice = error instanceof Error ? error.message : String(error);
+  }
+
+  // Drafts
+
+  /** Stores what is not saved in this browser. */
+  #store(): void {
+    if (this.#identity === '' || this.#version === null) return;
+    const { texts, points } = this;
+    if (this.changed || Object.keys(points).length > 0)
+      storeDraft(this.#identity, { ...texts, points, version: this.#version, stored_ms: Date.now() });
+    else removeDraft(this.#identity);
+  }
+
+  #restoreDraft(): void {
+    const { current, older } = readDrafts(this.#identity, this.#version!);
+    if (current) this.#takeDraft(current);
+    else if (older && (older.cell !== this.texts.cell || older.program !== this.texts.program)) this.draft = { restored: false, draft: older };
+  }
+
+  #takeDraft(draft: Draft): void {
+    this.texts = { cell: draft.cell, program: draft.program };
+    this.points = draft.points;
+    this.#history.commit({ texts: this.texts, points: this.points });
+    this.draft = { restored: true, draft };
+  }
+
+  /** Takes the offered draft; undo goes back to the texts that were there. */
+  restoreDraft(): void {
+    if (!this.draft) return;
+    this.#takeDraft(this.draft.draft);
+    removeOlderDraft(this.#identity);
+    this.settle();
+    this.#steps();
+  }
+
+  /** Goes back to the files' texts, where the draft was restored; undo brings it back. */
+  discardDraft(): void {
+    if (this.draft?.restored) {
+      this.texts = this.saved;
+      this.points = {};
+      this.settle();
+    }
+    removeOlderDraft(this.#identity);
+    this.draft = null;
   }
 
   /** Takes what was typed; it is planned when typing rests. */
@@ -141,6 +228,7 @@ export class Desk {
   settle(): void {
     clearTimeout(this.#timer);
     if (this.#history.commit({ texts: this.texts, points: this.points })) this.#steps();
+    this.#store();
     void this.replan();
   }
 
@@ -167,6 +255,7 @@ export class Desk {
     this.texts = work.texts;
     this.points = work.points;
     this.#steps();
+    this.#store();
     void this.replan();
   }
 
@@ -176,6 +265,7 @@ export class Desk {
     const abort = new AbortController();
     this.#abort = abort;
     this.state = 'planning';
+    this.#answered = false;
     const begun = performance.now();
     try {
       const { texts } = this;
@@ -185,6 +275,7 @@ export class Desk {
       this.plan = plan;
       this.timeline.show(plan);
       this.planned = { texts, key: plan.key };
+      this.#answered = true;
       if (plan.stations.length > 0) this.stations = plan.stations;
       this.dragged = null;
       this.took_ms = performance.now() - begun;
@@ -199,24 +290,41 @@ export class Desk {
       if (abort.signal.aborted) return;
       this.state = 'ready';
     } catch (error) {
-      if (!abort.signal.aborted) this.failed(error, () => void this.replan());
+      if (abort.signal.aborted) return;
+      this.state = 'failed';
+      this.failed(error);
     }
   }
 
-  /** New values of a station, written into the text of the cell. */
-  async setStation(station: string, change: api.StationChange): Promise<void> {
+  /** New values of a station, written into the text of the cell, after those that are under way. */
+  setStation(station: string, change: api.StationChange): Promise<void> {
     // A text that is being typed is whole now.
     if (this.texts.cell !== this.#history.present.texts.cell || this.texts.program !== this.#history.present.texts.program) {
       clearTimeout(this.#timer);
       if (this.#history.commit({ texts: this.texts, points: this.points })) this.#steps();
     }
+    this.#changing += 1;
+    this.#changes = this.#changes.then(() => this.#change(station, change));
+    return this.#changes;
+  }
+
+  async #change(station: string, change: api.StationChange): Promise<void> {
     try {
-      const { cell } = await api.setStation(this.texts.cell, station, change);
-      this.texts = { ...this.texts, cell };
+      let before: string;
+      let after: string;
+      // A text that was typed in the meantime is changed instead of the earlier one.
+      do {
+        before = this.texts.cell;
+        after = (await api.setStation(before, station, change)).cell;
+      } while (this.texts.cell !== before);
+      this.texts = { ...this.texts, cell: after };
       this.settle();
     } catch (error) {
       this.dragged = null;
-      this.failed(error);
+      if (error instanceof Away) this.notice = `${station} was not changed: the server does not answer.`;
+      else this.failed(error);
+    } finally {
+      this.#changing -= 1;
     }
   }
 
@@ -243,17 +351,23 @@ export class Desk {
     this.settle();
   }
 
-  /** Keeps both texts in their files; those that somebody else has changed meanwhile, only if they are to be replaced. */
+  /** Saves both texts in their files; files that have changed on the disk meanwhile, only with `replace`. */
   async save(replace = false): Promise<void> {
+    await this.#changes;
+    if (!this.changed && !replace) return;
+    const { texts } = this;
     try {
-      const { cell, program, version } = await api.saveCell(this.texts, replace ? null : this.#version);
+      const { cell, program, version } = await api.saveCell(texts, replace ? null : this.#version);
       this.#version = version;
       this.saved = { cell, program };
       this.notice = null;
+      this.draft = null;
       this.overtaken = false;
+      this.#store();
     } catch (error) {
       if (error instanceof Refused && error.field === 'replaces') this.overtaken = true;
-      else this.failed(error);
+      else if (error instanceof Away) this.notice = 'Not saved: the server does not answer. The changes stay in this browser; save them when it is connected again.';
+      else this.notice = `Not saved: ${error instanceof Error ? error.message : String(error)}`;
     }
   }
 
@@ -263,10 +377,12 @@ export class Desk {
       const { cell, program, version } = await api.cell();
       this.#version = version;
       this.overtaken = false;
+      this.draft = null;
       this.saved = this.texts = { cell, program };
       this.settle();
     } catch (error) {
-      this.failed(error);
+      if (error instanceof Away) this.notice = 'The files were not read: the server does not answer.';
+      else this.failed(error);
     }
   }
 

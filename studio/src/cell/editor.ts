@@ -1,9 +1,9 @@
 // A text with its mistakes underlined where they are, and the line marked that runs.
 
-import { defaultKeymap, history, historyKeymap, indentWithTab } from '@codemirror/commands';
+import { defaultKeymap, history, historyKeymap, indentWithTab, redo, undo } from '@codemirror/commands';
 import { HighlightStyle, StreamLanguage, syntaxHighlighting } from '@codemirror/language';
 import { lintGutter, setDiagnostics, type Diagnostic } from '@codemirror/lint';
-import { EditorState, StateEffect, StateField, type Extension } from '@codemirror/state';
+import { EditorState, StateEffect, StateField, Transaction, type Extension } from '@codemirror/state';
 import { Decoration, drawSelection, EditorView, highlightActiveLineGutter, keymap, lineNumbers, type DecorationSet } from '@codemirror/view';
 import { tags } from '@lezer/highlight';
 
@@ -77,13 +77,27 @@ const running = StateField.define<DecorationSet>({
   provide: (field) => EditorView.decorations.from(field),
 });
 
+export interface EditorEvents {
+  typed: (text: string) => void;
+  save: () => void;
+  /** Undo and redo of what the editor itself does not remember. */
+  undone: () => void;
+  redone: () => void;
+}
+
+/** An act as a command of the editor that takes its key. */
+const done = (act: () => void) => () => {
+  act();
+  return true;
+};
+
 export class Editor {
   readonly #view: EditorView;
   #running = 0;
   /** Whether a change comes from outside, and not from typing. */
   #given = false;
 
-  constructor(host: HTMLElement, kind: 'program' | 'cell', label: string, text: string, typed: (text: string) => void) {
+  constructor(host: HTMLElement, kind: 'program' | 'cell', label: string, text: string, { typed, save, undone, redone }: EditorEvents) {
     const extensions: Extension[] = [
       lineNumbers(),
       highlightActiveLineGutter(),
@@ -94,9 +108,16 @@ export class Editor {
       look,
       kind === 'program' ? programs : toml,
       syntaxHighlighting(colours),
+      keymap.of([
+        { key: 'Mod-s', run: done(save), preventDefault: true },
+        // Where this editor has nothing to undo, the page may have: it remembers what was typed before the editor was opened.
+        { key: 'Mod-z', run: (view) => undo(view) || done(undone)(), preventDefault: true },
+        { key: 'Mod-y', mac: 'Mod-Shift-z', run: (view) => redo(view) || done(redone)(), preventDefault: true },
+        { linux: 'Ctrl-Shift-z', run: (view) => redo(view) || done(redone)(), preventDefault: true },
+      ]),
       // Escape, then Tab, leaves the text by the keyboard.
       keymap.of([...defaultKeymap, ...historyKeymap, indentWithTab]),
-      EditorView.contentAttributes.of({ 'aria-label': label, spellcheck: 'false', tabindex: '0' }),
+      EditorView.contentAttributes.of({ 'aria-label': label, 'aria-description': 'Tab indents. Escape, then Tab, leaves the editor.', spellcheck: 'false', tabindex: '0' }),
       EditorView.updateListener.of((update) => {
         if (update.docChanged && !this.#given) typed(update.state.doc.toString());
       }),
@@ -118,7 +139,7 @@ export class Editor {
     let end = 0;
     while (end < most - start && now[now.length - 1 - end] === text[text.length - 1 - end]) end += 1;
     this.#given = true;
-    this.#view.dispatch({ changes: { from: start, to: now.length - end, insert: text.slice(start, text.length - end) } });
+    this.#view.dispatch({ changes: { from: start, to: now.length - end, insert: text.slice(start, text.length - end) }, annotations: Transaction.addToHistory.of(false) });
     this.#given = false;
   }
 

@@ -25,6 +25,10 @@ import { paintGrid, Stage, type Captions, type StageEvents } from '../scene/stag
 
 const VIEWS = { home: [-0.75, -1, 0.9], top: [0, -1e-3, 1], front: [0, -1, 0.12], left: [-1, 0, 0.12] } as const;
 export type CellView = keyof typeof VIEWS;
+/** The views with their titles, in the order of their buttons and keys. */
+export const CELL_VIEWS: [CellView, string][] = [['home', 'Fit'], ['top', 'Top'], ['front', 'Front'], ['left', 'Left']];
+/** Colours of parts in collision, as checked and where the check is outdated. */
+const BROKEN = { checked: [0xd62f1f, 0x8a1208], outdated: [0x8a9099, 0x30343a] } as const;
 
 export interface CellViewerEvents extends StageEvents {
   /** A part was clicked; none where there is none. */
@@ -43,7 +47,7 @@ export class CellViewer extends Stage {
   readonly #sky = new HemisphereLight(0xffffff, 0x94a0ac, 1.6);
   readonly #grid = new GridHelper(3, 30);
   // What is in a wall has to be seen in it.
-  readonly #broken = new MeshStandardMaterial({ color: 0xd62f1f, emissive: 0x8a1208, roughness: 0.6, transparent: true, opacity: 0.7, depthWrite: false });
+  readonly #broken = new MeshStandardMaterial({ color: BROKEN.checked[0], emissive: BROKEN.checked[1], roughness: 0.6, transparent: true, opacity: 0.7, depthWrite: false });
   readonly #chosen = new MeshStandardMaterial({ color: 0xf0b000, emissive: 0x5a3d00, roughness: 0.6, transparent: true, opacity: 0.55, depthWrite: false });
   #whole: Object3D | null = null;
   #materials = new Map<Mesh, Material | Material[]>();
@@ -61,6 +65,8 @@ export class CellViewer extends Stage {
   /** A station that is dragged, with its slots, its bodies and what lies in it. */
   #nudged: { station: string; slots: Set<string>; group: Group } | null = null;
   #loads = 0;
+  /** Whether the camera was placed before there was anything to see. */
+  #cameraPlaced = false;
   #marked: { broken: ReadonlySet<string>; chosen: ReadonlySet<string> } = { broken: new Set(), chosen: new Set() };
 
   constructor(host: HTMLElement, events: CellViewerEvents) {
@@ -119,7 +125,7 @@ export class CellViewer extends Stage {
     this.#stations = stations.map(({ name, position_mm: [x, y, z] }) => ({ name, at: new Vector3(x! / 1000, y! / 1000, z! / 1000 + 0.02) }));
     this.place(this.#placed, this.#lying);
     this.#mark();
-    if (first) this.look('home');
+    if (first && !this.#cameraPlaced) this.look('home');
   }
 
   /** Puts the frames where they are at a moment, and notes which wafer lies in which slot; without frames, the robot stands at home. */
@@ -147,6 +153,32 @@ export class CellViewer extends Stage {
   mark(broken: ReadonlySet<string>, chosen: ReadonlySet<string>): void {
     this.#marked = { broken, chosen };
     this.#mark();
+    this.invalidate();
+  }
+
+  /** Whether the marks of violations are those of an earlier state: they lose their colour. */
+  set outdated(outdated: boolean) {
+    const [color, emissive] = outdated ? BROKEN.outdated : BROKEN.checked;
+    this.#broken.color.setHex(color);
+    this.#broken.emissive.setHex(emissive);
+    this.invalidate();
+  }
+
+  /** The colour of the marks of violations, as hexadecimal digits. */
+  get brokenColour(): string {
+    return this.#broken.color.getHexString();
+  }
+
+  /** Where the camera is and what it looks at [m]. */
+  get eyeAndTarget(): { eye: number[]; target: number[] } {
+    return { eye: this.#eye.position.toArray(), target: this.controls.target.toArray() };
+  }
+
+  set eyeAndTarget({ eye, target }: { eye: number[]; target: number[] }) {
+    this.#eye.position.fromArray(eye);
+    this.controls.target.fromArray(target);
+    this.#cameraPlaced = true;
+    this.controls.update();
     this.invalidate();
   }
 

@@ -62,10 +62,10 @@ export function paperStudy(height_mm: number): Motion {
   return { kind: 'raster', yaw_step_deg: 10, pitch_from_deg: -2, pitch_to_deg: 2, pitch_step_deg: 0.2, height_mm };
 }
 
-/** The scene that explains the paper at a glance. */
-export function firstDocument(height_mm: number): Document {
+/** The scene that explains the paper at a glance: tilted by two thirds of the limit, so that it can be tilted further. */
+export function firstDocument(height_mm: number, tilt_max_deg = 1.5): Document {
   return {
-    command: { kind: 'tilt', yaw_deg: 0, pitch_deg: 1.5, height_mm, height_kind: 'axis' },
+    command: { kind: 'tilt', yaw_deg: 0, pitch_deg: Number(((2 / 3) * tilt_max_deg).toFixed(2)), height_mm, height_kind: 'axis' },
     model: 'polar',
     solver: 'newton',
     metric: 'paper',

@@ -37,5 +37,19 @@ export const FIGURES: PaperFigure[] = [
   { number: 11, title: 'sides L, offset model', plot: 'sides', model: 'offset' },
 ];
 
+/**
+ * The smallest span that a plot shows, in its unit: 2 nm, and 20 nrad.
+ *
+ * What is smaller is rounding of the calculation, of about 1e-15 m and 1e-11 rad, and no motion.
+ */
+export const LEAST_SPAN: Record<PlotKind['unit'], number> = { mm: 2e-6, µm: 2e-3, mrad: 2e-5, '°': 1.2e-6 };
+
+/** The range of a vertical axis about values from `low` to `high`: with a margin, and not smaller than `least`. */
+export function verticalRange(low: number | null, high: number | null, least: number): [number, number] {
+  const [from, to] = [low ?? 0, high ?? 0];
+  const [middle, half] = [(from + to) / 2, Math.max((to - from) * 0.58, least / 2)];
+  return [middle - half, middle + half];
+}
+
 /** SI to the unit of a plot. */
 export const FACTORS: Record<PlotKind['unit'], number> = { mm: 1e3, µm: 1e6, mrad: 1e3, '°': 180 / Math.PI };

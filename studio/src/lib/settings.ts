@@ -20,3 +20,11 @@ export function save(key: string, value: unknown): void {
     // Private windows may refuse: the page works, it only forgets.
   }
 }
+
+export function remove(key: string): void {
+  try {
+    localStorage.removeItem(PREFIX + key);
+  } catch {
+    // As above.
+  }
+}

@@ -1,17 +1,11 @@
-// The keyboard: one table, from which the help sheet is made as well.
+// The keys of the robot's view.
 
 import { EXAGGERATION, VIRTUALIZATIONS } from '../lib/document';
 import { STANDARD_VIEWS, type StandardView } from '../scene/viewer';
 import { layout } from './layout.svelte';
 import { scene } from './scene.svelte';
+import { shortcutOf, type KeySheet, type Shortcut } from './shortcuts';
 import { studio } from './studio.svelte';
-
-export interface Shortcut {
-  keys: string[];
-  says: string;
-  group: 'Motion' | 'Robot' | 'Play' | 'View' | 'Page';
-  does: (event: KeyboardEvent) => void;
-}
 
 const view = (side: StandardView) => () => scene.viewer?.look(side);
 const sides = Object.keys(STANDARD_VIEWS) as StandardView[];
@@ -34,17 +28,17 @@ function nudge(x_deg: number, y_deg: number, height_mm: number): void {
   void studio.commit();
 }
 
-export const SHORTCUTS: Shortcut[] = [
+const SHORTCUTS: Shortcut[] = [
   { group: 'Motion', keys: [' '], says: 'play or pause', does: () => studio.player.toggle() },
   { group: 'Motion', keys: ['ArrowRight'], says: 'next sample', does: (event) => studio.player.step(event.shiftKey ? 10 : 1) },
-  { group: 'Motion', keys: ['ArrowLeft'], says: 'sample before (with Shift, ten)', does: (event) => studio.player.step(event.shiftKey ? -10 : -1) },
+  { group: 'Motion', keys: ['ArrowLeft'], says: 'previous sample (with Shift, ten)', does: (event) => studio.player.step(event.shiftKey ? -10 : -1) },
   { group: 'Motion', keys: ['Home'], says: 'first sample', does: () => studio.player.seek(0) },
   { group: 'Motion', keys: ['End'], says: 'last sample', does: () => studio.player.seek(studio.study.count - 1) },
   { group: 'Motion', keys: ['l'], says: 'loop on or off', does: () => (studio.player.loop = !studio.player.loop) },
-  { group: 'Robot', keys: ['i'], says: 'lean away: −0.1° about x', does: () => nudge(-0.1, 0, 0) },
-  { group: 'Robot', keys: ['k'], says: 'lean near: +0.1° about x', does: () => nudge(0.1, 0, 0) },
-  { group: 'Robot', keys: ['j'], says: 'lean left: −0.1° about y', does: () => nudge(0, -0.1, 0) },
-  { group: 'Robot', keys: [';'], says: 'lean right: +0.1° about y', does: () => nudge(0, 0.1, 0) },
+  { group: 'Robot', keys: ['i'], says: 'tilt by −0.1° about x', does: () => nudge(-0.1, 0, 0) },
+  { group: 'Robot', keys: ['k'], says: 'tilt by +0.1° about x', does: () => nudge(0.1, 0, 0) },
+  { group: 'Robot', keys: ['j'], says: 'tilt by −0.1° about y', does: () => nudge(0, -0.1, 0) },
+  { group: 'Robot', keys: [';'], says: 'tilt by +0.1° about y', does: () => nudge(0, 0.1, 0) },
   { group: 'Robot', keys: ['PageUp'], says: '1 mm up', does: () => nudge(0, 0, 1) },
   { group: 'Robot', keys: ['PageDown'], says: '1 mm down', does: () => nudge(0, 0, -1) },
   { group: 'Robot', keys: ['0'], says: 'level', does: () => level() },
@@ -59,11 +53,24 @@ export const SHORTCUTS: Shortcut[] = [
   { group: 'View', keys: ['f'], says: 'whole robot in view', does: () => scene.viewer?.fit() },
   { group: 'View', keys: ['p'], says: 'platform from near', does: () => scene.viewer?.lookAtPlatform() },
   { group: 'View', keys: ['o'], says: 'orthographic or perspective', does: () => scene.viewer?.toggleProjection() },
-  { group: 'Page', keys: ['?'], says: 'this sheet', does: () => (layout.helpOpen = !layout.helpOpen) },
+  { group: 'Page', keys: ['?'], says: 'list of keys', does: () => (layout.helpOpen = !layout.helpOpen) },
   { group: 'Page', keys: ['b'], says: 'panels shown or hidden', does: () => layout.toggleDocks() },
   { group: 'Page', keys: ['w'], says: 'why the models differ', does: () => (layout.explainOpen = !layout.explainOpen) },
   { group: 'Page', keys: ['t'], says: 'light or dark', does: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];
+
+export const ROBOT_SHEET: KeySheet = {
+  view: 'robot view',
+  shortcuts: SHORTCUTS,
+  control: [
+    { keys: ['Ctrl', 'Z'], says: 'undo' },
+    { keys: ['Ctrl', 'Shift', 'Z'], says: 'redo' },
+  ],
+  pointer: [
+    'Drag a panel by its three lines to another place, or to the other side of the picture; drag the edges of panels and plots to resize them.',
+    'Drag to turn the view, with the right button to move it; the wheel zooms. Double-click a part to look at it. Drag a blue handle to tilt or lift the platform: 90 pixels are one degree.',
+  ],
+};
 
 function level(): void {
   const from = studio.commandAs('tilt_xy');
@@ -87,14 +94,7 @@ export function handleKey(event: KeyboardEvent): void {
     else void studio.undo();
     return;
   }
-  const target = event.target as HTMLElement;
-  const typing = target.closest('input:not([type=checkbox]), select, textarea, dialog[open]');
-  // Sliders take arrows, buttons take space: those keep what they have.
-  if (typing && !(typing instanceof HTMLInputElement && typing.type === 'range' && !/^(Arrow|Home|End|Page)/.test(event.key)))
-    return;
-  if (target.closest('button, summary, [role=tab], [role=slider]') && (event.key === ' ' || event.key === 'Enter')) return;
-  if (target.closest('[role=tab], [role=slider]') && /^(Arrow|Home|End|Page)/.test(event.key)) return;
-  const found = SHORTCUTS.find(({ keys }) => keys.includes(event.key) || keys.includes(event.key.toLowerCase()));
+  const found = shortcutOf(event, SHORTCUTS);
   if (!found) return;
   event.preventDefault();
   found.does(event);

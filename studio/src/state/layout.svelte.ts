@@ -1,6 +1,7 @@
 // How the page is arranged; kept between visits, and no part of undo.
 
 import { load, save } from '../lib/settings';
+import type { KeySheet } from './shortcuts';
 import { Arrangement } from './arrangement.svelte';
 
 const flag = (value: unknown) => typeof value === 'boolean';
@@ -27,6 +28,8 @@ class Layout {
   /** Nothing has been drawn in 3D yet. */
   opening = $state(true);
   helpOpen = $state(false);
+  /** The keys of the view on show; without one, those of the robot. */
+  sheet = $state.raw<KeySheet | null>(null);
   explainOpen = $state(false);
   storyShown = $state(load('story', true, flag));
   handles = $state(load('handles', true, flag));

@@ -4,7 +4,7 @@ import type { Studio } from './studio.svelte';
 
 /** Samples a second at speed 1 of a motion that has no time of its own. */
 export const SAMPLES_PER_SECOND = 30;
-export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 30] as const;
+export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 30, 100, 300] as const;
 
 export class Player {
   /** The sample shown; none while the robot is moved by hand. */

@@ -1,6 +1,7 @@
 // What the page knows and shows. Panels read it and call its methods; nothing else changes it.
 
 import * as api from '../api/client';
+import { connection } from '../api/connection.svelte';
 import { Away, Refused, type PoseDocument, type RobotDocument } from '../api/client';
 import {
   firstDocument,
@@ -16,6 +17,7 @@ import {
 } from '../lib/document';
 import { History } from '../lib/history';
 import { fingerprint, fromHash, toHash, type RobotMark, type View } from '../lib/link';
+import { withinTilt } from '../lib/limits';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
@@ -23,10 +25,8 @@ import { measure } from './measure';
 import { Player } from './player.svelte';
 import { Study } from './study.svelte';
 
-export type Connection = 'starting' | 'here' | 'away';
 export type ThemeChoice = 'system' | Theme;
 
-const RETRY_MS = 1000;
 const LINK = 'link';
 
 /** Decimals of mm and degrees: as people read them, and so that a pose on a limit stays on it. */
@@ -60,7 +60,6 @@ export class Studio {
   robot = $state.raw<RobotDocument | null>(null);
   pose = $state.raw<PoseDocument | null>(null);
   document = $state.raw<Document>(firstDocument(500));
-  connection = $state<Connection>('starting');
   /** Why the robot stays where it is, or another thing to tell. */
   notice = $state<string | null>(null);
   /** The robot that the link was made with, where it is not this one. */
@@ -83,7 +82,6 @@ export class Studio {
   #wanted: { command: api.Timed; jog: boolean } | null = null;
   #asking: Promise<void> | null = null;
   #steps = Promise.resolve();
-  #retry: ReturnType<typeof setTimeout> | undefined;
   #linkTimer: ReturnType<typeof setTimeout> | undefined;
 
   async start(): Promise<void> {
@@ -94,6 +92,7 @@ export class Studio {
     this.themeChoice = load('theme', 'system', (value) => ['system', 'light', 'dark'].includes(value as string));
     // Not the address of now: the page may have written its own in the meantime.
     window.addEventListener('hashchange', ({ newURL }) => this.#follow(new URL(newURL).hash));
+    connection.onReturn(() => void this.#connect());
     await this.#connect();
   }
 
@@ -102,7 +101,6 @@ export class Studio {
       const robot = await api.robot();
       const first = this.robot === null;
       this.robot = robot;
-      this.connection = 'here';
       if (first) this.#follow(window.location.hash || load(this.#linkKey, '', (value) => typeof value === 'string'));
       else {
         this.#ask(this.document.command, true);
@@ -114,12 +112,8 @@ export class Studio {
   }
 
   #failed(error: unknown): void {
-    if (error instanceof Away) {
-      if (this.connection !== 'starting') this.connection = 'away';
-      clearTimeout(this.#retry);
-      this.#retry = setTimeout(() => void this.#connect(), RETRY_MS);
-      return;
-    }
+    // The connection waits for the server's return, and asks again then.
+    if (error instanceof Away) return;
     if (error instanceof Refused) this.notice = error.message;
     else throw error;
   }
@@ -141,7 +135,7 @@ export class Studio {
   /** Takes over what a link says. */
   #follow(hash: string): void {
     clearTimeout(this.#linkTimer);
-    const usual = firstDocument(millimetres(this.robot?.working_height_m ?? 0.5));
+    const usual = this.robot ? firstDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : firstDocument(500);
     const { robot, document, view, sample } = fromHash(hash, usual);
     const own = this.#mark;
     this.stranger = robot && own && robot.print !== own.print ? robot.name : null;
@@ -250,9 +244,10 @@ export class Studio {
     return this.document.command;
   }
 
-  /** Moves the robot by hand; it stays where it was if a limit is in the way. */
-  jog(command: Command): void {
+  /** Moves the robot by hand: along the limit of tilt, and up to any other limit that is in the way. */
+  jog(wanted: Command): void {
     if (this.player.sample !== null) this.player.leave();
+    const command = this.robot ? withinTilt(wanted, degrees(this.robot.limits.tilt_max_rad)) : wanted;
     this.document = { ...this.document, command };
     this.#ask(command, true);
   }

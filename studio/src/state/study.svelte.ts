@@ -24,6 +24,8 @@ export class Study {
   columns: Column[] = [];
   /** Samples a second, of a motion that has a time of its own. */
   rate: number | null = null;
+  /** The time of each sample [s], of a motion that has a time of its own. */
+  times: Float64Array | null = null;
   #abort: AbortController | null = null;
 
   clear(): void {
@@ -32,6 +34,7 @@ export class Study {
     this.state = 'none';
     this.count = this.total = 0;
     this.columns = [];
+    this.times = null;
     this.error = null;
     this.version += 1;
   }
@@ -53,6 +56,8 @@ export class Study {
       if (abort.signal.aborted) return;
       const total = Number(metadata.get('samples'));
       this.rate = motion.kind === 'key-poses' ? api.KEY_RATE_HZ : null;
+      const { rate } = this;
+      this.times = rate === null ? null : Float64Array.from({ length: total }, (_, i) => i / rate);
       this.columns = fields.map((name) => column(name, total));
       this.total = total;
       let at = 0;

@@ -5,6 +5,7 @@ import { FACTORS } from '../lib/figures';
 import { decimate } from '../lib/decimate';
 import { figureSvg } from '../lib/plotsvg';
 import { SERIES } from '../lib/series';
+import { sampleAt } from '../lib/times';
 import type { plots as Plots } from './plots';
 import type { Studio } from './studio.svelte';
 
@@ -41,16 +42,20 @@ export function figure(shown: typeof Plots, studio: Studio): Blob {
     const columns = all.filter((_, i) => plot.series[i + 1]?.show);
     const { min: from, max: to } = plot.scales['x'] as { min: number; max: number };
     const { min: low, max: high } = plot.scales['y'] as { min: number; max: number };
-    const kept = decimate(columns.map(({ values }) => values), from, to + 1, POINTS / 8);
+    // Over time, or over the numbers of samples.
+    const { times, count } = studio.study;
+    const x = (sample: number) => times?.[sample] ?? sample;
+    const [first, end] = times ? [sampleAt(times, from), Math.min(sampleAt(times, to) + 2, count)] : [from, to + 1];
+    const kept = decimate(columns.map(({ values }) => values), first, end, POINTS / 8);
     return {
       title: `${kind.title}, ${studio.document.model}`,
-      x: { title: 'sample', range: [from, to] as [number, number] },
+      x: { title: times ? 'time [s]' : 'sample', range: [from, to] as [number, number] },
       y: { title: kind.unit, range: [low, high] as [number, number] },
       series: columns.map((column) => ({
         name: column.symbol,
         colour: SERIES.light[all.indexOf(column) % 6] as string,
         dash: [[], [8, 4], [2, 3], [8, 3, 2, 3], [12, 4], [5, 2]][all.indexOf(column) % 6] as number[],
-        points: kept.map((i) => [i, (column.values[i] as number) * FACTORS[kind.unit]] as [number, number]),
+        points: kept.map((i) => [x(i), (column.values[i] as number) * FACTORS[kind.unit]] as [number, number]),
       })),
     };
   });

@@ -121,6 +121,8 @@ fn the_robot_is_told() {
     let slide = &robot["virtualizations"][1]["joints"][0];
     assert_eq!((&slide["symbol"], &slide["motion"]), (&"l".into(), &"linear".into()));
     assert_eq!(slide["nominal"], 0.093218, "a polar slide starts at the socket radius");
+    let parquet = robot["series_formats"].as_array().unwrap().contains(&"parquet".into());
+    assert_eq!(parquet, cfg!(feature = "parquet"), "only formats of this build are offered");
 }
 
 #[test]
@@ -131,12 +133,17 @@ fn the_description_is_served() {
 }
 
 #[test]
-fn the_page_or_how_to_build_it() {
+fn a_fresh_clone_serves_the_page() {
     let answer = get("/");
     assert_eq!(answer.status, StatusCode::OK);
     assert_eq!(answer.header("content-type"), "text/html; charset=utf-8");
     let text = String::from_utf8(answer.bytes.clone()).unwrap();
-    assert!(text.contains("npm run build") || text.contains("<script"), "{text}");
+    // The script that starts the page is among the files of this crate.
+    let script = text.split("src=\"./").nth(1).and_then(|rest| rest.split('"').next());
+    let script = get(&format!("/{}", script.expect("the page has a script")));
+    assert_eq!(script.status, StatusCode::OK);
+    assert_eq!(script.header("content-type"), "text/javascript; charset=utf-8");
+    assert!(script.header("cache-control").contains("immutable"));
     assert!(answer.header("content-security-policy").starts_with("default-src 'none'"));
     assert_eq!(get("/assets/none.js").status, StatusCode::NOT_FOUND);
     assert_eq!(get("/../Cargo.toml").status, StatusCode::NOT_FOUND);

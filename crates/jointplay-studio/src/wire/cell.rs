@@ -21,6 +21,8 @@ pub(crate) struct CellDocument {
     /// What its file is called; `null` for the example, which is not a file.
     #[schema(required = true)]
     pub(crate) file: Option<String>,
+    /// Identifies the file among others of the same name: a hash of its path.
+    pub(crate) identity: String,
     /// Text of the cell's file.
     pub(crate) cell: String,
     /// Text of the program's file; empty where there is none.
@@ -31,9 +33,9 @@ pub(crate) struct CellDocument {
 
 impl CellDocument {
     pub(crate) fn new(files: CellFiles) -> Self {
-        let (file, version) = (files.name(), files.version());
+        let (file, identity, version) = (files.name(), files.identity(), files.version());
         let (cell, program) = files.into_texts();
-        Self { file, cell, program, version }
+        Self { file, identity, cell, program, version }
     }
 }
 

@@ -38,6 +38,26 @@ pub(crate) struct RobotDocument {
     pub(crate) default_model: ModelChoice,
     /// Whether this server shows a cell as well.
     pub(crate) cell: bool,
+    /// The file formats in which this build of the server writes the series of a motion.
+    pub(crate) series_formats: Vec<SeriesFormat>,
+}
+
+/// A file format of series.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum SeriesFormat {
+    /// Comma-separated values, from `study.csv`.
+    Csv,
+    /// Apache Parquet, from `study.parquet`.
+    Parquet,
+}
+
+impl SeriesFormat {
+    /// The formats of this build.
+    fn available() -> Vec<Self> {
+        let all = [(Self::Csv, true), (Self::Parquet, cfg!(feature = "parquet"))];
+        all.into_iter().filter_map(|(format, built)| built.then_some(format)).collect()
+    }
 }
 
 /// A shape.
@@ -169,6 +189,7 @@ impl RobotDocument {
             ),
             default_model: ModelChoice::default(),
             cell,
+            series_formats: SeriesFormat::available(),
         }
     }
 }

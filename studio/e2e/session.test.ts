@@ -1,0 +1,284 @@
+// Work on a cell is not lost, and a result is shown as valid for nothing but the state that was checked.
+
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import type { Browser, Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, beforeEach, expect, test } from 'vitest';
+import { browse, complaints, frames, ROOT, serve, until, visit, type Server } from './studio';
+
+const PROGRAM = 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n';
+const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
+
+let browser: Browser;
+let server: Server;
+let page: Page;
+let heard: string[];
+let folder: string;
+const file = () => join(folder, 'mine.toml');
+const programFile = () => join(folder, 'mine.program');
+
+beforeAll(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'studio-'));
+  writeFileSync(file(), CELL);
+  writeFileSync(programFile(), PROGRAM);
+  [browser, server] = await Promise.all([browse(), serve(0, ['--cell', file()])]);
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+  rmSync(folder, { recursive: true });
+});
+// Each test has a browser of its own, that remembers nothing, and the files as they were.
+beforeEach(async () => {
+  writeFileSync(file(), CELL);
+  writeFileSync(programFile(), PROGRAM);
+  page = await visit(browser);
+  heard = complaints(page);
+  await page.goto(server.address);
+  await verdict('sound');
+});
+afterEach(async () => {
+  // The browser itself notes requests that found nobody.
+  expect(heard.filter((line) => !line.includes('ERR_CONNECTION_REFUSED'))).toEqual([]);
+  await page.context().close();
+});
+
+const shown = () => page.getByTestId('verdict').getAttribute('data-verdict');
+const verdict = (want: string) => until(`check result ${want}`, async () => (await shown()) === want);
+const editor = () => page.getByTestId('text-program').locator('.cm-content');
+const text = () => editor().innerText();
+
+async function append(words: string): Promise<void> {
+  await editor().click();
+  await page.keyboard.press('Control+End');
+  await page.keyboard.insertText(words);
+}
+
+/** Lets no plan through until it is told to. */
+async function hold(): Promise<() => Promise<void>> {
+  let release = () => undefined as void;
+  const released = new Promise<void>((done) => (release = done));
+  await page.route('**/api/v1/cell/plan', async (route) => {
+    await released;
+    await route.continue().catch(() => undefined);
+  });
+  return async () => {
+    release();
+    await page.unroute('**/api/v1/cell/plan');
+  };
+}
+
+/** The result is shown as outdated wherever it is shown. */
+async function outdated(): Promise<void> {
+  await verdict('outdated');
+  expect(await page.getByTestId('verdict').innerText()).toContain('Outdated');
+  expect(await page.getByText('Safe to run').count()).toBe(0);
+  expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('true');
+  expect(await page.getByTestId('outdated').isVisible()).toBe(true);
+  expect(await page.title()).toMatch(/^Outdated/);
+}
+/** And valid again. */
+async function valid(): Promise<void> {
+  await verdict('sound');
+  expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
+  expect(await page.getByTestId('outdated').count()).toBe(0);
+  expect(await page.title()).toMatch(/^Safe to run/);
+}
+
+test('from the first letter typed the result is outdated, until the text is checked', async () => {
+  await valid();
+  const release = await hold();
+  await append('#');
+  await outdated();
+  await release();
+  await valid();
+  const again = await hold();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await outdated();
+  await again();
+  await valid();
+});
+
+test('from the first digit of a number typed the result is outdated, and while its change is under way', async () => {
+  await page.locator('summary', { hasText: 'LP2' }).click();
+  await page.getByTestId('station-LP2-x').fill('-200');
+  await outdated();
+  let release = () => undefined as void;
+  const released = new Promise<void>((done) => (release = done));
+  await page.route('**/api/v1/cell/station', async (route) => {
+    await released;
+    await route.continue();
+  });
+  await page.getByTestId('station-LP2-x').press('Enter');
+  await frames(page);
+  await outdated();
+  const held = await hold();
+  release();
+  await until('the number is in the text', async () => (await page.getByTestId('save').isEnabled()));
+  await outdated();
+  await held();
+  await verdict('broken');
+  expect(await page.title()).toMatch(/^\d+ violations \(unsaved\)/);
+  // Parts in collision lose their colour with the result.
+  const colour = () => page.evaluate(() => window.jointplay.measure.cell!.brokenColour());
+  const red = await colour();
+  const last = await hold();
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await outdated();
+  expect(await colour()).not.toBe(red);
+  await last();
+  await valid();
+  expect(await colour()).toBe(red);
+});
+
+test('while a station is dragged the result is outdated', async () => {
+  await page.getByRole('tab', { name: 'Parts' }).click();
+  await page.getByTestId('parts').getByRole('button', { name: /^ALIGN/ }).click();
+  const grip = () => page.evaluate(() => window.jointplay.measure.cell!.grip('height' as never));
+  await until('there is a handle', async () => (await grip()) !== null);
+  const from = (await grip())!;
+  await page.mouse.move(from.x, from.y);
+  await page.mouse.down();
+  await page.mouse.move(from.x, from.y - 6);
+  await page.mouse.move(from.x, from.y - 12);
+  await outdated();
+  const release = await hold();
+  await page.mouse.up();
+  await outdated();
+  await release();
+  // Checked, whatever the result.
+  await until('it is checked', async () => ['sound', 'broken'].includes((await shown())!));
+  expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
+});
+
+test('without its server the page shows the result as outdated, saves nothing, says so, and recovers by itself', async () => {
+  await server.stop();
+  // Nobody does anything: the page notices by itself.
+  await outdated();
+  await page.getByTestId('disconnected').waitFor();
+  await append('# while away\n');
+  await page.getByTestId('save').click();
+  await page.getByRole('alert').filter({ hasText: 'Not saved: the server does not answer' }).waitFor();
+  await outdated();
+  expect(readFileSync(programFile(), 'utf8')).toBe(PROGRAM);
+  server = await serve(server.port, ['--cell', file()]);
+  await verdict('sound');
+  await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
+  await page.getByTestId('save').click();
+  await until('it is saved', async () => readFileSync(programFile(), 'utf8') === `${PROGRAM}# while away\n`);
+  await until('the note is gone', async () => (await page.getByRole('alert').count()) === 0);
+});
+
+test('edits, undo and the open text survive a look at the robot', async () => {
+  await append('# one\n');
+  await until('it can be undone', () => page.getByRole('button', { name: 'Undo' }).isEnabled());
+  await verdict('sound');
+  await page.getByRole('button', { name: 'Robot', exact: true }).click();
+  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.measure.pictures > 0));
+  expect(await page.title()).toBe('jointplay studio');
+  let fetched = 0;
+  page.on('request', (request) => void (fetched += Number(/\/cell(\/plan|\/motion.glb)?$/.test(request.url()))));
+  await page.getByRole('button', { name: 'Cell', exact: true }).click();
+  await editor().waitFor();
+  expect(await text()).toContain('# one');
+  expect(await shown()).toBe('sound');
+  expect(await page.getByTestId('save').isEnabled()).toBe(true);
+  await until('it is drawn', () => page.evaluate(() => (window.jointplay.measure.cell?.parts().length ?? 0) > 0));
+  expect(fetched, 'what is there is not fetched again').toBe(0);
+  // The editor is a new one, and undoes what was typed into the old one all the same.
+  await editor().click();
+  await page.keyboard.press('Control+z');
+  await until('it is undone', async () => !(await text()).includes('# one'));
+  await verdict('sound');
+  expect(await page.getByTestId('save').isDisabled()).toBe(true);
+});
+
+test('closing with unsaved changes asks, and a reload restores them', async () => {
+  const asked: string[] = [];
+  page.on('dialog', (dialog) => {
+    asked.push(dialog.type());
+    void dialog.accept();
+  });
+  await page.reload();
+  await verdict('sound');
+  expect(asked, 'nothing unsaved, nothing asked').toEqual([]);
+  await append('# draft\n');
+  // At once: the text has not rested yet.
+  await page.reload();
+  expect(asked).toEqual(['beforeunload']);
+  await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
+  expect(await text()).toContain('# draft');
+  await verdict('sound');
+  expect(await page.title()).toContain('(unsaved)');
+  await page.getByRole('button', { name: 'Discard them' }).click();
+  await until('the text is the file’s', async () => !(await text()).includes('# draft'));
+  expect(await page.getByTestId('draft').count()).toBe(0);
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until('it can be had back', async () => (await text()).includes('# draft'));
+  await page.getByTestId('save').click();
+  await until('it is saved', () => page.getByTestId('save').isDisabled());
+  asked.length = 0;
+  await page.reload();
+  await verdict('sound');
+  expect(asked).toEqual([]);
+  expect(await page.getByTestId('draft').count()).toBe(0);
+  expect(await text()).toContain('# draft');
+});
+
+test('a draft of files that have changed since is offered, not taken', async () => {
+  page.on('dialog', (dialog) => void dialog.accept());
+  await append('# mine\n');
+  await verdict('sound');
+  writeFileSync(programFile(), `${PROGRAM}# theirs\n`);
+  await page.reload();
+  await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
+  expect(await text()).toContain('# theirs');
+  await append('# more\n');
+  await verdict('sound');
+  await page.reload();
+  await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
+  expect(await text()).toContain('# more');
+  await page.getByRole('button', { name: 'Discard them' }).click();
+  await verdict('sound');
+  expect(await text()).not.toContain('# mine');
+});
+
+test('the draft of another version is restored on request, and undo goes back', async () => {
+  page.on('dialog', (dialog) => void dialog.accept());
+  await append('# mine\n');
+  await verdict('sound');
+  writeFileSync(programFile(), `${PROGRAM}# theirs\n`);
+  await page.reload();
+  await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
+  await page.getByRole('button', { name: 'Restore them' }).click();
+  await until('mine is there', async () => (await text()).includes('# mine'));
+  expect(await text()).not.toContain('# theirs');
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until('theirs is there', async () => (await text()).includes('# theirs'));
+});
+
+test('Ctrl+S saves in the editor and in a number field', async () => {
+  await append('# by key\n');
+  await page.keyboard.press('Control+s');
+  await until('it is saved', async () => readFileSync(programFile(), 'utf8') === `${PROGRAM}# by key\n`);
+  await page.locator('summary', { hasText: 'LP1' }).click();
+  await page.getByTestId('station-LP1-x').fill('-494');
+  await page.keyboard.press('Control+s');
+  await until('the number is saved', async () => readFileSync(file(), 'utf8').includes('-494'));
+});
+
+test('the list of keys is that of the view', async () => {
+  await page.getByTestId('verdict').click();
+  await page.keyboard.press('?');
+  await page.getByRole('heading', { name: 'Keyboard, cell view' }).waitFor();
+  const dialog = page.locator('dialog[open]');
+  expect(await dialog.innerText()).toContain('save, in the editor too');
+  for (const foreign of ['next model', '90 pixels', '1 mm up']) expect(await dialog.innerText()).not.toContain(foreign);
+  await page.keyboard.press('Escape');
+  await page.getByRole('button', { name: 'Robot', exact: true }).click();
+  await page.locator('body').press('?');
+  await page.getByRole('heading', { name: 'Keyboard, robot view' }).waitFor();
+  expect(await page.locator('dialog[open]').innerText()).toContain('90 pixels');
+  await page.keyboard.press('Escape');
+});

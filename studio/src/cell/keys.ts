@@ -1,0 +1,65 @@
+// The keys of the cell's view.
+
+import { layout } from '../state/layout.svelte';
+import { shortcutOf, type KeySheet, type Shortcut } from '../state/shortcuts';
+import { studio } from '../state/studio.svelte';
+import { desk } from './desk.svelte';
+import { CELL_VIEWS } from './viewer';
+
+/** Steps of the arrow keys [s]. */
+const STEP = { short: 0.04, long: 1 } as const;
+
+const SHORTCUTS: Shortcut[] = [
+  { group: 'Program', keys: [' '], says: 'play or pause', does: () => desk.toggle() },
+  { group: 'Program', keys: ['ArrowRight'], says: '0.04 s later (with Shift, 1 s)', does: ({ shiftKey }) => desk.seek(desk.time + (shiftKey ? STEP.long : STEP.short)) },
+  { group: 'Program', keys: ['ArrowLeft'], says: '0.04 s earlier (with Shift, 1 s)', does: ({ shiftKey }) => desk.seek(desk.time - (shiftKey ? STEP.long : STEP.short)) },
+  { group: 'Program', keys: ['Home'], says: 'start of the program', does: () => desk.seek(0) },
+  { group: 'Program', keys: ['End'], says: 'end of the program', does: () => desk.seek(desk.duration) },
+  { group: 'Program', keys: ['l'], says: 'loop on or off', does: () => (desk.loop = !desk.loop) },
+  ...CELL_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], says: `view: ${title.toLowerCase()}`, does: () => desk.look?.(view) })),
+  { group: 'Page', keys: ['?'], says: 'list of keys', does: () => (layout.helpOpen = !layout.helpOpen) },
+  { group: 'Page', keys: ['t'], says: 'light or dark', does: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
+];
+
+export const CELL_SHEET: KeySheet = {
+  view: 'cell view',
+  shortcuts: SHORTCUTS,
+  control: [
+    { keys: ['Ctrl', 'S'], says: 'save, in the editor too' },
+    { keys: ['Ctrl', 'Z'], says: 'undo' },
+    { keys: ['Ctrl', 'Shift', 'Z'], says: 'redo' },
+    { keys: ['Esc', 'Tab'], says: 'leave the editor, where Tab indents' },
+  ],
+  pointer: [
+    'Drag to turn the view, with the right button to move it; the wheel zooms. Click a part to choose it; drag the handles of a chosen station to move it.',
+    'Click in the chart of the axes to go to that time; the wheel zooms it, with Shift it moves along.',
+  ],
+};
+
+export function handleCellKey(event: KeyboardEvent): void {
+  if (event.defaultPrevented || event.altKey) return;
+  if (event.ctrlKey || event.metaKey) {
+    const pressed = event.key.toLowerCase();
+    if (pressed === 's') saveTyped();
+    else if ((event.target as HTMLElement).closest('.cm-editor, input:not([type=range]), select, textarea, dialog[open]')) return;
+    else if (pressed === 'z' && !event.shiftKey) desk.undo();
+    else if (pressed === 'y' || pressed === 'z') desk.redo();
+    else return;
+    event.preventDefault();
+    return;
+  }
+  const found = shortcutOf(event, SHORTCUTS);
+  if (!found) return;
+  event.preventDefault();
+  found.does(event);
+}
+
+/** Saves; a number that is being typed is taken first. */
+function saveTyped(): void {
+  const { activeElement } = document;
+  if (activeElement instanceof HTMLInputElement) {
+    activeElement.blur();
+    activeElement.focus();
+  }
+  void desk.save();
+}
