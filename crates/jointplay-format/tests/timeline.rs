@@ -6,6 +6,7 @@ use jointplay_cell::cell::Cell;
 use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
 use jointplay_core::spatial::Pose;
+use jointplay_core::virtualization::Kernel;
 use jointplay_format::export::{Recording, Timeline};
 use jointplay_format::{cell, program};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
@@ -101,14 +102,14 @@ fn check(cell: &Cell, text: &str) {
         }
     }
     assert!(looks > 300, "{looks}");
-    assert!(worst_axis < 5e-8 && worst < 2e-7, "{worst_axis} {worst}");
+    assert!(worst_axis < 1e-7 && worst < 1e-6, "{worst_axis} {worst}");
 }
 
 #[test]
 fn channels_of_windows_are_where_the_motion_is() {
-    let example = |from: &str, to: &str| {
-        assert!(cell::EXAMPLE.contains(from), "{from}");
-        cell::read(&cell::EXAMPLE.replace(from, to), &mut |_| Err("no files".to_owned())).unwrap()
-    };
-    check(&example("kind", "kind"), TEXT);
+    let mut cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    check(&cell, TEXT);
+    // A platform without a closed form.
+    cell.robot.model.virtualization = Kernel::Polar;
+    check(&cell, TEXT);
 }

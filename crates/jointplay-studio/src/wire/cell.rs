@@ -97,12 +97,12 @@ impl LinesFields {
 impl SinceFields {
     /// Both texts with their changes, the cell's first.
     pub(crate) fn texts(&self, (cell, program): (&str, &str)) -> Result<(String, String), Problem> {
-        let changed = |text: &str, lines: &Option<LinesFields>, field: &str| match lines {
+        let changed = |text: &str, lines: Option<&LinesFields>, field: &str| match lines {
             Some(lines) => lines.of(text, field),
             None => Ok(text.to_owned()),
         };
-        let cell = changed(cell, &self.cell, "since.cell")?;
-        Ok((cell, changed(program, &self.program, "since.program")?))
+        let cell = changed(cell, self.cell.as_ref(), "since.cell")?;
+        Ok((cell, changed(program, self.program.as_ref(), "since.program")?))
     }
 }
 
