@@ -92,7 +92,20 @@ test('a serpentine, and a motion of key poses', async () => {
   await loaded(777);
   await page.getByTestId('motion').selectOption('key-poses');
   await until('samples', async () => Number(await sample().getAttribute('data-count')) > 300);
+  // Seven seconds, plotted over time: the middle of a plot is the middle of the time.
+  await loaded(421);
+  const over = page.getByTestId('plot-rods').locator('.u-over');
+  const box = (await over.boundingBox())!;
+  await over.click({ position: { x: box.width / 2, y: box.height / 2 } });
+  expect(Math.abs((await at()) - 210)).toBeLessThan(6);
+  await page.getByTestId('take').click();
+  const [figure] = await Promise.all([page.waitForEvent('download'), page.getByTestId('take-svg').click()]);
+  const svg = readFileSync(await figure.path(), 'utf8');
+  expect(svg).toContain('time [s]');
+  expect(svg).not.toContain('>sample<');
   await page.getByRole('button', { name: 'Poses' }).click();
+  const add = (await page.getByTestId('add-pose').boundingBox())!;
+  expect(add.height).toBeLessThan(40);
   await page.getByLabel('seconds of pose 2').fill('1');
   await page.getByLabel('seconds of pose 2').press('Enter');
   await page.getByTestId('add-pose').click();
@@ -109,6 +122,11 @@ test('a motion that cannot be says why', async () => {
   await page.getByTestId('yaw-step').fill('7');
   await page.getByTestId('yaw-step').press('Enter');
   await page.getByRole('alert').filter({ hasText: 'step' }).waitFor();
+  // An empty field is no number: what was there comes back.
+  await page.getByTestId('pitch-step').fill('');
+  await page.getByTestId('pitch-step').press('Enter');
+  expect(await page.getByTestId('pitch-step').inputValue()).toBe('0.2');
+  expect(await page.getByRole('alert').filter({ hasText: 'null' }).count()).toBe(0);
   await page.getByTestId('yaw-step').fill('10');
   await page.getByTestId('yaw-step').press('Enter');
   await loaded(777);

@@ -131,6 +131,33 @@ test('limits stop the robot on its way, and say why', async () => {
   expect(await value('pitch')).toBeCloseTo(-0.5, 3);
 });
 
+test('the page opens within the limit of tilt, and at the limit the robot moves along it', async () => {
+  const fresh = await visit(browser);
+  try {
+    await fresh.goto(server.address);
+    await drawn(fresh, 'Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9');
+    await fresh.goto(`${server.address}#pose=xy,0,1.5,500,axis`);
+    await drawn(fresh, 'Math.abs(pose.tilt.about_y_rad - 1.5 * Math.PI / 180) < 1e-9');
+    await fresh.keyboard.press('k');
+    // Toward x by as much as the circle of the limit allows, and off y.
+    await drawn(fresh, 'pose.tilt.about_x_rad > 1.7e-3 && Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-7');
+    const tilt = await fresh.evaluate(() => window.jointplay.measure.pose!.tilt);
+    expect(tilt.about_x_rad / tilt.about_y_rad).toBeCloseTo(0.1 / 1.5, 4);
+    await fresh.keyboard.press('i');
+    await drawn(fresh, 'Math.abs(pose.tilt.about_x_rad) < 1e-5');
+  } finally {
+    await fresh.context().close();
+  }
+});
+
+test('buttons have names of their own', async () => {
+  await open();
+  const names = await page.evaluate(() => [...document.querySelectorAll('main button')].map((one) => one.getAttribute('aria-label') ?? one.textContent!.trim()));
+  expect(new Set(names).size).toBe(names.length);
+  await page.getByLabel('Standard view').selectOption('front');
+  await until('the view turns', () => page.evaluate(() => window.location.hash.includes('view=')));
+});
+
 test('the platform is dragged by its three handles', async () => {
   await open('#pose=xy,0,0,500,axis');
   await drawn(page, 'pose.tilt.pitch_rad < 1e-9 && Math.abs(pose.axis_height_m - 0.5) < 1e-9');
@@ -343,7 +370,7 @@ for (const theme of ['light', 'dark'] as const)
     await page.evaluate(axe.source);
     const found = await page.evaluate(async () => {
       const { axe } = window as unknown as { axe: typeof import('axe-core') };
-      const { violations } = await axe.run(document, { resultTypes: ['violations'] });
+      const { violations } = await axe.run(document, { resultTypes: ['violations'], rules: { 'target-size': { enabled: true } } });
       return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
     });
     expect(found).toEqual([]);

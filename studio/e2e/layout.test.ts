@@ -1,0 +1,92 @@
+// Windows of any width show the picture, and nothing covers or cuts what is used.
+
+import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import { readFileSync } from 'node:fs';
+import type { Browser, Page } from 'playwright-core';
+import { afterAll, beforeAll, expect, test } from 'vitest';
+import { browse, complaints, drawn, ROOT, serve, until, visit, type Server } from './studio';
+
+let browser: Browser;
+let server: Server;
+let folder: string;
+
+beforeAll(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'studio-'));
+  writeFileSync(join(folder, 'mine.toml'), readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8'));
+  writeFileSync(join(folder, 'mine.program'), 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n');
+  [browser, server] = await Promise.all([browse(), serve(0, ['--cell', join(folder, 'mine.toml')])]);
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+  rmSync(folder, { recursive: true });
+});
+
+async function at(width: number, height: number, part: 'robot' | 'cell', does: (page: Page) => Promise<void>): Promise<void> {
+  const page = await visit(browser, { viewport: { width, height } });
+  const heard = complaints(page);
+  try {
+    await page.addInitScript((shown) => localStorage.setItem('jointplay.studio.part', JSON.stringify(shown)), part);
+    await page.goto(server.address);
+    if (part === 'robot') await drawn(page);
+    else await until('the result is there', async () => (await page.getByTestId('verdict').getAttribute('data-verdict')) === 'sound');
+    await does(page);
+    expect(heard).toEqual([]);
+  } finally {
+    await page.context().close();
+  }
+}
+
+/** Buttons that reach beyond the window, where nothing scrolls to them. */
+const cut = (page: Page) =>
+  page.evaluate(() =>
+    [...document.querySelectorAll<HTMLElement>('header button, header select, .transport *, .views *')]
+      .filter((one) => one.getBoundingClientRect().width > 0)
+      .filter((one) => one.getBoundingClientRect().left < 0 || one.getBoundingClientRect().right > window.innerWidth + 0.5)
+      .map((one) => one.textContent ?? ''),
+  );
+
+for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], [1280, 720]] as const) {
+  test(`the robot is seen in a window of ${width} × ${height}`, () =>
+    at(width, height, 'robot', async (page) => {
+      const scene = (await page.locator('.scene').boundingBox())!;
+      expect(scene.width).toBeGreaterThanOrEqual(Math.min(width, 600));
+      expect(scene.height).toBeGreaterThanOrEqual(Math.min(260, 0.5 * height));
+      expect(scene.y + 200, 'in view').toBeLessThan(height);
+      // Unasked, no card lies over the middle of the picture, where the robot is.
+      const over = await page.evaluate(
+        ([x, y]) => document.elementsFromPoint(x!, y!).findIndex((one) => one.closest('.story, .dialog, aside') !== null),
+        [scene.x + scene.width / 2, scene.y + scene.height / 2],
+      );
+      expect(over).toBe(-1);
+      expect(await cut(page)).toEqual([]);
+      if (scene.width <= 760) {
+        await page.getByRole('button', { name: 'About this view' }).click();
+        await page.getByText('On paper this robot can only go up').waitFor();
+        await page.getByRole('button', { name: 'Hide this explanation' }).click();
+      }
+      // The panels are there, below where there is no room beside.
+      await page.getByTestId('slider-pitch').scrollIntoViewIfNeeded();
+      const slider = (await page.getByTestId('slider-pitch').boundingBox())!;
+      expect(slider.width).toBeGreaterThan(60);
+      expect(slider.x + slider.width).toBeLessThanOrEqual(width);
+    }));
+
+  test(`the cell is seen in a window of ${width} × ${height}, and its time can be dragged`, () =>
+    at(width, height, 'cell', async (page) => {
+      const scene = (await page.locator('.scene').boundingBox())!;
+      expect(scene.width).toBeGreaterThanOrEqual(Math.min(width, 380));
+      expect(scene.height).toBeGreaterThanOrEqual(200);
+      const slider = (await page.getByTestId('cell-time').boundingBox())!;
+      expect(slider.width).toBeGreaterThanOrEqual(100);
+      expect((await page.getByLabel('Speed of playback').boundingBox())!.width).toBeGreaterThanOrEqual(56);
+      expect(await cut(page)).toEqual([]);
+    }));
+}
+
+test('before its scripts are there, the page says that it is being loaded', async () => {
+  expect(await (await fetch(server.address)).text()).toContain('Loading the studio');
+  await at(1280, 720, 'robot', async (page) => expect(await page.getByText('Loading the studio').count()).toBe(0));
+});
