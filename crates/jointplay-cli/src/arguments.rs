@@ -271,6 +271,14 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A whole number within bounds.
+pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Result<N, String> {
+    let value = text.trim().parse().ok().filter(|value| (least..=most).contains(value));
+    value
+        .and_then(|value| N::try_from(value).ok())
+        .ok_or_else(|| format!("{text:?} is not a whole number from {least} to {most}"))
+}
+
 /// A yaw in radians, whole turns left out while they are still whole degrees.
 pub(crate) fn yaw(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()

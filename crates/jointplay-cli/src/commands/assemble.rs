@@ -6,6 +6,7 @@ use clap::Args;
 use jointplay::format::number::counted;
 use jointplay::format::report::{self, AssemblyReport};
 
+use crate::arguments::whole;
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, MechanismArgs, ToleranceArgs, assignment};
 use crate::progress::Progress;
@@ -25,7 +26,7 @@ pub(crate) struct Assemble {
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
     at: Vec<Assignment>,
     /// Also look for other closed configurations, from this many starts
-    #[arg(long, value_name = "STARTS", value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    #[arg(long, value_name = "STARTS", value_parser = |text: &str| whole::<u16>(text, 1, 10_000))]
     branches: Option<u16>,
     #[command(flatten)]
     near: ToleranceArgs,

@@ -7,7 +7,7 @@ use clap::Args;
 use jointplay::format::cell::MAX_BYTES;
 use jointplay_studio::{CellFiles, EXAMPLE, Error, Server};
 
-use crate::arguments::RobotArgs;
+use crate::arguments::{RobotArgs, whole};
 use crate::failure::Failure;
 use crate::output;
 use crate::source::{Kind, Source};
@@ -29,7 +29,7 @@ pub(crate) struct Studio {
     #[command(flatten)]
     robot: RobotArgs,
     /// Port of 127.0.0.1 to serve on; without it, 4816, or a free one where that is taken
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole::<u16>(text, 0, 65_535))]
     port: Option<u16>,
     /// Work cell (TOML) to show as well, with the program beside it that ends in .program; without a file, the example that comes along
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = EXAMPLE)]

@@ -28,7 +28,7 @@ fn refused(desk: &Desk, line: &str, parts: &[&str]) {
 }
 
 #[test]
-fn names_of_the_catalogue_stand_wherever_a_file_may() {
+fn catalogue_names_work_wherever_a_file_does() {
     let desk = Desk::new();
     assert_eq!(desk.done("forward --robot gpr"), desk.done("forward"));
     assert_eq!(desk.done("mobility gpr"), desk.done("mobility"));
@@ -183,6 +183,33 @@ fn a_cell_names_no_file_outside_its_folder_by_a_link() {
     desk.write("robot.toml", include_str!("../../../../robots/dual-arm.toml"));
     symlink("../robot.toml", desk.file("cell/robot.toml")).unwrap();
     refused(&desk, "cell check cell/example.toml", &["leads out of the folder"]);
+}
+
+/// Whether a process handles Ctrl-C itself, as the system reports it.
+#[cfg(target_os = "linux")]
+fn handles_interrupts(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    caught.is_some_and(|mask| mask & 0b10 != 0)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn long_motions_can_be_interrupted() {
+    let desk = Desk::new();
+    for line in ["move four-bar --drive A=0:3e6 --out way", "draw four-bar --ghost A=3e6"] {
+        let mut command = desk.command(line);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        while !handles_interrupts(child.id()) {
+            assert!(child.try_wait().unwrap().is_none(), "{line} ended by itself");
+            std::thread::yield_now();
+        }
+        let id = child.id().to_string();
+        assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{line}");
+        assert!(!desk.file("way").exists());
+    }
 }
 
 #[test]

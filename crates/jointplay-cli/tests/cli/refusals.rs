@@ -58,6 +58,8 @@ fn flags_that_make_no_sense() {
     refuse("completions tcl", 2, "possible values: bash");
     refuse("forward --robot missing.toml", 2, "cannot read missing.toml");
     refuse("forward --robot .", 2, "cannot read .");
+    refuse("assemble four-bar --branches 0", 2, "is not a whole number from 1 to 10000");
+    refuse("assemble four-bar --branches many", 2, "\"many\" is not a whole number");
     refuse("frobnicate", 2, "unrecognized subcommand");
 }
 

@@ -16,7 +16,7 @@ use super::text::counted;
 use crate::arguments::TextFormat;
 use crate::failure::{Failure, Wrong};
 use crate::progress::Progress;
-use crate::source::{self, Kind, Source, read_text};
+use crate::source::{self, Kind, STANDARD, Source, read_text};
 
 /// What the example is called, in place of a file.
 pub(super) const EXAMPLE: &str = "example";
@@ -87,6 +87,10 @@ pub(super) struct Planned {
 impl CellArgs {
     pub(super) fn json(&self) -> bool {
         self.format == TextFormat::Json
+    }
+
+    pub(super) fn is_standard_input(&self) -> bool {
+        self.file.as_deref() == Some(Path::new(STANDARD))
     }
 
     fn is_example(&self) -> bool {

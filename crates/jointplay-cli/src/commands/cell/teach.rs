@@ -142,6 +142,10 @@ impl Teach {
     }
 
     fn save(&self, named: &Named) -> Result<(), Failure> {
+        if self.cell.is_standard_input() {
+            let text = "--write: standard input is no file; name the cell file";
+            return Err(Failure::Misused(text.to_owned()));
+        }
         if named.folder.is_none() {
             let text = "--write: the example is no file; `jointplay cell example` makes one of it";
             return Err(Failure::Misused(text.to_owned()));
