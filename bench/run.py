@@ -75,7 +75,7 @@ def build():
     site = next(VENV.glob("lib/python*/site-packages"))
     prefix = site / "cmeel.prefix"
     missing = {}
-    made = run(["cargo", "build", "--release", "-p", "jointplay-bench", "--message-format", "json"], cwd=HERE.parent)
+    made = run(["cargo", "build", "--profile", "dist", "-p", "jointplay-bench", "--message-format", "json"], cwd=HERE.parent)
     if made.returncode != 0:
         sys.exit(f"jointplay does not build:\n{made.stderr}")
     artifacts = [json.loads(line) for line in made.stdout.splitlines() if line.startswith("{")]
@@ -111,7 +111,7 @@ def build_wheel():
     """Builds jointplay's Python package and installs it; the version does not tell whether it is the newest, so always anew."""
     wheels = BUILD / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
-    maturin = [PYTHON, "-m", "maturin", "build", "--release", "--quiet", "--interpreter", PYTHON, "--out", wheels]
+    maturin = [PYTHON, "-m", "maturin", "build", "--profile", "dist", "--quiet", "--interpreter", PYTHON, "--out", wheels]
     done = run(maturin, cwd=HERE.parent / "python")
     if done.returncode == 0:
         install = [PYTHON, "-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", *wheels.glob("*.whl")]

@@ -188,7 +188,7 @@ def test_files(tmp_path, gpr):
     assert missing.value.filename is not None
     wrong = tmp_path / "wrong.toml"
     wrong.write_text(path.read_text().replace("tilt_deg = 1.5", "tilt_deg = nan"))
-    with pytest.raises(jp.FileError, match="wrong.toml:28:12: `tilt_deg` is NaN") as caught:
+    with pytest.raises(jp.FileError, match="wrong.toml:28:12: `tilt_deg` is not a number") as caught:
         jp.Gpr.from_file(wrong)
     assert (caught.value.line, caught.value.column) == (28, 12)
     (tmp_path / "binary").write_bytes(b"\xff\xfe")

@@ -15,7 +15,7 @@ const HEAD: &str = "\
 These mechanisms come with the program; `jointplay catalogue` lists them, and their names may stand wherever a mechanism file may.
 
 ```sh
-jointplay draw bennett
+jointplay draw bennett --figure bennett.svg
 jointplay draw four-bar --at A=30 --ghost A=120 --figure four-bar.png
 jointplay mobility bennett
 jointplay catalogue copy bennett my-mechanisms

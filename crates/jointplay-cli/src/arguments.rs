@@ -1,9 +1,11 @@
 //! Flags that several commands share, and how their values are read.
 
-use std::io::Read as _;
-use std::path::{Path, PathBuf};
+#[cfg(feature = "studio")]
+use std::path::Path;
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use jointplay::format::number::number;
 use jointplay::format::units::m_from_mm;
 use jointplay::format::{robot, steps};
 use jointplay::gpr::{AxisHeight, BrokenLimit, Gpr};
@@ -16,13 +18,14 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::output;
+use crate::source::{Kind, Source};
 
 /// Larger robot files are refused unread [bytes].
-const LARGEST_ROBOT_FILE: u64 = 1_000_000;
+const LARGEST_ROBOT_FILE: usize = 1_000_000;
 
 #[derive(Args)]
 pub(crate) struct RobotArgs {
-    /// Robot file (TOML); without it, the paper's robot
+    /// Robot file (TOML), or a name from `jointplay catalogue`; without it, the paper's robot
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
 }
@@ -30,29 +33,26 @@ pub(crate) struct RobotArgs {
 impl RobotArgs {
     pub(crate) fn load(&self) -> Result<robot::Robot, Failure> {
         let Some(path) = &self.robot else { return Ok(robot::paper()) };
-        let text = read_text(path, LARGEST_ROBOT_FILE)?;
-        robot::parse(&text).map_err(|error| Failure::at(&error, &path.display().to_string()))
+        let source = Source::read(path, LARGEST_ROBOT_FILE)?;
+        source.require(&[Kind::ThreeRods], "a three-rod robot")?;
+        robot::parse(&source.text).map_err(|error| Failure::at(&error, &source.label))
+    }
+
+    /// Another robot file in place of none.
+    #[cfg(feature = "studio")]
+    pub(crate) fn or(&self, file: &Path) -> Result<Self, Failure> {
+        if self.robot.is_some() {
+            let text = "the robot is named twice: by FILE and by --robot";
+            return Err(Failure::Misused(text.to_owned()));
+        }
+        Ok(Self { robot: Some(file.to_owned()) })
     }
 
     /// The robot file, if there is one.
     #[cfg(feature = "studio")]
     pub(crate) fn file(&self) -> Option<&Path> {
-        self.robot.as_deref()
+        self.robot.as_deref().filter(|path| path.exists())
     }
-}
-
-/// The text of a file, refused where it is longer than `allowed` bytes.
-pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
-    let failed = |source| Failure::Read { path: path.to_owned(), source };
-    let mut text = String::new();
-    // Counted while reading: pipes and devices do not tell their length.
-    let file = std::fs::File::open(path).map_err(failed)?;
-    let read = file.take(allowed + 1).read_to_string(&mut text);
-    if text.len() as u64 > allowed {
-        return Err(Failure::TooLarge { path: path.to_owned(), allowed });
-    }
-    read.map_err(failed)?;
-    Ok(text)
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -101,7 +101,7 @@ impl SolverName {
 #[derive(Args)]
 pub(crate) struct MetricArgs {
     /// How angles weigh against lengths: paper (1 mm), radius (mean socket radius), or a length in mm
-    #[arg(long, value_name = "paper|radius|LENGTH_MM", default_value = "paper", value_parser = metric, allow_hyphen_values = true)]
+    #[arg(long, value_name = "paper|radius|LENGTH_MM", default_value = "paper", value_parser = metric)]
     metric: Metric,
 }
 
@@ -210,13 +210,13 @@ impl AnswerArgs {
 #[derive(Args)]
 pub(crate) struct TiltArgs {
     /// Azimuth toward which the platform leans, from x toward y
-    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite)]
     yaw_deg: f64,
     /// How far it leans
-    #[arg(long, value_name = "DEG", value_parser = pitch, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", value_parser = pitch)]
     pitch_deg: Option<f64>,
     /// Height of the platform; without it, the robot's working height
-    #[arg(long, value_name = "MM", value_parser = length, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
 }
 
@@ -244,7 +244,7 @@ impl TiltArgs {
 #[derive(Args)]
 pub(crate) struct RodArgs {
     /// Rod lengths; without them, all at the robot's working height
-    #[arg(long, value_name = "Q1,Q2,Q3", value_parser = rods, allow_hyphen_values = true)]
+    #[arg(long, value_name = "Q1,Q2,Q3", value_parser = rods)]
     pub(crate) q_mm: Option<Rods>,
 }
 
@@ -264,7 +264,19 @@ pub(crate) struct Steps(pub(crate) Vec<f64>);
 
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     let value: f64 = text.trim().parse().map_err(|_| format!("{text:?} is no number"))?;
-    if value.is_finite() { Ok(value) } else { Err(format!("{text} is not a finite number")) }
+    if value.is_finite() {
+        Ok(value)
+    } else {
+        Err(format!("{} is not a finite number", text.trim()))
+    }
+}
+
+/// A whole number within bounds.
+pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Result<N, String> {
+    let value = text.trim().parse().ok().filter(|value| (least..=most).contains(value));
+    value
+        .and_then(|value| N::try_from(value).ok())
+        .ok_or_else(|| format!("{text:?} is not a whole number from {least} to {most}"))
 }
 
 /// A yaw in radians, whole turns left out while they are still whole degrees.
@@ -281,7 +293,8 @@ pub(crate) fn length(text: &str) -> Result<f64, String> {
     if value.abs() <= LONGEST_MM {
         Ok(value)
     } else {
-        Err(format!("{value:e} mm is too long, lengths have to lie within ±{LONGEST_MM:e} mm"))
+        let (found, most) = (number(value), number(LONGEST_MM));
+        Err(format!("{found} mm is too long, lengths have to lie within ±{most} mm"))
     }
 }
 
@@ -294,6 +307,7 @@ fn within_right_angle(pitch: f64) -> Result<(), String> {
     if pitch.abs() < 90.0 {
         Ok(())
     } else {
+        let pitch = number(pitch);
         Err(format!("{pitch}° is too steep, the pitch has to lie between -90° and 90°"))
     }
 }
@@ -319,9 +333,12 @@ fn metric(text: &str) -> Result<Metric, String> {
         _ => match finite(text.strip_suffix("mm").unwrap_or(text)) {
             Ok(length) if (1e-9..=1e9).contains(&length) => Ok(Metric::Length(m_from_mm(length))),
             Ok(length) if length > 0.0 => Err(format!(
-                "a characteristic length of {length:e} mm is not within 1e-9 to 1e9 mm"
+                "a characteristic length of {} mm is not within 1e-9 to 1e9 mm",
+                number(length)
             )),
-            Ok(length) => Err(format!("a characteristic length of {length} mm is not positive")),
+            Ok(length) => {
+                Err(format!("a characteristic length of {} mm is not positive", number(length)))
+            }
             Err(_) => Err("it has to be paper, radius, or a length in mm".to_owned()),
         },
     }

@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use anstyle::{AnsiColor, Style};
 use jointplay::format::coordinates;
 use jointplay::format::explain::{explain, explain_limit};
+use jointplay::format::number::{counted, number};
 use jointplay::format::place;
 use jointplay::format::report;
 use jointplay::gpr::BrokenLimit;
@@ -46,7 +47,7 @@ pub(crate) enum Failure {
     Marker { path: PathBuf, why: String },
     #[error(transparent)]
     Coordinate(#[from] coordinates::Error),
-    #[error("--yaw-step-deg {step}: {source}")]
+    #[error("--yaw-step-deg {}: {source}", number(*.step))]
     YawStep { step: f64, source: jointplay::format::steps::Error },
     #[error("the study has {found} poses, at most {allowed} are allowed: take larger steps")]
     TooManyPoses { found: usize, allowed: usize },
@@ -56,20 +57,22 @@ pub(crate) enum Failure {
     TooLarge { path: PathBuf, allowed: u64 },
     #[error("cannot write {}: {}", path.display(), explain_write(.source))]
     Write { path: PathBuf, source: io::Error },
+    #[error("{} exists: choose another name, or replace it with --force", path.display())]
+    Exists { path: PathBuf },
     #[error(
-        "{} holds files that are not from `jointplay {command}`: {}; choose another --out, or say --force to write beside them",
-        folder.display(), names.join(", ")
+        "{} holds files already: {}; choose another --out, or use --force, which replaces files of the same names",
+        folder.display(), few(names)
     )]
-    Foreign { folder: PathBuf, command: &'static str, names: Vec<String> },
+    NotEmpty { folder: PathBuf, names: Vec<String> },
     #[error("{} ends neither in .svg nor in .png", path.display())]
     FigureKind { path: PathBuf },
     #[cfg(not(feature = "parquet"))]
     #[error(
-        "this jointplay was built without Parquet: build with --features parquet, or use --format csv"
+        "this jointplay was built without Parquet: build with --features parquet, or name a table that ends in .csv"
     )]
     NoParquet,
     #[cfg(feature = "parquet")]
-    #[error("the Parquet writer says: {0}")]
+    #[error("the table cannot be written as Parquet: {0}")]
     Parquet(String),
     #[error(transparent)]
     Export(#[from] jointplay::format::export::Error),
@@ -103,8 +106,28 @@ impl Wrong {
     }
 }
 
+/// Most errors that text lists; JSON has all.
+const MOST_ERRORS: usize = 21;
+/// Most names of files that text lists.
+const MOST_NAMES: usize = 5;
+
 fn excerpts(all: &[Wrong]) -> String {
-    all.iter().map(|one| one.excerpt.as_str()).collect::<Vec<_>>().join("\n")
+    let mut text: Vec<&str> = all.iter().take(MOST_ERRORS).map(|one| &*one.excerpt).collect();
+    let more = match all.len().saturating_sub(MOST_ERRORS) {
+        0 => return text.join("\n"),
+        more => format!("and {} (--format json lists all)", counted(more, "more error")),
+    };
+    text.push(&more);
+    text.join("\n")
+}
+
+/// The first of some names, and how many more there are.
+fn few(names: &[String]) -> String {
+    let listed = names[..names.len().min(MOST_NAMES)].join(", ");
+    match names.len().saturating_sub(MOST_NAMES) {
+        0 => listed,
+        more => format!("{listed} and {more} more"),
+    }
 }
 
 fn list(broken: &[BrokenLimit]) -> String {
@@ -116,14 +139,16 @@ fn explain_write(error: &io::Error) -> String {
     use io::ErrorKind as Kind;
     let ours = match error.kind() {
         _ if error.get_ref().is_some() => None,
-        Kind::NotFound => Some("its folder is not there; make it first"),
+        Kind::NotFound => Some("its folder does not exist"),
         Kind::PermissionDenied => Some("it is not permitted there; choose another place"),
         Kind::ReadOnlyFilesystem => Some("the disk is read-only; choose another place"),
         Kind::StorageFull | Kind::QuotaExceeded => {
             Some("the disk is full; make room, or choose another place")
         }
-        Kind::IsADirectory => Some("a folder is in its place"),
-        Kind::NotADirectory | Kind::AlreadyExists => Some("a file is in its place, or on its way"),
+        Kind::IsADirectory => Some("a folder has this name"),
+        Kind::NotADirectory | Kind::AlreadyExists => {
+            Some("a file is in its place, or in place of a folder of its path")
+        }
         _ => None,
     };
     ours.map_or_else(|| error.to_string(), str::to_owned)
@@ -159,9 +184,9 @@ fn explain_study(error: &study::Error) -> String {
 /// The answer is no.
 const NO: u8 = 1;
 /// The question is wrong.
-const BAD_INPUT: u8 = 2;
+pub(crate) const BAD_INPUT: u8 = 2;
 /// Stopped by Ctrl-C, as shells number it.
-const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 impl Failure {
     /// What is wrong at one place of a file.

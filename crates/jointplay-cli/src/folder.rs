@@ -1,18 +1,35 @@
-//! Result files, written whole or not at all.
+//! Result files, written whole or not at all, and never over a file that exists unless `--force` is given.
+//!
+//! This is the one policy of all commands; `docs/command.md` describes it for users.
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+use clap::Args;
 use tempfile::NamedTempFile;
 
+use crate::console;
 use crate::failure::Failure;
+
+/// Whether files that exist may be replaced.
+#[derive(Args, Clone, Copy)]
+pub(crate) struct ForceArgs {
+    /// Replace files that exist, and write into a folder that holds files
+    #[arg(long)]
+    force: bool,
+}
+
+impl ForceArgs {
+    /// For a file that the user names to be changed, as `--write` does.
+    pub(crate) const REPLACE: Self = Self { force: true };
+}
 
 /// Files on their way are named so; one that is found was left by a run that was killed.
 const PARTIAL: &str = ".jointplay-partial-";
 
 /// Finds out before long work whether files can be made in a folder, or the folder itself; leaves nothing behind.
-pub(crate) fn probe(folder: &Path) -> Result<(), Failure> {
+fn probe(folder: &Path) -> Result<(), Failure> {
     let here = Path::new(".");
     let mut places =
         folder.ancestors().map(|path| if path.as_os_str().is_empty() { here } else { path });
@@ -21,13 +38,43 @@ pub(crate) fn probe(folder: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Refuses a file that exists.
+pub(crate) fn check_file(path: &Path, force: ForceArgs) -> Result<(), Failure> {
+    // A link that leads nowhere is a file too.
+    if force.force || path.symlink_metadata().is_err() {
+        Ok(())
+    } else {
+        Err(Failure::Exists { path: path.to_owned() })
+    }
+}
+
+/// Refuses a folder of results that holds files; those that a killed run left do not count.
+///
+/// Also finds out whether files can be made there: long work must not end in vain.
+pub(crate) fn check_folder(folder: &Path, force: ForceArgs) -> Result<(), Failure> {
+    let found = names(folder)?.into_iter().filter(|name| !name.starts_with(PARTIAL));
+    let found: Vec<String> = found.collect();
+    if !found.is_empty() && !force.force {
+        return Err(Failure::NotEmpty { folder: folder.to_owned(), names: found });
+    }
+    probe(folder)
+}
+
 /// Writes files into a folder, made if missing: each appears whole, under its name, or not at all.
-pub(crate) fn write(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Failure> {
+pub(crate) fn write(
+    folder: &Path,
+    files: &[(String, Vec<u8>)],
+    force: ForceArgs,
+) -> Result<(), Failure> {
     std::fs::create_dir_all(folder).map_err(failed(folder))?;
-    if let Some(path) = files.iter().map(|(name, _)| folder.join(name)).find(|path| path.is_dir()) {
-        let source =
-            std::io::Error::new(std::io::ErrorKind::IsADirectory, "a folder is in its place");
-        return Err(Failure::Write { path, source });
+    let paths = files.iter().map(|(name, _)| folder.join(name));
+    for path in paths {
+        if path.is_dir() {
+            let source =
+                std::io::Error::new(std::io::ErrorKind::IsADirectory, "a folder has this name");
+            return Err(Failure::Write { path, source });
+        }
+        check_file(&path, force)?;
     }
     // All contents first: a full disk is found out before anything is replaced.
     let mut ready = Vec::with_capacity(files.len());
@@ -37,35 +84,19 @@ pub(crate) fn write(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Fa
         ready.push((path, file));
     }
     for (path, file) in ready {
-        persist(file, &path)?;
+        persist(file, &path, force)?;
     }
     Ok(())
 }
 
-/// Writes one file; it replaces one of the same name.
-pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+/// Writes one file.
+pub(crate) fn write_file(path: &Path, bytes: &[u8], force: ForceArgs) -> Result<(), Failure> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
     };
-    persist(partial(folder, path, bytes)?, path)
-}
-
-/// Writes one file into a folder, made if missing, unless something of its name is there.
-pub(crate) fn write_new(folder: &Path, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(failed(folder))?;
-    let file = partial(folder, path, bytes)?;
-    readable(&file, path)?;
-    file.persist_noclobber(path).map_err(|error| {
-        let plain = match error.error.kind() {
-            std::io::ErrorKind::AlreadyExists => {
-                std::io::Error::new(error.error.kind(), "something of this name is there already")
-            }
-            _ => error.error,
-        };
-        failed(path)(plain)
-    })?;
-    Ok(())
+    check_file(path, force)?;
+    persist(partial(folder, path, bytes)?, path, force)
 }
 
 /// The contents of the file to come at `path`, whole, under a temporary name.
@@ -77,9 +108,17 @@ fn partial(folder: &Path, path: &Path, bytes: &[u8]) -> Result<NamedTempFile, Fa
     Ok(file)
 }
 
-fn persist(file: NamedTempFile, path: &Path) -> Result<(), Failure> {
+fn persist(file: NamedTempFile, path: &Path, force: ForceArgs) -> Result<(), Failure> {
     readable(&file, path)?;
-    file.persist(path).map_err(|error| failed(path)(error.error))?;
+    let done = if force.force { file.persist(path) } else { file.persist_noclobber(path) };
+    done.map_err(|error| match error.error.kind() {
+        // It has come into being since it was checked.
+        std::io::ErrorKind::AlreadyExists if !force.force => {
+            Failure::Exists { path: path.to_owned() }
+        }
+        _ => failed(path)(error.error),
+    })?;
+    console::detail(&format!("{}: written", path.display()));
     Ok(())
 }
 
@@ -93,14 +132,6 @@ fn readable(file: &NamedTempFile, path: &Path) -> Result<(), Failure> {
         file.as_file().set_permissions(readable).map_err(failed(path))?;
     }
     Ok(())
-}
-
-/// Names in a folder that are neither files in `own` nor left by a killed run; none if there is no folder.
-pub(crate) fn foreign(folder: &Path, own: &BTreeSet<String>) -> Result<Vec<String>, Failure> {
-    let ours = |name: &String| {
-        (own.contains(name) || name.starts_with(PARTIAL)) && !folder.join(name).is_dir()
-    };
-    Ok(names(folder)?.into_iter().filter(|name| !ours(name)).collect())
 }
 
 /// Removes files of ours that this run did not write again, and what a killed run left.

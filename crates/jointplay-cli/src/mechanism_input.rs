@@ -6,7 +6,10 @@ use clap::Args;
 use jointplay::format::coordinates::Coordinates;
 use jointplay::format::import::{self, Imported};
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
-use jointplay::format::{catalogue, report};
+use jointplay::format::number::number;
+use jointplay::format::report;
+use jointplay::format::units::m_from_mm;
+use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
     Closure, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble, branches, guess,
     relieve,
@@ -16,9 +19,10 @@ use jointplay::nalgebra::DVector;
 use jointplay::{Error, format};
 use serde::Serialize;
 
-use crate::arguments::{TextFormat, finite, read_text};
+use crate::arguments::{TextFormat, finite};
 use crate::failure::Failure;
 use crate::output;
+use crate::source::{Kind, Source};
 
 /// Other starts tried where the guess of a file does not close.
 const STARTS: usize = 30;
@@ -70,7 +74,7 @@ fn share(text: &str) -> Result<f64, String> {
         Ok(value)
     } else {
         let (least, greatest) = (TOLERANCES.start(), TOLERANCES.end());
-        Err(format!("{value:e} is not within {least:e} to {greatest:e}"))
+        Err(format!("{} is not within {least:e} to {greatest:e}", number(value)))
     }
 }
 
@@ -89,7 +93,7 @@ pub(crate) struct MechanismArgs {
 
 impl MechanismArgs {
     pub(crate) fn load(&self) -> Result<Input, Failure> {
-        Input::parse(&Source::read(&self.file)?, &self.set.set)
+        Input::read(&self.file, &self.set.set)
     }
 
     pub(crate) fn path(&self) -> &Path {
@@ -107,27 +111,6 @@ impl MechanismArgs {
         text: impl FnOnce(&R) -> String,
     ) -> Result<(), Failure> {
         if self.json() { output::json(report) } else { output::text(&text(report)) }
-    }
-}
-
-/// The text of a file, and how messages call it.
-pub(crate) struct Source {
-    pub(crate) label: String,
-    pub(crate) text: String,
-}
-
-impl Source {
-    /// Reads a file; where there is none, the catalogue's of that name.
-    pub(crate) fn read(path: &Path) -> Result<Self, Failure> {
-        let label = path.display().to_string();
-        match catalogue::find(&label) {
-            Some(entry) if !path.exists() => Ok(Self { label, text: entry.text.to_owned() }),
-            _ => Ok(Self { label, text: read_text(path, MAX_BYTES as u64)? }),
-        }
-    }
-
-    pub(crate) fn is_mechanism(&self) -> bool {
-        mechanism::kind_of(&self.text).is_none_or(|kind| kind != "gpr")
     }
 }
 
@@ -151,8 +134,17 @@ pub(crate) struct Posed {
     pub(crate) relief: Option<Relief>,
 }
 
+/// The largest length [mm] and the largest angle [deg] that a joint may be asked for: a kilometre, or 10,000 turns.
+const FARTHEST: (f64, f64) = (1e6, 3.6e6);
+
 impl Input {
+    /// Reads a mechanism file, a model, or a mechanism of the catalogue.
+    pub(crate) fn read(path: &Path, set: &[Assignment]) -> Result<Self, Failure> {
+        Self::parse(&Source::read(path, MAX_BYTES)?, set)
+    }
+
     pub(crate) fn parse(source: &Source, set: &[Assignment]) -> Result<Self, Failure> {
+        source.require(&[Kind::Mechanism, Kind::Model], "a mechanism")?;
         if import::is_model(&source.text) {
             if let Some(one) = set.first() {
                 let name = &one.name;
@@ -184,9 +176,27 @@ impl Input {
         at.iter()
             .map(|one| {
                 let k = self.find(&one.name)?;
-                Ok((k, self.coordinates.to_si(k, one.value)))
+                Ok((k, self.value(k, one.value)?))
             })
             .collect()
+    }
+
+    /// A value of a coordinate in the unit of the file [m, rad], refused where no joint goes so far.
+    pub(crate) fn value(&self, k: usize, value: f64) -> Result<f64, Failure> {
+        let si = self.coordinates.to_si(k, value);
+        let most = match self.coordinates.all()[k].quantity {
+            Coordinate::Slide => m_from_mm(FARTHEST.0),
+            Coordinate::Turn => FARTHEST.1.to_radians(),
+        };
+        if si.abs() <= most {
+            return Ok(si);
+        }
+        let (name, unit) = (&self.coordinates.all()[k].name, self.coordinates.unit(k));
+        Err(Failure::Misused(format!(
+            "{name} = {} {unit} is too far, values have to lie within ±{} {unit}",
+            number(value),
+            number(self.coordinates.from_si(k, most))
+        )))
     }
 
     /// The guesses of the file, with these coordinates at their values.

@@ -3,9 +3,11 @@
 use std::fmt::Write as _;
 use std::io::Write as _;
 
+use jointplay::format::number::rounded;
 use jointplay::format::report::{LimitReport, VirtualJointGroups};
 use serde::Serialize;
 
+use crate::console;
 use crate::failure::Failure;
 
 /// Prints text; a heading is a line that starts without a space.
@@ -45,10 +47,8 @@ pub(crate) fn raw(text: &str) -> Result<(), Failure> {
 
 /// Says on standard error what of a model has no place in a mechanism.
 pub(crate) fn ignored(what: &[String]) {
-    let mut stderr = anstream::stderr();
     for what in what {
-        // Where standard error is gone, nobody is left to be told.
-        drop(writeln!(stderr, "ignored: {what}"));
+        console::note(&format!("ignored: {what}"));
     }
 }
 
@@ -69,8 +69,15 @@ pub(crate) fn three(values: &[f64], decimals: usize) -> String {
     values.iter().map(|&value| format!("{:>14}", fixed(value, decimals))).collect()
 }
 
-/// A number with fixed decimals, and no minus before a zero.
+/// A number with fixed decimals, without a minus before zero; a dash for one that is not finite.
 pub(crate) fn fixed(value: f64, decimals: usize) -> String {
+    if !value.is_finite() {
+        return "-".to_owned();
+    }
+    // Beyond this size a double has no such decimals.
+    if value.abs() >= 1e12 {
+        return rounded(value, 6);
+    }
     let text = format!("{value:.decimals$}");
     let zero = text.chars().all(|letter| matches!(letter, '-' | '0' | '.'));
     if zero { text.replace('-', "") } else { text }
@@ -94,7 +101,7 @@ pub(crate) fn magnitude(value: f64) -> String {
 /// What angles are weighed by, where there are any.
 pub(crate) fn characteristic_length(joints: &VirtualJointGroups, length_mm: f64) -> String {
     if joints.0.iter().any(|(name, _)| name.ends_with("_deg")) {
-        format!(", characteristic length {length_mm} mm")
+        format!(", characteristic length {} mm", rounded(length_mm, 6))
     } else {
         String::new()
     }

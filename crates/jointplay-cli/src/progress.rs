@@ -1,21 +1,27 @@
-//! How far long work has come.
+//! How far long work has come, and its interruption.
 
+use std::io::Write as _;
+use std::sync::Once;
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
+use crate::console;
+use crate::failure::INTERRUPTED;
 use crate::output::short;
 
-/// A bar on standard error, for people only, and only when the work takes more than a second; gone with the work.
+/// A bar on standard error where that is a terminal, once the work takes more than a second; removed with the work.
 pub(crate) struct Progress {
     start: Instant,
-    kind: Kind,
-    total: u64,
     /// Where it began, and where it is.
     begun: u64,
     done: u64,
-    stage: String,
-    bar: Option<ProgressBar>,
+    bar: ProgressBar,
+    /// Closed when the work ends; the thread shows the bar after a second.
+    working: Option<Sender<()>>,
+    shows: Option<JoinHandle<()>>,
 }
 
 /// What the work is made of.
@@ -25,12 +31,28 @@ enum Kind {
     Parts,
     /// Samples, many a second.
     Samples,
+    /// One computation whose length is not known.
+    Work,
 }
 
+/// The bar appears after this time.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// How often time and bar are drawn again.
+const TICK: Duration = Duration::from_millis(200);
+
 impl Progress {
-    /// Of so many parts.
+    /// Of so many parts; Ctrl-C ends the command.
     pub(crate) fn new(total: usize) -> Self {
+        end_on_interrupt();
         Self::of(Kind::Parts, total as u64, 0)
+    }
+
+    /// Of one computation; Ctrl-C ends the command.
+    pub(crate) fn of_work(name: &str) -> Self {
+        end_on_interrupt();
+        let mut progress = Self::of(Kind::Work, 0, 0);
+        progress.stage(name);
+        progress
     }
 
     /// Of so many samples, some of which may be there already.
@@ -39,13 +61,29 @@ impl Progress {
     }
 
     fn of(kind: Kind, total: u64, begun: u64) -> Self {
-        let (start, stage) = (Instant::now(), String::new());
-        Self { start, kind, total, begun, done: begun, stage, bar: None }
+        let target = ProgressDrawTarget::hidden();
+        let bar = match kind {
+            Kind::Work => ProgressBar::with_draw_target(None, target),
+            Kind::Parts | Kind::Samples => ProgressBar::with_draw_target(Some(total), target),
+        };
+        let bar = bar.with_position(begun).with_style(kind.style());
+        let (working, ended) = channel();
+        let shown = bar.clone();
+        let show = move || {
+            if ended.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+                shown.set_draw_target(ProgressDrawTarget::stderr());
+                shown.enable_steady_tick(TICK);
+            }
+        };
+        // Without a thread there is no bar, and the work is done all the same.
+        let shows = (!console::is_quiet())
+            .then(|| std::thread::Builder::new().name("progress".to_owned()).spawn(show).ok());
+        let (start, shows) = (Instant::now(), shows.flatten());
+        Self { start, begun, done: begun, bar, working: Some(working), shows }
     }
 
     pub(crate) fn stage(&mut self, name: &str) {
-        name.clone_into(&mut self.stage);
-        self.at(0);
+        self.bar.set_message(name.to_owned());
     }
 
     pub(crate) fn part_done(&mut self, count: usize) {
@@ -54,30 +92,19 @@ impl Progress {
     }
 
     pub(crate) fn at(&mut self, within_part: usize) {
-        self.show(self.done + within_part as u64);
+        self.bar.set_position(self.done + within_part as u64);
     }
 
     /// So many samples are there now.
     pub(crate) fn samples(&mut self, samples: u64) {
         self.done = samples;
-        self.show(samples);
+        self.at(0);
     }
 
     /// Samples a second, and seconds since the beginning.
     pub(crate) fn pace(&self) -> (f64, f64) {
         let time = self.start.elapsed().as_secs_f64();
         ((self.done - self.begun) as f64 / time, time)
-    }
-
-    fn show(&mut self, position: u64) {
-        if self.bar.is_none() && self.start.elapsed() > Duration::from_secs(1) {
-            let bar = ProgressBar::new(self.total).with_position(self.begun);
-            self.bar = Some(bar.with_style(self.kind.style()));
-        }
-        if let Some(bar) = &self.bar {
-            bar.set_message(self.stage.clone());
-            bar.set_position(position);
-        }
     }
 }
 
@@ -94,6 +121,7 @@ impl Kind {
             Self::Samples => {
                 "{human_pos} of {human_len} samples {wide_bar} {percent}%  {rate}/s  {left} left"
             }
+            Self::Work => "{spinner} {msg}  {elapsed}",
         };
         let style = ProgressStyle::with_template(template).expect("the template is well-formed");
         style.with_key("rate", rate).with_key("left", left)
@@ -102,8 +130,25 @@ impl Kind {
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        if let Some(bar) = self.bar.take() {
-            bar.finish_and_clear();
+        self.working = None;
+        if let Some(shows) = self.shows.take() {
+            // A thread that panicked has nothing to clear.
+            drop(shows.join());
         }
+        self.bar.finish_and_clear();
     }
+}
+
+/// Ends the command with its own exit code on Ctrl-C, where it does not do so itself: files are written last, and whole.
+fn end_on_interrupt() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let end = || {
+            drop(writeln!(anstream::stderr(), "\ninterrupted"));
+            #[expect(clippy::exit, reason = "the computation cannot be asked to stop")]
+            std::process::exit(i32::from(INTERRUPTED));
+        };
+        // Without a handler the system ends the command, by the signal.
+        drop(ctrlc::set_handler(end));
+    });
 }

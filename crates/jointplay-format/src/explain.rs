@@ -3,7 +3,18 @@
 use jointplay_core::Error;
 use jointplay_core::gpr::BrokenLimit;
 
-use crate::units::{deg, mm};
+use crate::number::{number, rounded};
+use crate::units;
+
+/// A length of a message in mm, from metres.
+fn mm(meters: f64) -> String {
+    number(units::mm(meters))
+}
+
+/// An angle of a message in degrees, from radians.
+fn deg(radians: f64) -> String {
+    number(units::deg(radians))
+}
 
 /// What went wrong, in mm and degrees.
 #[must_use]
@@ -35,16 +46,29 @@ pub fn explain(error: &Error) -> String {
             format!("the pitch is {}°, but has to lie between -90° and 90°", deg(*pitch))
         }
         Error::NotConverged(unconverged) => format!(
-            "the {} iteration for the virtual joints did not converge in {} steps: at best the sides are {:.3e} mm off, {:.3e} mm is asked for\n  best virtual joints (m, rad): {:?}",
+            "the {} iteration for the virtual joints did not converge in {} steps: at best the sides are {} mm off, {} mm is asked for\n  best virtual joints (m, rad): {}",
             unconverged.solver,
             unconverged.iterations,
-            mm(unconverged.residual),
-            mm(unconverged.threshold),
-            unconverged.best,
+            rounded(units::mm(unconverged.residual), 4),
+            rounded(units::mm(unconverged.threshold), 4),
+            unconverged.best.iter().map(|&one| rounded(one, 6)).collect::<Vec<_>>().join(", "),
         ),
         Error::DependentSides { characteristic_length, iterations } => format!(
             "the virtual joints cannot change the three sides independently where the iteration stands after {iterations} steps; the characteristic length of {} mm may weigh angles too lightly or too heavily",
-            mm(*characteristic_length)
+            rounded(units::mm(*characteristic_length), 6)
+        ),
+        Error::NotFinite { what, value } => {
+            format!("{what} is {}, but has to be a finite number", number(*value))
+        }
+        Error::Collinear { what, height_to_base, allowed } => format!(
+            "the three {what} lie on one line: their triangle is {} times as high as it is long, at least {} is needed",
+            rounded(*height_to_base, 3),
+            number(*allowed)
+        ),
+        Error::NotClosed { residual, allowed } => format!(
+            "the configuration breaks the constraints: scaled residual {}, at most {} is allowed; close the loops first",
+            rounded(*residual, 3),
+            number(*allowed)
         ),
         other => other.to_string(),
     }
@@ -55,19 +79,24 @@ pub fn explain(error: &Error) -> String {
 pub fn explain_limit(limit: &BrokenLimit) -> String {
     match limit {
         BrokenLimit::Rod { limb, length, min, max } => {
-            let (min, max) = (mm(*min), mm(*max));
-            let length = beyond(mm(*length), min, max);
+            let (min, max) = (units::mm(*min), units::mm(*max));
+            let length = beyond(units::mm(*length), min, max);
+            let (min, max) = (number(min), number(max));
             format!("rod {limb} is {length} mm long, allowed are {min} to {max} mm")
         }
         BrokenLimit::Tilt { pitch, max } => {
-            let max = deg(*max);
-            format!("the tilt is {}°, allowed is up to {max}°", beyond(deg(*pitch), 0.0, max))
+            let max = units::deg(*max);
+            let pitch = beyond(units::deg(*pitch), 0.0, max);
+            format!("the tilt is {pitch}°, allowed is up to {}°", number(max))
         }
     }
 }
 
 /// A number to six decimals, or with all its digits where six would round it back into its limits.
 fn beyond(value: f64, min: f64, max: f64) -> String {
+    if value.abs() >= 1e7 {
+        return number(value);
+    }
     let short = format!("{value:.6}");
     let hides = short.parse().is_ok_and(|shown: f64| (min..=max).contains(&shown));
     if hides { format!("{value}") } else { short }

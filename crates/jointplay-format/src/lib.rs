@@ -14,6 +14,7 @@
 //! | change units without changing decimals | [`units`] |
 //! | read, lay out or write a program of a cell | [`program::parse`], [`program::format`](fn@program::format), [`program::write`] |
 //! | say an error of the core in mm and degrees | [`explain::explain`] |
+//! | format a number or a count for a message | [`number::number`], [`number::counted`] |
 //! | give results to a program | [`report`] |
 //! | give a cell's motion to other programs | [`export`] |
 //! | read a study file, and write its table of any length | [`study::parse`], [`study::Table`] |
@@ -31,6 +32,7 @@ pub mod explain;
 pub mod export;
 pub mod import;
 pub mod mechanism;
+pub mod number;
 pub mod place;
 pub mod program;
 pub mod report;

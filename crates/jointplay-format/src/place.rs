@@ -107,24 +107,97 @@ pub enum Form {
 /// Reads TOML into the tables of a file.
 pub(crate) fn read<T: DeserializeOwned, P: From<Form>>(text: &str) -> Result<T, Error<P>> {
     toml::from_str(text).map_err(|error| {
-        Error::at(text, error.span().unwrap_or(0..0), form(error.message()).into())
+        let span = error.span().unwrap_or(0..0);
+        let form = form(error.message(), text.get(span.clone()).unwrap_or_default());
+        Error::at(text, span, form.into())
     })
 }
 
+/// A message of the TOML reader about syntax, as one of ours.
+pub(crate) fn malformed(message: &str) -> Form {
+    let message = message.replace('\n', " ");
+    let too_large = message.contains("too large to fit") || message.contains("too small to fit");
+    let message = if too_large {
+        "the whole number is too large: write it with a decimal point".to_owned()
+    } else {
+        message
+    };
+    Form::Malformed { message }
+}
+
 /// A message of the TOML reader as one of ours.
-fn form(message: &str) -> Form {
+///
+/// # Arguments
+/// * `found` – the part of the file that the message is about
+fn form(message: &str, found: &str) -> Form {
     // serde names the unknown key and the known ones between backticks; a test holds it to that.
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     match quoted.split_first() {
+        // The reader passes dates on as tables with a key of its own.
+        Some((&key, _)) if key.starts_with("$__") => {
+            Form::Malformed { message: "found a date, which has no place here".to_owned() }
+        }
         Some((&key, known)) if message.starts_with("unknown field") => Form::UnknownKey {
             key: key.to_owned(),
             nearest: nearest(key, known.iter().copied()),
             known: known.iter().map(|&name| name.to_owned()).collect(),
         },
-        _ => Form::Malformed {
-            message: message.replace('\n', " ").replace("missing field", "missing key"),
+        Some((&key, _)) if message.starts_with("missing field") => {
+            Form::Malformed { message: format!("missing key `{key}`") }
+        }
+        _ => match misfit(message, found) {
+            Some(message) => Form::Malformed { message },
+            None => malformed(message),
         },
     }
+}
+
+/// A message about a value of the wrong type, in the words of TOML instead of those of Rust.
+fn misfit(message: &str, found: &str) -> Option<String> {
+    let (head, needed) = message.rsplit_once(", expected ")?;
+    let value = ["invalid type: ", "invalid value: ", "invalid length "]
+        .into_iter()
+        .find_map(|prefix| head.strip_prefix(prefix))?;
+    let needed = match needed {
+        "f64" | "f32" => "a number",
+        "i64" | "i32" => "a whole number",
+        "usize" | "u64" | "u32" | "u16" | "u8" => "a whole number of 0 or more",
+        "a sequence" => "a list",
+        "a map" => "a table",
+        "a boolean" => "true or false",
+        "a string" => "a text",
+        other if other.starts_with("struct ") => "a table",
+        other if other.contains("toml") || other.contains("Spanned") => "another value",
+        other => other,
+    };
+    let quoted = value.split('`').nth(1).unwrap_or_default();
+    let value = if value.starts_with("integer") || value.starts_with("floating point") {
+        let shown = quoted.parse().map_or_else(|_| quoted.to_owned(), crate::number::number);
+        format!("the number {shown}")
+    } else if value.starts_with("boolean") {
+        quoted.to_owned()
+    } else if let Some(text) = value.strip_prefix("string ") {
+        format!("the text {}", shortened(text))
+    } else {
+        let first = found.trim_start().chars().next().unwrap_or_default();
+        match value {
+            "map" if first.is_ascii_digit() => "a date".to_owned(),
+            "map" => "a table".to_owned(),
+            "sequence" => "a list".to_owned(),
+            length if length.parse::<usize>().is_ok() => "a list".to_owned(),
+            _ => "another value".to_owned(),
+        }
+    };
+    Some(format!("expected {needed}, found {value}"))
+}
+
+/// A text for a message, with `…` in place of what is beyond forty characters.
+pub(crate) fn shortened(text: &str) -> String {
+    const LONGEST: usize = 40;
+    if text.chars().count() <= LONGEST {
+        return text.to_owned();
+    }
+    text.chars().take(LONGEST).chain("…".chars()).collect()
 }
 
 /// The known name most like this one, if any is like it at all.

@@ -6,11 +6,16 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::explain::explain;
+use crate::mechanism;
+use crate::number::{counted, number};
 use crate::place::{Form, Place};
 use crate::units::m_from_mm;
 
 /// The file of the paper's robot.
 pub const PAPER: &str = include_str!("../../../robots/gpr.toml");
+
+/// The largest size of a number in a robot file, in mm and degrees: a kilometre, far from where squares overflow.
+const LARGEST: f64 = 1e6;
 
 /// A robot as read.
 #[derive(Debug, Clone, PartialEq)]
@@ -82,12 +87,22 @@ pub enum Problem {
     #[error(transparent)]
     Form(#[from] Form),
     /// A number that is NaN or infinite.
-    #[error("`{key}` is {value}, but has to be a finite number")]
+    #[error("`{key}` is {}, but has to be a finite number", number(*.value))]
     NotFinite {
         /// Which key.
         key: &'static str,
         /// What was found.
         value: f64,
+    },
+    /// A number that no robot has.
+    #[error("`{key}` is {}, but has to lie within ±{}", number(*.value), number(*.most))]
+    Beyond {
+        /// Which key.
+        key: &'static str,
+        /// What was found.
+        value: f64,
+        /// Its largest size allowed.
+        most: f64,
     },
     /// A kind of robot that is not known.
     #[error("kind {found:?} is not known; known: \"gpr\"")]
@@ -96,7 +111,7 @@ pub enum Problem {
         found: String,
     },
     /// A pair of numbers with too few or too many.
-    #[error("`{key}` has {found} numbers, but needs 2")]
+    #[error("`{key}` has {}, but needs 2", counted(*.found, "number"))]
     PairCount {
         /// Which key.
         key: &'static str,
@@ -132,7 +147,7 @@ pub enum Problem {
         why: String,
     },
     /// Not three limbs.
-    #[error("a GPR has 3 limbs, but {found} are given")]
+    #[error("a GPR has 3 limbs, but {found} {} given", if *.found == 1 { "is" } else { "are" })]
     LimbCount {
         /// How many were found.
         found: usize,
@@ -152,6 +167,12 @@ struct File {
     limb: Vec<Spanned<LimbTable>>,
     limits: LimitsTable,
     working: WorkingTable,
+}
+
+/// The kind alone, whatever else there is.
+#[derive(Deserialize)]
+struct Kind {
+    kind: Spanned<String>,
 }
 
 #[derive(Deserialize)]
@@ -186,16 +207,23 @@ pub fn paper() -> Robot {
 /// # Errors
 /// [`Error`] with the place: TOML that is malformed, keys that are missing or unknown, numbers that are not finite or make no robot.
 pub fn parse(text: &str) -> Result<Robot, Error> {
-    let file: File = crate::place::read(text)?;
     let wrong = |span, problem| Error::at(text, span, problem);
+    // The kind comes first: a file of another kind is not blamed for its keys.
+    if mechanism::kind_of(text).is_some_and(|kind| kind != "gpr") {
+        let Kind { kind } = crate::place::read(text)?;
+        return Err(wrong(kind.span(), Problem::Kind { found: kind.into_inner() }));
+    }
+    let file: File = crate::place::read(text)?;
     if file.kind.get_ref() != "gpr" {
         return Err(wrong(file.kind.span(), Problem::Kind { found: file.kind.into_inner() }));
     }
     let number = |key: &'static str, span: std::ops::Range<usize>, value: f64| {
-        if value.is_finite() {
-            Ok(value)
-        } else {
+        if !value.is_finite() {
             Err(wrong(span, Problem::NotFinite { key, value }))
+        } else if value.abs() > LARGEST {
+            Err(wrong(span, Problem::Beyond { key, value, most: LARGEST }))
+        } else {
+            Ok(value)
         }
     };
     let scalar = |key, value: &Spanned<f64>| number(key, value.span(), *value.get_ref());
@@ -330,11 +358,18 @@ mod tests {
     #[test]
     fn bad_files_are_refused_with_their_place() {
         let radius = "socket_radius_mm = 93.218";
-        refuse(radius, "socket_radius_mm = nan", 13, "`socket_radius_mm` is NaN");
-        refuse(radius, "socket_radius_mm = inf", 13, "`socket_radius_mm` is inf");
+        refuse(radius, "socket_radius_mm = nan", 13, "`socket_radius_mm` is not a number");
+        refuse(radius, "socket_radius_mm = inf", 13, "`socket_radius_mm` is infinite");
         refuse(radius, "socket_radius_mm = 0", 13, "the socket radius of limb 1 is 0 mm");
         refuse(radius, "socket_radius_mm = -5.5", 13, "is -5.5 mm, but has to be positive");
-        refuse(radius, "socket_radius_mm = \"93\"", 13, "expected f64");
+        refuse(radius, "socket_radius_mm = \"93\"", 13, "expected a number, found the text \"93\"");
+        refuse(radius, "socket_radius_mm = 1e308", 13, "is 1e308, but has to lie within ±1000000");
+        refuse(
+            "kind = \"gpr\"",
+            "kind = \"frobnicate\"\n[[limb]]",
+            6,
+            "kind \"frobnicate\" is not",
+        );
         refuse(radius, "socket_radious_mm = 93.218", 13, "did you mean `socket_radius_mm`?");
         refuse(
             radius,
@@ -347,7 +382,7 @@ mod tests {
         refuse("= 120.0", "= 0.0", 14, "lie on one line");
         refuse("= 120.0", "= 240.0", 14, "lie on one line");
         refuse("[246.0, 754.0]", "[754.0, 246.0]", 26, "reversed: least 754 mm, most 246 mm");
-        refuse("[246.0, 754.0]", "[246.0]", 26, "has 1 numbers");
+        refuse("[246.0, 754.0]", "[246.0]", 26, "has 1 number,");
         refuse(
             "[246.0, 754.0]",
             "[246.0, 500.0, 754.0]",
@@ -355,7 +390,7 @@ mod tests {
             "`rod_mm` has 3 numbers, but needs 2",
         );
         refuse("GPR of the paper\"", "a\\u001b[31m\"", 7, "control characters");
-        refuse("[246.0, 754.0]", "[246.0, inf]", 26, "`rod_mm` is inf");
+        refuse("[246.0, 754.0]", "[246.0, inf]", 26, "`rod_mm` is infinite");
         refuse("tilt_deg = 1.5", "tilt_deg = 90", 28, "the largest tilt is 90°");
         refuse("tilt_deg = 1.5", "tilt_deg = -1.5", 28, "the largest tilt is -1.5°");
         refuse("height_mm = 500.0", "height_mm = 800", 32, "has to lie from 246 to 754 mm");
@@ -386,7 +421,7 @@ mod tests {
         let shown = error.with_excerpt("my.toml");
         assert_eq!(
             shown,
-            "my.toml:28:12: `tilt_deg` is NaN, but has to be a finite number\n   |\n28 | tilt_deg = nan\n   |            ^^^"
+            "my.toml:28:12: `tilt_deg` is not a number, but has to be a finite number\n   |\n28 | tilt_deg = nan\n   |            ^^^"
         );
     }
 

@@ -1,5 +1,7 @@
 //! Ranges as people type them: `FROM:TO:STEP`.
 
+use crate::number::{number, rounded};
+
 /// The most values that one range may have.
 pub const MOST: usize = 1_000_000;
 
@@ -14,13 +16,13 @@ pub enum Error {
         text: String,
     },
     /// NaN or infinite.
-    #[error("{value} in the range has to be a finite number")]
+    #[error("a number of the range is {}, but has to be finite", number(*.value))]
     NotFinite {
         /// What was found.
         value: f64,
     },
     /// A step of zero, or one that leads away from the end.
-    #[error("a step of {step} does not lead from {from} to {to}")]
+    #[error("a step of {} does not lead from {} to {}", number(*.step), number(*.from), number(*.to))]
     Direction {
         /// First value.
         from: f64,
@@ -31,7 +33,12 @@ pub enum Error {
     },
     /// A step that misses the end.
     #[error(
-        "steps of {step} from {from} miss {to}: the range is {intervals} steps long; a step of {nearest} fits"
+        "steps of {} from {} miss {}: the range is {} steps long; a step of {} fits",
+        number(*.step),
+        number(*.from),
+        number(*.to),
+        rounded(*.intervals, 6),
+        number(*.nearest)
     )]
     Misses {
         /// First value.
@@ -46,7 +53,7 @@ pub enum Error {
         nearest: f64,
     },
     /// More values than anyone can mean.
-    #[error("the range has {found} values, at most {MOST} are allowed")]
+    #[error("the range has {} values, at most {MOST} are allowed", number(*.found))]
     TooMany {
         /// How many values it would have.
         found: f64,

@@ -135,7 +135,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
         "diameter_mm = -300.0",
         "`diameter_mm` is -300, but has to be positive",
     );
-    refuse("diameter_mm = 300.0", "diameter_mm = nan", "`diameter_mm` is NaN");
+    refuse("diameter_mm = 300.0", "diameter_mm = nan", "`diameter_mm` is not a number");
     refuse(
         "diameter_mm = 300.0",
         "diameter = 300.0",

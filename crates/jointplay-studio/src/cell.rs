@@ -11,7 +11,6 @@ use jointplay::format::{cell, program};
 use rayon::prelude::*;
 
 use crate::cell_plan::{Plan, Scene};
-use crate::meshes::within;
 
 /// What the example is called, in place of a file.
 pub const EXAMPLE: &str = "example";
@@ -98,9 +97,8 @@ impl CellFiles {
         let folder = self.path.as_deref().and_then(Path::parent);
         cell::read(text, &mut |name| {
             let folder = folder.ok_or("the example has no files beside it")?;
-            let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-            let file = within(folder, name, cell::MAX_MESH_BYTES as u64)?;
-            std::fs::read(file).map_err(|error| error.to_string())
+            let allowed = cell::MAX_MESH_BYTES as u64;
+            jointplay_files::read(folder, name, allowed).map_err(|why| why.to_string())
         })
     }
 

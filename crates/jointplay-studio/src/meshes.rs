@@ -26,31 +26,14 @@ impl Folder {
         let folder = self.0.as_deref();
         let folder =
             folder.ok_or_else(|| mesh.unreadable("the robot is not from a file".to_owned()))?;
-        within(folder, &mesh.path, LARGEST).map_err(|why| mesh.unreadable(why))
+        let found = jointplay_files::find(folder, &mesh.path, LARGEST);
+        found.map_err(|why| mesh.unreadable(why.to_string()))
     }
 
     /// The bytes of a shape.
     pub(crate) fn read(&self, mesh: &Mesh) -> Result<Vec<u8>, robot::Error> {
         std::fs::read(self.find(mesh)?).map_err(|error| mesh.unreadable(error.to_string()))
     }
-}
-
-/// Where a file of a folder really is; looked up anew each time, since links may be changed.
-pub(crate) fn within(folder: &Path, name: &str, largest: u64) -> Result<PathBuf, String> {
-    let told = |error: std::io::Error| error.to_string();
-    let folder = folder.canonicalize().map_err(told)?;
-    let file = folder.join(name).canonicalize().map_err(told)?;
-    if !file.starts_with(&folder) {
-        return Err("it leads out of the folder of the file that names it".to_owned());
-    }
-    let found = file.metadata().map_err(told)?;
-    if !found.is_file() {
-        return Err("it is no file".to_owned());
-    }
-    if found.len() > largest {
-        return Err(format!("it is longer than {largest} bytes, the most that is served"));
-    }
-    Ok(file)
 }
 
 /// The media type of a shape.

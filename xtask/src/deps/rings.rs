@@ -40,6 +40,7 @@ const FORMAT: &str = "jointplay-format";
 const PLOT: &str = "jointplay-plot";
 const FACADE: &str = "jointplay";
 const STUDIO: &str = "jointplay-studio";
+const FILES: &str = "jointplay-files";
 
 const MATHEMATICS: Outside = Outside::Only(&["nalgebra", "thiserror", "pulp", "faer"]);
 const STUDIES: Outside = Outside::Only(&["rayon", "nalgebra", "thiserror", "chacha20"]);
@@ -51,16 +52,18 @@ const NONE: Outside = Outside::Only(&[]);
 const ANY: Outside = Outside::AllBut(&[]);
 const CHORES: Outside = Outside::AllBut(&["clap", "anyhow", "pyo3"]);
 
-const TABLE: [Rule; 13] = [
+const TABLE: [Rule; 14] = [
     Rule { name: CORE, ring: "ring 0", ours: &[], outside: MATHEMATICS },
     Rule { name: STUDY, ring: "ring 1", ours: &[CORE], outside: STUDIES },
     Rule { name: CELL, ring: "ring 1", ours: &[CORE], outside: CELLS },
     Rule { name: FORMAT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
     Rule { name: PLOT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
     Rule { name: FACADE, ring: "ring 3", ours: &[CORE, STUDY, CELL, FORMAT, PLOT], outside: NONE },
+    // One rule for the files that input may name.
+    Rule { name: FILES, ring: "ring 4", ours: &[], outside: NONE },
     // The command starts the studio's server.
-    Rule { name: "jointplay-cli", ring: "ring 4", ours: &[FACADE, STUDIO], outside: ANY },
-    Rule { name: STUDIO, ring: "ring 4", ours: &[FACADE], outside: ANY },
+    Rule { name: "jointplay-cli", ring: "ring 4", ours: &[FACADE, FILES, STUDIO], outside: ANY },
+    Rule { name: STUDIO, ring: "ring 4", ours: &[FACADE, FILES], outside: ANY },
     Rule { name: "jointplay-python", ring: "ring 4", ours: &[FACADE], outside: ANY },
     Rule { name: "jointplay-c", ring: "ring 4", ours: &[FACADE], outside: ANY },
     Rule { name: "jointplay-bench", ring: "ring 4", ours: &[FACADE], outside: ANY },

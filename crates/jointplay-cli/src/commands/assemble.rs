@@ -3,10 +3,13 @@
 use std::fmt::Write as _;
 
 use clap::Args;
+use jointplay::format::number::counted;
 use jointplay::format::report::{self, AssemblyReport};
 
+use crate::arguments::whole;
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, MechanismArgs, ToleranceArgs, assignment};
+use crate::progress::Progress;
 
 /// Close the loops of a mechanism, starting from the guesses of its file
 #[derive(Args)]
@@ -23,7 +26,7 @@ pub(crate) struct Assemble {
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
     at: Vec<Assignment>,
     /// Also look for other closed configurations, from this many starts
-    #[arg(long, value_name = "STARTS", value_parser = clap::value_parser!(u16).range(1..=10_000))]
+    #[arg(long, value_name = "STARTS", value_parser = |text: &str| whole::<u16>(text, 1, 10_000))]
     branches: Option<u16>,
     #[command(flatten)]
     near: ToleranceArgs,
@@ -33,6 +36,7 @@ impl Assemble {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let input = Input { tolerance: self.near.tolerance, ..self.mechanism.load()? };
         let commands = input.commands(&self.at)?;
+        let working = Progress::of_work("assembling");
         let closed = input.assembled(&commands)?;
         let others = match self.branches {
             None => None,
@@ -43,6 +47,7 @@ impl Assemble {
                 Some(found)
             }
         };
+        drop(working);
         let report = report::assembly(&input.file, &closed, input.tolerance, others.as_deref());
         self.mechanism.print(&report, |report| text(&input, report))
     }
@@ -59,7 +64,7 @@ fn text(input: &Input, report: &AssemblyReport) -> String {
     let _ = writeln!(text, "  residual             {:.1e}", report.closed.residual);
     let _ = writeln!(text, "  iterations           {}", report.closed.iterations);
     if let Some(branches) = &report.branches {
-        let _ = writeln!(text, "{} other closed configurations found", branches.len());
+        let _ = writeln!(text, "{} found", counted(branches.len(), "other closed configuration"));
         for (i, branch) in branches.iter().enumerate() {
             let _ = writeln!(text, "configuration {}", i + 2);
             text.push_str(&input.table(&branch.coordinates.0, 0));

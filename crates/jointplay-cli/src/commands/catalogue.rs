@@ -8,6 +8,7 @@ use jointplay::format::catalogue::{self, Entry};
 use jointplay::format::place;
 
 use crate::failure::Failure;
+use crate::folder::ForceArgs;
 use crate::{folder, output};
 
 /// List, show or copy the robots and mechanisms that come with the program
@@ -38,6 +39,8 @@ enum Action {
         /// Where to
         #[arg(value_name = "FOLDER", default_value = ".")]
         folder: PathBuf,
+        #[command(flatten)]
+        force: ForceArgs,
     },
 }
 
@@ -46,7 +49,7 @@ impl Catalogue {
         match &self.action {
             None | Some(Action::List) => output::text(&list()),
             Some(Action::Show { name }) => output::raw(find(name)?.text),
-            Some(Action::Copy { name, folder }) => copy(find(name)?, folder),
+            Some(Action::Copy { name, folder, force }) => copy(find(name)?, folder, *force),
         }
     }
 }
@@ -59,9 +62,10 @@ fn find(name: &str) -> Result<&'static Entry, Failure> {
     })
 }
 
-fn copy(entry: &Entry, folder: &Path) -> Result<(), Failure> {
-    let path = folder.join(format!("{}.toml", entry.name));
-    folder::write_new(folder, &path, entry.text.as_bytes())?;
+fn copy(entry: &Entry, folder: &Path, force: ForceArgs) -> Result<(), Failure> {
+    let name = format!("{}.toml", entry.name);
+    let path = folder.join(&name);
+    folder::write(folder, &[(name, entry.text.as_bytes().to_vec())], force)?;
     output::text(&format!("copied to {}\n", path.display()))
 }
 

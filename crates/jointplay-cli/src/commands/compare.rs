@@ -1,21 +1,21 @@
 //! `jointplay compare`: all models side by side.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
 
 use clap::Args;
+use jointplay::format::number::number;
 use jointplay::format::report::{self, CompareReport};
 use jointplay::format::units::m_from_mm;
 use jointplay::gpr::AxisHeight;
-use jointplay::plot::results::comparison;
+use jointplay::plot::results::comparison as comparison_figure;
 use jointplay::spatial::Tilt;
-use jointplay::study::{Comparison, compare};
+use jointplay::study::compare;
 use jointplay::virtualization::built_in;
 
 use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches, yaw};
 use crate::failure::Failure;
-use crate::folder;
-use crate::output::{fixed, limits};
+use crate::figure::{FigureArgs, Format};
+use crate::output::{self, fixed, limits};
 
 /// What every model says of a range of tilts, side by side
 ///
@@ -28,33 +28,31 @@ Examples:
   jointplay compare --pitch-deg 0:2:0.1 --ignore-limits --figure shifts.svg")]
 pub(crate) struct Compare {
     /// Azimuth of all tilts
-    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite)]
     yaw_deg: f64,
     /// The tilts
-    #[arg(long, value_name = "FROM:TO:STEP", default_value = "0:1.5:0.25", value_parser = pitches, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FROM:TO:STEP", default_value = "0:1.5:0.25", value_parser = pitches)]
     pitch_deg: Steps,
     /// Axis height; without it, the robot's working height
-    #[arg(long, value_name = "MM", value_parser = length, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
     /// How the virtual displacements are found
     #[arg(long, value_enum, default_value = "closed-form")]
     solver: SolverName,
     #[command(flatten)]
     metric: MetricArgs,
-    /// Figure to write, .svg or .png; without it and in text, compare.svg if no other file of that name is there
-    #[arg(long, value_name = "FILE")]
-    figure: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     #[command(flatten)]
     pub(crate) answer: AnswerArgs,
 }
 
 /// Width of a PNG figure [px].
 const PNG_WIDTH: u32 = 1800;
-/// Where the figure goes if nothing is said.
-const DEFAULT_FIGURE: &str = "compare.svg";
 
 impl Compare {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        self.figure.target()?;
         let gpr = self.answer.load()?;
         let height = AxisHeight(self.height_mm.map_or(gpr.working_height(), m_from_mm));
         let yaw = yaw(self.yaw_deg);
@@ -73,49 +71,19 @@ impl Compare {
         }
         let options = self.metric.options(self.solver);
         let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
-        // A program that asks for JSON gets a figure only if it names one.
-        let figure = match (&self.figure, self.answer.json()) {
-            (None, true) => None,
-            _ => Some(self.draw(&comparison)?),
-        };
         let report = report::compare(&comparison, &broken);
-        let figure = figure.map_or(String::new(), |path| format!("figure: {}\n", path.display()));
-        self.answer.print(&report, |report| table(report) + &figure)
-    }
-
-    fn draw(&self, compared: &Comparison) -> Result<PathBuf, Failure> {
-        let path = match &self.figure {
-            Some(path) => path.clone(),
-            None => {
-                let path = PathBuf::from(DEFAULT_FIGURE);
-                if !replaceable(&path) {
-                    let source = std::io::Error::new(
-                        std::io::ErrorKind::AlreadyExists,
-                        "it is there and not a figure of ours; name another with --figure",
-                    );
-                    return Err(Failure::Write { path, source });
-                }
-                path
+        self.answer.print(&report, table)?;
+        let figure = comparison_figure(&comparison);
+        let written = self.figure.write(|format| match format {
+            Format::Svg => figure.to_svg().map(String::into_bytes),
+            Format::Png => figure.to_png(PNG_WIDTH),
+        })?;
+        match written {
+            Some(path) if !self.answer.json() => {
+                output::text(&format!("figure: {}\n", path.display()))
             }
-        };
-        let figure = comparison(compared);
-        let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
-        let kind = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
-        let bytes = match kind.as_deref() {
-            Some("svg") => figure.to_svg().map_err(failed)?.into_bytes(),
-            Some("png") => figure.to_png(PNG_WIDTH).map_err(failed)?,
-            _ => return Err(Failure::FigureKind { path }),
-        };
-        folder::write_file(&path, &bytes)?;
-        Ok(path)
-    }
-}
-
-/// Whether nothing is lost by writing there: no file, or a comparison that we drew.
-fn replaceable(path: &Path) -> bool {
-    match std::fs::read_to_string(path) {
-        Ok(text) => text.starts_with("<svg") && text.contains("What the models say of a tilt"),
-        Err(error) => error.kind() == std::io::ErrorKind::NotFound,
+            _ => Ok(()),
+        }
     }
 }
 
@@ -125,7 +93,8 @@ fn table(report: &CompareReport) -> String {
     let _ = writeln!(
         text,
         "centre shift x, y (µm), tilts toward yaw {}° at axis height {} mm",
-        report.yaw_deg, report.height_mm
+        number(report.yaw_deg),
+        number(report.height_mm)
     );
     let _ = writeln!(text, "  pitch (deg){names}{:>20}", "approximate");
     for (i, pitch) in report.pitch_deg.iter().enumerate() {
@@ -154,7 +123,7 @@ fn table(report: &CompareReport) -> String {
                 text,
                 "{}: no answer from {}° on",
                 model.virtualization,
-                report.pitch_deg[model.center_shift_x_um.len()]
+                number(report.pitch_deg[model.center_shift_x_um.len()])
             );
             let _ = writeln!(text, "  {failure}");
         }

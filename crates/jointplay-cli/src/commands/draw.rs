@@ -1,36 +1,38 @@
 //! `jointplay draw`: a picture of a mechanism.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
+use jointplay::format::number::number;
 use jointplay::plot::{MechanismPicture, View};
 
 use super::motion::driven;
 use crate::arguments::finite;
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, SetArgs, Source, assignment};
-use crate::{folder, output};
+use crate::figure::{FigureArgs, Format};
+use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
+use crate::output;
+use crate::source::STANDARD;
 
 /// Width of a PNG figure [px].
 const PNG_WIDTH: u32 = 1800;
 /// Play is shown larger by this much at most: a nanometre as a metre.
 const LARGEST_FACTOR: f64 = 1e9;
-/// What every picture of a mechanism holds: the hatching of its base.
-const MARK: &str = "<pattern id=\"base\"";
 
 /// Draw a mechanism: its links, its joints by kind, what is actuated, its virtual joints
 ///
+/// The picture is written into the file that --figure names; without it, as SVG on standard output.
 /// The mechanism is closed from the guesses of its file.
 /// It is seen from where its joints stand apart best, a planar one nearly square on.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  jointplay draw bennett
+  jointplay draw bennett > bennett.svg
   jointplay draw four-bar --at A=30 --ghost A=120 --figure motion.png
   jointplay draw hexapod --view=-30,20 --figure hexapod.svg
   jointplay draw gpr-mechanism --at \"rod 1=5,rod 2=0,rod 3=0\" --exaggerate 500 --figure play.svg")]
 pub(crate) struct Draw {
-    /// Mechanism file (TOML), or a name from `jointplay catalogue`
+    /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
@@ -45,11 +47,10 @@ pub(crate) struct Draw {
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exaggerate: Option<f64>,
     /// From where it is seen: azimuth and elevation of the eye in degrees, z being up
-    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view, allow_hyphen_values = true)]
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
     view: Option<View>,
-    /// Picture to write, .svg or .png; without it, NAME.svg if no other file of that name is there
-    #[arg(long, value_name = "FILE")]
-    figure: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
 }
 
 fn view(text: &str) -> Result<View, String> {
@@ -57,7 +58,7 @@ fn view(text: &str) -> Result<View, String> {
         text.split_once(',').ok_or_else(|| format!("{text:?} is not AZIMUTH,ELEVATION"))?;
     let (azimuth, elevation) = (finite(azimuth)?, finite(elevation)?);
     if elevation.abs() > 90.0 {
-        return Err(format!("an elevation of {elevation}° is not between -90° and 90°"));
+        return Err(format!("an elevation of {}° is not between -90° and 90°", number(elevation)));
     }
     let azimuth = (azimuth % 360.0).to_radians();
     Ok(View { azimuth, elevation: elevation.to_radians() })
@@ -68,14 +69,17 @@ fn factor(text: &str) -> Result<f64, String> {
     if (1.0..=LARGEST_FACTOR).contains(&factor) {
         Ok(factor)
     } else {
-        Err(format!("play is shown larger by a factor from 1 to {LARGEST_FACTOR:e}, not {text}"))
+        Err(format!(
+            "play is shown larger by a factor from 1 to {LARGEST_FACTOR:e}, not {}",
+            number(factor)
+        ))
     }
 }
 
 impl Draw {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let input = Input::parse(&Source::read(&self.file)?, &self.set.set)?;
-        let path = self.path()?;
+        self.figure.target()?;
+        let input = Input::read(&self.file, &self.set.set)?;
         let posed = input.posed(&input.commands(&self.at)?)?;
         if self.exaggerate.is_some() && posed.relief.is_none() {
             let text = "--exaggerate: this configuration takes no play that could be shown larger; say one with --at that closes by the file's virtual joints only";
@@ -87,45 +91,16 @@ impl Draw {
             let to = input.commands(&self.ghost)?;
             picture.ghost = Some(driven(&input, &picture.coordinates, &to, "--ghost")?);
         }
-        let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
-        let bytes = match ending(&path).as_deref() {
-            Some("png") => picture.to_png(PNG_WIDTH).map_err(failed)?,
-            _ => picture.to_svg().map_err(failed)?.into_bytes(),
-        };
-        folder::write_file(&path, &bytes)?;
-        output::text(&format!("picture: {}\n", path.display()))
-    }
-
-    /// Where the picture goes.
-    fn path(&self) -> Result<PathBuf, Failure> {
-        if let Some(path) = &self.figure {
-            return match ending(path).as_deref() {
-                Some("svg" | "png") => Ok(path.clone()),
-                _ => Err(Failure::FigureKind { path: path.clone() }),
-            };
+        let written = self.figure.write(|format| match format {
+            Format::Svg => picture.to_svg().map(String::into_bytes),
+            Format::Png => picture.to_png(PNG_WIDTH),
+        })?;
+        match written {
+            Some(path) => output::text(&format!("picture: {}\n", path.display())),
+            None => {
+                let failed = |source| Failure::Figure { figure: STANDARD.to_owned(), source };
+                output::raw(&picture.to_svg().map_err(failed)?)
+            }
         }
-        let stem = self.file.file_stem().unwrap_or_default();
-        let path = PathBuf::from(stem).with_extension("svg");
-        if replaceable(&path) {
-            return Ok(path);
-        }
-        let source = std::io::Error::new(
-            std::io::ErrorKind::AlreadyExists,
-            "it is there and no picture of a mechanism; name another with --figure",
-        );
-        Err(Failure::Write { path, source })
-    }
-}
-
-/// What a name ends in, in small letters.
-fn ending(path: &Path) -> Option<String> {
-    path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase())
-}
-
-/// Whether nothing is lost by writing there: no file, or a picture of a mechanism.
-fn replaceable(path: &Path) -> bool {
-    match std::fs::read_to_string(path) {
-        Ok(text) => text.starts_with("<svg") && text.contains(MARK),
-        Err(error) => error.kind() == std::io::ErrorKind::NotFound,
     }
 }

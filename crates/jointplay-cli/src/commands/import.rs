@@ -4,11 +4,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::import::{self, Imported};
-use jointplay::format::mechanism;
+use jointplay::format::mechanism::{self, MAX_BYTES};
+use jointplay::format::number::counted;
 use jointplay::mechanism::Mechanism;
 
 use crate::failure::Failure;
-use crate::mechanism_input::{Source, imported};
+use crate::folder::ForceArgs;
+use crate::mechanism_input::imported;
+use crate::source::{Kind, STANDARD, Source};
 use crate::{folder, output};
 
 /// Take over a model of MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF) as a mechanism file
@@ -27,13 +30,16 @@ pub(crate) struct Import {
     #[arg(long, value_name = "FILE")]
     loops: Option<PathBuf>,
     /// The mechanism file to write; without it, standard output
-    #[arg(long, value_name = "FILE")]
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgs,
 }
 
 impl Import {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let source = Source::read(&self.model)?;
+        let source = Source::read(&self.model, MAX_BYTES)?;
+        source.require(&[Kind::Model], "a model of MuJoCo, Gazebo or ROS")?;
         if !import::is_model(&source.text) {
             let label = &source.label;
             return Err(Failure::Misused(format!(
@@ -45,28 +51,34 @@ impl Import {
             Some(loops) => close(&mechanism, loops)?,
             None => mechanism,
         };
-        let file_name = self.model.file_name().unwrap_or_default().to_string_lossy();
+        let file_name = if self.model == Path::new(STANDARD) {
+            source.label.as_str().into()
+        } else {
+            self.model.file_name().unwrap_or_default().to_string_lossy()
+        };
         let origin = format!("{file_name}, a model in {}", dialect.name());
         let text = mechanism::write(&mechanism, Some(&origin));
         output::ignored(&ignored);
-        let Some(path) = &self.output else { return output::raw(&text) };
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        folder::write_new(folder, path, text.as_bytes())?;
+        let path = self.output.as_deref().filter(|path| *path != Path::new(STANDARD));
+        let Some(path) = path else { return output::raw(&text) };
+        if let Some(folder) = path.parent() {
+            std::fs::create_dir_all(folder)
+                .map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
+        }
+        folder::write_file(path, text.as_bytes(), self.force)?;
         output::text(&format!(
-            "written to {}: {} links, {} joints, {} loops\n",
+            "written to {}: {}, {}, {}\n",
             path.display(),
-            mechanism.links().len(),
-            mechanism.joints().len(),
-            mechanism.loops(),
+            counted(mechanism.links().len(), "link"),
+            counted(mechanism.joints().len(), "joint"),
+            counted(mechanism.loops(), "loop"),
         ))
     }
 }
 
 fn close(chain: &Mechanism, loops: &Path) -> Result<Mechanism, Failure> {
-    let source = Source::read(loops)?;
+    let source = Source::read(loops, MAX_BYTES)?;
+    source.require(&[Kind::Loops], "a file of loops")?;
     let closed = mechanism::with_loops(chain, &source.text);
     closed.map_err(|error| Failure::at(&error, &source.label))
 }

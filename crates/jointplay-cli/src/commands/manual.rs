@@ -2,10 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_mangen::Man;
 
 use crate::failure::Failure;
+use crate::folder::ForceArgs;
 use crate::{folder, output};
 
 /// Print the manual page, or write one for every command
@@ -16,26 +17,38 @@ Examples:
   jointplay manual --out ~/.local/share/man/man1")]
 pub(crate) struct Manual {
     /// Folder to write all pages into
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgs,
 }
 
 impl Manual {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let mut command = crate::Cli::command();
+        let mut command = crate::usage::command();
         command.build();
         let Some(out) = &self.out else {
             return output::raw(&String::from_utf8_lossy(&page(&command)?));
         };
-        let mut pages = vec![("jointplay.1".to_owned(), page(&command)?)];
-        for sub in command.get_subcommands() {
-            let name = format!("jointplay-{}", sub.get_name());
-            pages.push((format!("{name}.1"), page(&sub.clone().name(name))?));
-        }
-        folder::write(out, &pages)?;
+        let mut pages = Vec::new();
+        add(&mut pages, &command, "jointplay")?;
+        folder::write(out, &pages, self.force)?;
         let count = pages.len();
         output::text(&format!("{count} manual pages written into {}\n", out.display()))
     }
+}
+
+/// Adds the page of a command and those of its subcommands, to which it refers.
+fn add(
+    pages: &mut Vec<(String, Vec<u8>)>,
+    command: &clap::Command,
+    name: &str,
+) -> Result<(), Failure> {
+    pages.push((format!("{name}.1"), page(&command.clone().name(name.to_owned()))?));
+    for sub in command.get_subcommands() {
+        add(pages, sub, &format!("{name}-{}", sub.get_name()))?;
+    }
+    Ok(())
 }
 
 fn page(command: &clap::Command) -> Result<Vec<u8>, Failure> {

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use jointplay::format::mechanism::MAX_BYTES;
+use jointplay::format::number::{counted, rounded};
 use jointplay::format::report::{
     self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
     NearMissReport, SparseMobilityReport,
@@ -18,8 +20,10 @@ use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, SetArgs, Source, ToleranceArgs, assignment};
+use crate::mechanism_input::{Assignment, Input, SetArgs, ToleranceArgs, assignment};
 use crate::output::{fixed, limits, magnitude, three};
+use crate::progress::Progress;
+use crate::source::{Kind, Source};
 
 /// What the constraints let move: counted, to first order, and for real
 #[derive(Args)]
@@ -61,8 +65,8 @@ impl Mobility {
                 self.answer.load()?
             }
             Some(path) => {
-                let source = Source::read(path)?;
-                if source.is_mechanism() {
+                let source = Source::read(path, MAX_BYTES)?;
+                if source.kind() != Some(Kind::ThreeRods) {
                     return self.of_mechanism(&source);
                 }
                 self.robot(&source)?
@@ -97,10 +101,12 @@ impl Mobility {
         }
         let tolerance = self.near.tolerance;
         let input = Input { tolerance, ..Input::parse(source, &self.set.set)? };
+        let working = Progress::of_work("mobility");
         if !input.is_dense() && tolerance.is_none() {
             let (system, _) = input.sparse(&input.commands(&self.at)?)?;
             let found = system.mobility(RANK_THRESHOLD)?;
             let report = report::sparse_mobility(&input.file, &system, &found);
+            drop(working);
             return self.answer.print(&report, sparse_text);
         }
         let posed = input.posed(&input.commands(&self.at)?)?;
@@ -121,6 +127,7 @@ impl Mobility {
             &finite,
             near.as_ref(),
         )?;
+        drop(working);
         self.answer.print(&report, |report| mechanism_text(&input, report))
     }
 
@@ -155,7 +162,7 @@ fn freedoms(text: &mut String, found: &FreedomsReport) {
 
 /// Singular values, those that count apart from those that do not.
 fn spectrum(text: &mut String, values: [&[f64]; 2], threshold: f64, length_mm: f64) {
-    let _ = writeln!(text, "singular values, lengths in units of {length_mm} mm");
+    let _ = writeln!(text, "singular values, lengths in units of {} mm", rounded(length_mm, 6));
     singular_values(text, values);
     let _ = writeln!(text, "  threshold            {threshold:.3e}");
 }
@@ -169,7 +176,11 @@ fn text(report: &MobilityReport) -> String {
     spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
     if let Some(finite) = finite_mobility.filter(|&finite| finite < instantaneous_mobility) {
         let lost = instantaneous_mobility - finite;
-        let _ = writeln!(text, "shaky: {lost} motions are only instantaneous");
+        let _ = writeln!(
+            text,
+            "shaky: {} only instantaneous",
+            if lost == 1 { "1 motion is".to_owned() } else { format!("{lost} motions are") }
+        );
     }
     if let Some(augmented) = &report.augmented {
         let _ = writeln!(text, "with the {} virtual joints free", augmented.virtualization);
@@ -274,7 +285,7 @@ fn motion_words(motion: &LinkMotionReport) -> String {
             format!("{turns} through ({}) mm", point.map(|x| fixed(x, 4)).join(", "))
         }
         (1, ..) => "slides".to_owned(),
-        _ => format!("in {dimension} ways, {translations} of them translations"),
+        _ => format!("in {}, {translations} of them translations", counted(*dimension, "way")),
     }
 }
 

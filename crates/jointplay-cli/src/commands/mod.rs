@@ -45,6 +45,7 @@ pub(crate) enum Command {
     #[cfg(feature = "studio")]
     Studio(studio::Studio),
     Import(import::Import),
+    #[command(alias = "catalog")]
     Catalogue(catalogue::Catalogue),
     Completions(completions::Completions),
     Manual(manual::Manual),

@@ -17,10 +17,11 @@ use jointplay::plot::results::{Follower, motion};
 
 use crate::arguments::finite;
 use crate::failure::Failure;
-use crate::folder;
+use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, MechanismArgs};
 use crate::output::fixed;
 use crate::progress::Progress;
+use crate::source;
 
 /// Steps of a way whose step is not said.
 const STEPS: usize = 60;
@@ -50,11 +51,10 @@ pub(crate) struct Move {
     #[arg(long = "drive", value_name = "JOINT=FROM:TO[:STEP]", value_parser = way)]
     drives: Vec<Way>,
     /// Folder for the series (CSV) and the figure (SVG, PNG); without it, none are written
-    #[arg(long, value_name = "FOLDER")]
+    #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
-    /// Write into a folder that holds other files
-    #[arg(long, requires = "out")]
-    force: bool,
+    #[command(flatten)]
+    force: ForceArgs,
 }
 
 /// `JOINT=FROM:TO[:STEP]`, in the unit of the file.
@@ -101,7 +101,7 @@ impl Move {
         let moved = go(&input, start, &legs, &held)?;
         let report = report::motion(&input.file, &driven, &held, &moved);
         if let (Some(folder), Some(names)) = (&self.out, names) {
-            write(&input, &report, &driven, folder, names)?;
+            write(&input, &report, &driven, folder, names, self.force)?;
         }
         self.mechanism.print(&report, |report| self.text(&input, report, &driven))?;
         report.message.map_or(Ok(()), |message| Err(Failure::Stopped(message)))
@@ -117,9 +117,9 @@ impl Move {
             if legs.iter().any(|leg| leg.coordinate == coordinate) {
                 return Err(Failure::Misused(format!("--drive {} is said twice", way.joint)));
             }
-            let si = |value| input.coordinates.to_si(coordinate, value);
-            let (from, to) = (way.from.map(si), si(way.to));
-            let step = way.step.map(si);
+            let si = |value| input.value(coordinate, value);
+            let (from, to) = (way.from.map(si).transpose()?, si(way.to)?);
+            let step = way.step.map(si).transpose()?;
             if from.is_some_and(|from| from == to) {
                 let text = format!("--drive {}: FROM and TO are the same", way.joint);
                 return Err(Failure::Misused(text));
@@ -129,17 +129,11 @@ impl Move {
         Ok(legs)
     }
 
-    /// Names of the series and the two pictures, made sure that nothing of other people's is in the folder.
+    /// Names of the series and the two pictures, after a check of the folder.
     fn names(&self, folder: &Path) -> Result<[String; 3], Failure> {
-        let stem = self.mechanism.path().file_stem().unwrap_or_default().to_string_lossy();
-        let names = ["csv", "svg", "png"].map(|end| format!("{stem}-motion.{end}"));
-        folder::probe(folder)?;
-        let foreign = folder::foreign(folder, &names.iter().cloned().collect())?;
-        if foreign.is_empty() || self.force {
-            Ok(names)
-        } else {
-            Err(Failure::Foreign { folder: folder.to_owned(), command: "move", names: foreign })
-        }
+        let stem = source::stem(self.mechanism.path());
+        folder::check_folder(folder, self.force)?;
+        Ok(["csv", "svg", "png"].map(|end| format!("{stem}-motion.{end}")))
     }
 
     fn text(&self, input: &Input, report: &MotionReport, driven: &[usize]) -> String {
@@ -343,6 +337,7 @@ fn write(
     driven: &[usize],
     folder: &Path,
     names: [String; 3],
+    force: ForceArgs,
 ) -> Result<(), Failure> {
     let follower = |k: usize| Follower {
         name: input.coordinates.all()[k].name.clone(),
@@ -363,5 +358,5 @@ fn write(
     let drawn = figure.to_svg().map_err(failed)?.into_bytes();
     let painted = figure.to_png(PNG_WIDTH).map_err(failed)?;
     let series = table::csv(&report.columns()).into_bytes();
-    folder::write(folder, &[(csv, series), (svg.clone(), drawn), (png, painted)])
+    folder::write(folder, &[(csv, series), (svg.clone(), drawn), (png, painted)], force)
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use jointplay::constraint::System as _;
+use jointplay::format::number::rounded;
 use jointplay::format::report::{self, ReliefReport};
 use jointplay::mechanism::MechanismSystem;
 use jointplay::mobility::RANK_THRESHOLD;
@@ -12,6 +13,7 @@ use crate::arguments::AnswerArgs;
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input};
 use crate::output::{fixed, magnitude};
+use crate::progress::Progress;
 
 /// Prints how far the virtual joints go for a command; not an answer of yes if one goes beyond its clearance.
 pub(super) fn run(
@@ -28,6 +30,7 @@ pub(super) fn run(
         return Err(Failure::Misused(text.to_owned()));
     }
     let commands = input.commands(command)?;
+    let working = Progress::of_work("sensitivity");
     let relief = input.relieved(&commands)?;
     let system = MechanismSystem::new(&input.file.mechanism, relief.coordinates.clone())?;
     let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
@@ -36,6 +39,7 @@ pub(super) fn run(
         commanded_sensitivity(&system, &system.at_home(), &commanded, length, RANK_THRESHOLD)?;
     let values = sensitivity.singular_values().as_slice();
     let report = report::relief(&input.file, &relief, values, length);
+    drop(working);
     answer.print(&report, |report| text(input, report))?;
     let over: Vec<&str> =
         report.virtual_joints.iter().filter(|one| one.over).map(|one| one.name.as_str()).collect();
@@ -71,7 +75,7 @@ fn text(input: &Input, report: &ReliefReport) -> String {
     let _ = writeln!(
         text,
         "virtual joints per command, lengths in units of {} mm",
-        report.characteristic_length_mm
+        rounded(report.characteristic_length_mm, 6)
     );
     let _ = writeln!(text, "  singular values     {values}");
     text

@@ -10,7 +10,7 @@ use jointplay::spatial::Tilt;
 use super::relief;
 use crate::arguments::{AnswerArgs, ModelArgs, Rods, TiltArgs};
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, SetArgs, Source, assignment};
+use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
 use crate::output::{characteristic_length, fixed, limits, magnitude, three};
 
 /// How far the virtual joints move for a tilt, and what first order says of it
@@ -34,7 +34,7 @@ pub(crate) struct SensitivityCommand {
     #[command(flatten)]
     set: SetArgs,
     /// Rod lengths at the end of the motion, instead of a tilt
-    #[arg(long, value_name = "Q1,Q2,Q3", value_parser = crate::arguments::rods, allow_hyphen_values = true, conflicts_with_all = ["yaw_deg", "pitch_deg", "height_mm"])]
+    #[arg(long, value_name = "Q1,Q2,Q3", value_parser = crate::arguments::rods, conflicts_with_all = ["yaw_deg", "pitch_deg", "height_mm"])]
     q_mm: Option<Rods>,
     #[command(flatten)]
     tilt: TiltArgs,
@@ -47,7 +47,7 @@ pub(crate) struct SensitivityCommand {
 impl SensitivityCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         if let Some(path) = &self.file {
-            let input = Input::parse(&Source::read(path)?, &self.set.set)?;
+            let input = Input::read(path, &self.set.set)?;
             return relief::run(&input, &self.command, &self.answer);
         }
         self.set.refuse_without_file()?;

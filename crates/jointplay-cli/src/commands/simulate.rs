@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use jointplay::format::number::number;
 use jointplay::format::report::{self, StudyReport};
 use jointplay::format::units::{deg, m_from_mm, mm};
 use jointplay::format::{robot, steps, table};
@@ -17,8 +18,9 @@ use crate::arguments::{
     MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, length, pitches,
 };
 use crate::failure::Failure;
+use crate::folder::{self, ForceArgs};
+use crate::output;
 use crate::progress::Progress;
-use crate::{folder, output};
 
 /// Run the paper's studies and write data and figures
 ///
@@ -41,26 +43,25 @@ pub(crate) struct Simulate {
     #[command(flatten)]
     metric: MetricArgs,
     /// Step of the yaw from 0° to 360°, both ends included
-    #[arg(long, value_name = "DEG", default_value = "10", value_parser = finite, allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG", default_value = "10", value_parser = finite)]
     yaw_step_deg: f64,
     /// Pitch range of each yaw
-    #[arg(long, value_name = "FROM:TO:STEP", default_value = "-2:2:0.2", value_parser = pitches, allow_hyphen_values = true)]
+    #[arg(long, value_name = "FROM:TO:STEP", default_value = "-2:2:0.2", value_parser = pitches)]
     pitch_deg: Steps,
     /// Axis height; without it, the robot's working height
-    #[arg(long, value_name = "MM", value_parser = length, allow_negative_numbers = true)]
+    #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
     /// Order of the samples
     #[arg(long, value_enum, default_value = "raster")]
     order: OrderName,
-    /// Format of the samples
+    /// Format of the samples; parquet needs a build with --features parquet
     #[arg(long, value_enum, default_value = "csv")]
     format: TableFormat,
     /// Folder for the results
-    #[arg(long, value_name = "FOLDER", default_value = "paper-study")]
+    #[arg(short, long, value_name = "FOLDER", default_value = "paper-study")]
     out: PathBuf,
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: ForceArgs,
     #[command(flatten)]
     robot: RobotArgs,
 }
@@ -92,6 +93,7 @@ enum TableFormat {
     /// text, for spreadsheets
     Csv,
     /// binary columns, for data frames
+    #[cfg_attr(not(feature = "parquet"), value(skip))]
     Parquet,
 }
 
@@ -129,15 +131,7 @@ impl Simulate {
             return Err(Failure::TooManyPoses { found: raster.len(), allowed: MOST_POSES });
         }
         let own = own_files(&self.out);
-        let foreign = folder::foreign(&self.out, &own)?;
-        if !foreign.is_empty() && !self.force {
-            return Err(Failure::Foreign {
-                folder: self.out.clone(),
-                command: "simulate",
-                names: foreign,
-            });
-        }
-        folder::probe(&self.out)?;
+        folder::check_folder(&self.out, self.force)?;
         let names = self.virtualizations();
         let mut progress = Progress::new(raster.len() * names.len() * 2);
         let studies = names
@@ -162,7 +156,7 @@ impl Simulate {
         let summary = self.summary(&robot, &raster, &studies, &names);
         files.insert(0, (SUMMARY.to_owned(), summary.into_bytes()));
         files.push((README.to_owned(), simulate_text::READ_ME.as_bytes().to_vec()));
-        folder::write(&self.out, &files)?;
+        folder::write(&self.out, &files, self.force)?;
         folder::remove_stale(&self.out, &own, &files)?;
         drop(progress);
         let reports: Vec<&StudyReport> = studies.iter().map(|study| &study.report).collect();
@@ -170,10 +164,10 @@ impl Simulate {
             "{}: {} poses, yaw 0° to 360° by {}°, pitch {}° to {}°, axis height {} mm",
             robot.name,
             raster.len(),
-            self.yaw_step_deg,
-            self.pitch_deg.0.first().copied().unwrap_or_default(),
-            self.pitch_deg.0.last().copied().unwrap_or_default(),
-            mm(raster.height.0),
+            number(self.yaw_step_deg),
+            number(self.pitch_deg.0.first().copied().unwrap_or_default()),
+            number(self.pitch_deg.0.last().copied().unwrap_or_default()),
+            number(mm(raster.height.0)),
         );
         let mut text = simulate_text::table(&heading, &reports);
         text.push_str(&format!("{} files written into {}\n", files.len(), self.out.display()));
@@ -182,6 +176,16 @@ impl Simulate {
 
     fn raster(&self, robot: &robot::Robot) -> Result<Raster, Failure> {
         let step = self.yaw_step_deg;
+        if step > 360.0 {
+            let source = steps::Error::Misses {
+                from: 0.0,
+                to: 360.0,
+                step,
+                intervals: 360.0 / step,
+                nearest: 360.0,
+            };
+            return Err(Failure::YawStep { step, source });
+        }
         let yaws =
             steps::spread(0.0, 360.0, step).map_err(|source| Failure::YawStep { step, source })?;
         Ok(Raster {

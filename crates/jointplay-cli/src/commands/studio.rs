@@ -4,11 +4,13 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use jointplay::format::cell::MAX_BYTES;
 use jointplay_studio::{CellFiles, EXAMPLE, Error, Server};
 
-use crate::arguments::RobotArgs;
+use crate::arguments::{RobotArgs, whole};
 use crate::failure::Failure;
 use crate::output;
+use crate::source::{Kind, Source};
 
 /// Show the robot in a browser: move it, watch its play, compare the models
 ///
@@ -21,10 +23,13 @@ Examples:
   jointplay studio --cell
   jointplay studio --robot my-robot.toml --port 8080 --no-open")]
 pub(crate) struct Studio {
+    /// Robot or work cell (TOML), or a robot from `jointplay catalogue`
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
     #[command(flatten)]
     robot: RobotArgs,
     /// Port of 127.0.0.1 to serve on; without it, 4816, or a free one where that is taken
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = |text: &str| whole::<u16>(text, 0, 65_535))]
     port: Option<u16>,
     /// Work cell (TOML) to show as well, with the program beside it that ends in .program; without a file, the example that comes along
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = EXAMPLE)]
@@ -36,22 +41,39 @@ pub(crate) struct Studio {
 
 impl Studio {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let file = self.robot.file();
+        let Some(file) = &self.file else { return self.serve(&self.robot, self.cell.as_deref()) };
+        let source = Source::read(file, MAX_BYTES)?;
+        source.require(&[Kind::ThreeRods, Kind::Cell], "a three-rod robot or a work cell")?;
+        if source.kind() != Some(Kind::Cell) {
+            return self.serve(&self.robot.or(file)?, self.cell.as_deref());
+        }
+        if self.cell.is_some() {
+            let text = "the work cell is named twice: by FILE and by --cell";
+            return Err(Failure::Misused(text.to_owned()));
+        }
+        self.serve(&self.robot, Some(file))
+    }
+
+    fn serve(&self, robot: &RobotArgs, cell: Option<&Path>) -> Result<(), Failure> {
+        let file = robot.file();
         let folder = file.map(|file| match file.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         });
-        let bound = Server::bind(self.robot.load()?, folder, self.port);
+        let bound = Server::bind(robot.load()?, folder, self.port);
         let server = bound.map_err(|error| match (error, file) {
             (Error::Mesh(error), Some(file)) => Failure::at(&error, &file.display().to_string()),
             (error, _) => error.into(),
         })?;
-        let server = match &self.cell {
+        let server = match cell {
             None => server,
             Some(path) if path == Path::new(EXAMPLE) && !path.exists() => {
                 server.with_cell(CellFiles::example())
             }
             Some(path) => {
+                if path.exists() || path.extension().is_none() {
+                    Source::read(path, MAX_BYTES)?.require(&[Kind::Cell], "a work cell")?;
+                }
                 let files = CellFiles::open(path).map_err(Failure::Robot)?;
                 let wrong = files.wrong();
                 if !wrong.is_empty() {

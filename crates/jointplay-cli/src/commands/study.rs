@@ -1,22 +1,24 @@
 //! `jointplay study`: studies of any length, over all cores, that can be interrupted and taken up again.
 
-use std::io::Write as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use clap::Args;
+use jointplay::format::catalogue;
 use jointplay::format::report::{self, SHARES, TotalsReport};
 use jointplay::format::study::{self, MAX_BYTES, StudyFile, Table, TableError, TableKind};
 use jointplay::study::plan::{self, Block};
 
 use super::study_file::PartFile;
 use super::study_text;
-use crate::arguments::{TextFormat, read_text};
+use crate::arguments::TextFormat;
+use crate::console;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
+use crate::source::{self, Kind, STANDARD};
 
 /// Compute a study of any length from a file that says what is varied and what is wanted
 ///
@@ -132,7 +134,10 @@ impl StudyCommand {
             let (stem, text) = (example.name.to_owned(), example.text.to_owned());
             return Ok(Source { label, stem, text, folder: None });
         }
-        if !path.exists() && path.extension().is_none() {
+        if !path.exists() && path.extension().is_none() && path != Path::new(STANDARD) {
+            if catalogue::find(&label).is_some() {
+                source::Source::read(&path, MAX_BYTES)?.require(&[Kind::Study], "a study")?;
+            }
             let known: Vec<String> =
                 study::examples().iter().map(|example| example.name.to_owned()).collect();
             return Err(Failure::Misused(jointplay::format::place::not_known(
@@ -141,8 +146,10 @@ impl StudyCommand {
                 &known,
             )));
         }
-        let text = read_text(&path, MAX_BYTES as u64)?;
-        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let source = source::Source::read(&path, MAX_BYTES)?;
+        source.require(&[Kind::Study], "a study")?;
+        let (label, text) = (source.label, source.text);
+        let stem = source::stem(&path);
         let folder = Some(path.parent().map(Path::to_owned).unwrap_or_default());
         Ok(Source { label, stem, text, folder })
     }
@@ -162,13 +169,11 @@ fn robot_text(name: &str, folder: Option<&Path>) -> Result<String, String> {
     let Some(folder) = folder.filter(|_| name.ends_with(".toml")) else {
         return study::robot_of(name);
     };
-    let beside = |part| matches!(part, std::path::Component::Normal(_));
-    if !Path::new(name).components().all(beside) {
-        return Err(format!(
-            "the robot file {name:?} has to lie in the folder of the study or below it"
-        ));
-    }
-    read_text(&folder.join(name), MAX_BYTES as u64).map_err(|failure| failure.to_string())
+    let refused =
+        |why: &dyn std::fmt::Display| format!("cannot read the robot file {name:?}: {why}");
+    let bytes =
+        jointplay_files::read(folder, name, MAX_BYTES as u64).map_err(|why| refused(&why))?;
+    String::from_utf8(bytes).map_err(|_| refused(&"it is not text in UTF-8"))
 }
 
 /// Ends the study after the chunk that it is at when Ctrl-C is pressed, and at once when it is pressed again.
@@ -230,8 +235,7 @@ fn compute(file: &StudyFile, table: &Table, part: &mut PartFile) -> Result<Total
 
 /// Says something on standard error.
 fn tell(line: &str) {
-    // Where standard error is gone, nobody is left to be told.
-    drop(writeln!(anstream::stderr(), "{line}"));
+    console::note(line);
 }
 
 /// What a study will take.

@@ -13,8 +13,8 @@ use std::time::{Duration, Instant};
 use jointplay::format::study::{Encoded, Index, Marker, StudyFile, Table, TableKind, parse};
 use jointplay::study::plan::{Block, Totals};
 
-use crate::arguments::read_text;
 use crate::failure::Failure;
+use crate::source::read_text;
 
 /// So often is marked how far a run has come: what is done since then is lost to a power cut or a kill.
 const MARK_EVERY: Duration = Duration::from_millis(500);
@@ -54,9 +54,14 @@ impl PartFile {
         }
         if out.exists() && !replace {
             return Err(Failure::Misused(format!(
-                "{} is there already: choose another --out, or say --force to replace it",
+                "{} exists: choose another --out, or replace it with --force",
                 out.display()
             )));
+        }
+        if path.exists() && !replace {
+            // First of all: another run may be writing it.
+            let file = File::open(&path).map_err(failed(&path))?;
+            lock(&file, &path)?;
         }
         if marker_path.exists() && !replace {
             return Err(Failure::Misused(format!(
@@ -222,7 +227,7 @@ impl PartFile {
         self.file.sync_all().map_err(failed(&self.path))?;
         if self.path != self.out && self.out.exists() && !self.replace {
             return Err(Failure::Misused(format!(
-                "{} has come into being meanwhile; the whole table is {}",
+                "{} was created meanwhile; the whole table is {}",
                 self.out.display(),
                 self.path.display()
             )));

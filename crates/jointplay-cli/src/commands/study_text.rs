@@ -13,7 +13,7 @@ use crate::output;
 /// The summary of a whole study.
 pub(super) fn summary(report: &TotalsReport, out: &Path) -> String {
     let samples = report.samples;
-    let mut text = format!("{}, {}: {samples} samples\n", report.study, report.robot);
+    let mut text = format!("{}, {}: {}\n", report.study, report.robot, sample_count(samples));
     for model in &report.virtualizations {
         let _ = writeln!(text, "  {}: {}", model.name, outcome(model));
     }
@@ -47,7 +47,10 @@ pub(super) fn summary(report: &TotalsReport, out: &Path) -> String {
 fn outcome(model: &OutcomeReport) -> String {
     let all = model.solved + model.failed;
     if model.failed == 0 {
-        return format!("all {all} samples have an answer");
+        return match all {
+            1 => "the sample has an answer".to_owned(),
+            all => format!("all {all} samples have an answer"),
+        };
     }
     let reasons: Vec<String> =
         model.reasons.iter().map(|(why, count)| format!("{count} {why}")).collect();
@@ -70,7 +73,9 @@ fn cells(column: &ColumnReport) -> [String; 7] {
 /// A number to seven digits.
 fn number(value: f64) -> String {
     let size = value.abs();
-    if size == 0.0 {
+    if !value.is_finite() {
+        "-".to_owned()
+    } else if size == 0.0 {
         "0".to_owned()
     } else if (1e-3..1e6).contains(&size) {
         let whole = size.log10().floor().max(0.0) as usize;
@@ -98,11 +103,15 @@ pub(super) fn dry_run(
             "expected_seconds": expected.time,
         }));
     }
-    let mut text = format!("{}: {} samples, nothing computed\n", file.name, expected.samples);
+    let mut text = format!("{}: {}, nothing computed\n", file.name, sample_count(expected.samples));
     let _ = writeln!(text, "  table    {}, about {}", out.display(), size(expected.bytes));
     let _ = writeln!(text, "  time     about {}", time(expected.time));
     let _ = writeln!(text, "  columns  {}: {}", columns.len(), columns.join(", "));
     output::text(&text)
+}
+
+fn sample_count(count: u64) -> String {
+    if count == 1 { "1 sample".to_owned() } else { format!("{count} samples") }
 }
 
 /// How large a file is.

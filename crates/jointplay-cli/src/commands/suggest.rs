@@ -10,6 +10,7 @@ use jointplay::nalgebra::DVector;
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};
 use crate::output::fixed;
+use crate::progress::Progress;
 
 /// Sets told in text; JSON has all.
 const TOLD: usize = 10;
@@ -50,7 +51,9 @@ impl Suggest {
         input.file.mechanism = bare.expect("no virtual joints are always in order");
         let home = input.assembled(&[])?.coordinates;
         let (commanded, commands) = self.commands(&input, &home)?;
+        let working = Progress::of_work("comparing sets");
         let found = suggest(&input.file.mechanism, &home, &commanded, &commands)?;
+        drop(working);
         let coordinates = &input.coordinates;
         let names = commanded.iter().map(|&k| coordinates.all()[k].name.clone()).collect();
         let in_units = |command: &DVector<f64>| {

@@ -171,17 +171,21 @@ fn compare_shows_shifts_of_opposite_sign() {
     near(last(&models[1]), 28.3778 * 2_f64.to_radians().cos(), 1e-4);
     near(last(&models[3]), 0.0, 1e-9);
     near(found["approximate_gap_um"][4].as_f64().unwrap(), 56.82, 0.01);
-    assert_eq!(desk.names(""), [""; 0], "a program gets no figure unasked");
-    desk.done("compare");
-    assert!(desk.read("compare.svg").contains("centre shift (µm)"));
+    let answer = desk.done("compare");
+    assert_eq!(desk.names(""), [""; 0], "a question writes no file unasked");
+    let drawn = desk.done("compare --figure shifts.svg");
+    assert_eq!(drawn, format!("{answer}figure: shifts.svg\n"));
+    assert!(desk.read("shifts.svg").contains("centre shift (µm)"));
     desk.done("compare --figure a.png");
     assert!(std::fs::read(desk.file("a.png")).unwrap().starts_with(b"\x89PNG"));
-    desk.done("compare");
-    desk.write("compare.svg", "mine");
-    let refused = desk.run("compare");
-    assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("name another with --figure"), "{}", refused.stderr);
-    assert_eq!(desk.read("compare.svg"), "mine");
+    // The answer is printed where the figure cannot be written.
+    desk.write("mine.svg", "mine");
+    for figure in ["mine.svg", "nowhere/shifts.svg"] {
+        let refused = desk.run(&format!("compare --figure {figure}"));
+        assert_eq!((refused.code, &refused.stdout), (2, &answer));
+        assert!(refused.stderr.contains(figure), "{}", refused.stderr);
+    }
+    assert_eq!(desk.read("mine.svg"), "mine");
 }
 
 #[test]

@@ -69,16 +69,17 @@ fn a_run_writes_report_samples_and_pictures() {
     }
     let gantt = desk.read("cell-run/gantt.svg");
     assert!(gantt.contains(">RA</text>") && gantt.contains("TRANSFER"), "{gantt}");
-    // Once more over its own files, and not over others.
-    desk.done("cell run example.toml --rate 50");
-    desk.write("cell-run/notes.txt", "mine");
+    // Once more on request only, and other files stay.
+    desk.write("cell-run/a.txt", "mine");
     let refused = desk.run("cell run example.toml");
     assert_eq!(refused.code, 2);
     assert!(
-        refused.stderr.contains("notes.txt") && refused.stderr.contains("--force"),
+        refused.stderr.contains("a.txt") && refused.stderr.contains("--force"),
         "{}",
         refused.stderr
     );
+    desk.done("cell run example.toml --rate 50 --force");
+    assert_eq!(desk.read("cell-run/a.txt"), "mine");
 }
 
 #[test]

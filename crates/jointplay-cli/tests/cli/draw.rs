@@ -5,19 +5,21 @@ use crate::desk::Desk;
 #[test]
 fn a_picture_is_written_where_it_is_asked_for() {
     let desk = Desk::new();
-    assert_eq!(desk.done("draw bennett"), "picture: bennett.svg\n");
+    assert_eq!(desk.done("draw bennett --figure bennett.svg"), "picture: bennett.svg\n");
     let usual = desk.read("bennett.svg");
     for part in [">Bennett's linkage<", ">J4<", ">base<", ">actuated<", ">50 mm<"] {
         assert!(usual.contains(part), "{part}");
     }
-    // A picture of ours may be replaced, another file may not.
-    desk.done("draw bennett --at J1=120");
-    assert_ne!(desk.read("bennett.svg"), usual);
-    desk.write("hexapod.svg", "<svg>mine</svg>");
-    let run = desk.run("draw hexapod");
+    // Without a file it is printed, and nothing is written.
+    assert_eq!(desk.done("draw bennett"), usual);
+    assert_eq!(desk.names("."), ["bennett.svg"]);
+    // A file that exists is replaced on request only.
+    let run = desk.run("draw bennett --at J1=120 --figure bennett.svg");
     assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("name another with --figure"), "{}", run.stderr);
-    assert_eq!(desk.read("hexapod.svg"), "<svg>mine</svg>");
+    assert!(run.stderr.contains("replace it with --force"), "{}", run.stderr);
+    assert_eq!(desk.read("bennett.svg"), usual);
+    desk.done("draw bennett --at J1=120 --figure bennett.svg --force");
+    assert_ne!(desk.read("bennett.svg"), usual);
     desk.done("draw hexapod --figure hexapod.svg");
     assert!(desk.read("hexapod.svg").contains(">P6<"));
     desk.done("draw hexapod --figure Hexapod.PNG");
@@ -28,7 +30,7 @@ fn a_picture_is_written_where_it_is_asked_for() {
 fn a_picture_shows_what_is_asked_for() {
     let desk = Desk::new();
     let drawn = |options: &str| {
-        desk.done(&format!("draw four-bar --figure picture.svg {options}"));
+        desk.done(&format!("draw four-bar --figure picture.svg --force {options}"));
         desk.read("picture.svg")
     };
     let plain = drawn("");
@@ -42,10 +44,10 @@ fn a_picture_shows_what_is_asked_for() {
     // Play is drawn too, also where it has to give way.
     desk.done("draw gpr-mechanism --figure play.svg");
     assert!(desk.read("play.svg").contains(">virtual joint<"));
-    desk.done("draw gpr-mechanism --figure play.svg --ghost \"rod 1=5,rod 2=0\"");
+    desk.done("draw gpr-mechanism --figure play.svg --force --ghost \"rod 1=5,rod 2=0\"");
     assert!(desk.read("play.svg").contains(">moved<"));
     // Shown larger, it is said to be.
-    let tilted = "draw gpr-mechanism --figure tilted.svg --at \"rod 1=5,rod 2=0,rod 3=0\"";
+    let tilted = "draw gpr-mechanism --figure tilted.svg --force --at \"rod 1=5,rod 2=0,rod 3=0\"";
     let shown = |options: &str| {
         desk.done(&format!("{tilted} {options}"));
         desk.read("tilted.svg")
@@ -84,14 +86,14 @@ fn what_cannot_be_drawn() {
     let desk = Desk::new();
     for (line, code, message) in [
         ("draw bennett --figure bennett.jpg", 2, "ends neither in .svg nor in .png"),
-        ("draw bennett --figure nowhere/bennett.svg", 2, "its folder is not there; make it first"),
+        ("draw bennett --figure nowhere/bennett.svg", 2, "its folder does not exist"),
         ("draw bennett --view 30", 2, "is not AZIMUTH,ELEVATION"),
         ("draw bennett --view 30,91", 2, "is not between"),
         ("draw bennett --view NaN,0", 2, "not a finite number"),
         ("draw bennett --at J9=1", 2, "J9"),
         ("draw four-bar --ghost J9=1", 2, "J9"),
         ("draw spherical-4r --ghost A=90", 1, "on the way to --ghost, stopped at A = 23.2"),
-        ("draw gpr", 2, "known: mechanism"),
+        ("draw gpr", 2, "gpr-mechanism"),
         ("draw nothing.toml", 2, "cannot read"),
         ("draw", 2, "Usage"),
     ] {

@@ -45,7 +45,7 @@ fn a_model_becomes_a_mechanism_file() {
     insta::assert_snapshot!("import_robot_urdf", run.stdout);
     let run = desk.run("import robot.urdf --loops loops.toml --output new/robot.toml");
     assert_eq!((run.code, run.stderr.as_str()), (0, IGNORED));
-    assert_eq!(run.stdout, "written to new/robot.toml: 3 links, 3 joints, 1 loops\n");
+    assert_eq!(run.stdout, "written to new/robot.toml: 3 links, 3 joints, 1 loop\n");
     // Slide and turn cannot go while the tip holds the arm at its length.
     let found = desk.json("mobility new/robot.toml");
     assert_eq!(
@@ -61,7 +61,7 @@ fn a_file_that_is_there_is_not_replaced() {
     desk.write("robot.toml", "mine");
     let run = desk.run("import robot.urdf --output robot.toml");
     assert_eq!(run.code, 2);
-    assert!(run.stderr.contains("there already"), "{}", run.stderr);
+    assert!(run.stderr.contains("exists: choose another name"), "{}", run.stderr);
     assert_eq!(desk.read("robot.toml"), "mine");
 }
 
@@ -114,7 +114,7 @@ fn errors_show_their_place() {
     );
     desk.write("cut.urdf", &URDF[..100]);
     refused(&desk, "import cut.urdf", "cut.urdf:1:1: not well-formed XML");
-    refused(&desk, "import loops.toml", "loops.toml is no model");
+    refused(&desk, "import loops.toml", "loops.toml is a file of loops, but a model");
     refused(&desk, "import missing.sdf", "cannot read missing.sdf");
 }
 

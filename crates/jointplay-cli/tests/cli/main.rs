@@ -4,6 +4,7 @@
 
 mod answers;
 mod cell;
+mod command;
 mod desk;
 mod documents;
 mod draw;

@@ -191,11 +191,11 @@ fn a_motion_is_written_as_series_and_figure() {
     assert!(csv.starts_with("A_deg,B_deg,C_deg,D_deg\n"), "{csv}");
     assert_eq!(csv.lines().count(), 38);
     assert!(desk.read("way/four-bar-motion.svg").contains("A (deg)"));
-    // Again into the same folder, but not beside other people's files.
-    desk.done("move four-bar --out way");
-    desk.write("way/mine.txt", "mine");
+    // Again into the same folder on request only.
     assert_eq!(desk.run("move four-bar --out way").code, 2);
+    assert_eq!(desk.read("way/four-bar-motion.csv"), csv);
     desk.done("move four-bar --out way --force");
+    assert_ne!(desk.read("way/four-bar-motion.csv"), csv);
     let json = desk.json("move four-bar --drive A=:20:5");
     assert_eq!(json["series"]["A_deg"], serde_json::json!([0.0, 5.0, 10.0, 15.0, 20.0]));
     assert_eq!(json["stopped"], serde_json::Value::Null);
@@ -333,7 +333,7 @@ fn names_that_are_not_there() {
     refuse("mobility --set a=1", "--set needs a mechanism file");
     refuse("mobility gpr --tolerance 1e-3", "--tolerance is for mechanism files");
     refuse("mobility --tolerance 1e-3", "--tolerance is for mechanism files");
-    refuse("mobility four-bar --tolerance 0.5", "5e-1 is not within 1e-11 to 1e-2");
+    refuse("mobility four-bar --tolerance 0.5", "0.5 is not within 1e-11 to 1e-2");
     refuse("assemble four-bar --tolerance=-1e-3", "is not within 1e-11 to 1e-2");
     refuse("assemble four-bar --tolerance x", "is no number");
     refuse("sensitivity four-bar --command A=1", "no virtual joints");
@@ -398,7 +398,7 @@ fn a_copy_never_replaces() {
     desk.write("mine/bennett.toml", "changed");
     let again = desk.run("catalogue copy bennett mine");
     assert_eq!(again.code, 2);
-    assert!(again.stderr.contains("there already"), "{}", again.stderr);
+    assert!(again.stderr.contains("exists: choose another name"), "{}", again.stderr);
     assert_eq!(desk.read("mine/bennett.toml"), "changed");
     // A file of a name goes before the catalogue's.
     desk.write("four-bar", "kind = \"mechanism\"");

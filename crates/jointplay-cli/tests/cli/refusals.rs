@@ -20,7 +20,14 @@ fn flags_that_make_no_sense() {
     refuse("forward --q-mm 500,inf,502", 2, "inf is not a finite number");
     refuse("forward --q-mm 500,,502", 2, "is no number");
     refuse("forward --q-mm 1e300,1,1", 2, "1e300 mm is too long");
-    refuse("inverse --height-mm 1e9", 2, "within ±1e6 mm");
+    refuse("inverse --pitch-deg 1e308", 2, "1e308° is too steep");
+    refuse("draw bennett --view 20,1e308", 2, "1e308° is not between");
+    refuse("simulate --yaw-step-deg 1e308", 2, "miss 360");
+    refuse("draw four-bar --ghost A=1e308", 2, "A = 1e308 deg is too far");
+    refuse("move four-bar --drive A=0:1e308", 2, "A = 1e308 deg is too far");
+    refuse("assemble four-bar --at A=1e308", 2, "values have to lie within ±3600000 deg");
+    refuse("assemble bennett --tolerance -1", 2, "-1 is not within 1e-11 to 1e-2");
+    refuse("inverse --height-mm 1e9", 2, "within ±1000000 mm");
     refuse("simulate --height-mm -1e9", 2, "too long");
     refuse("forward --metric 0", 2, "not positive");
     refuse("forward --metric -3", 2, "not positive");
@@ -48,10 +55,11 @@ fn flags_that_make_no_sense() {
     refuse("simulate --yaw-step-deg 1e-9", 2, "at most 1000000");
     refuse("simulate --out /dev/null/study", 2, "cannot write /dev/null/study: a file is in its");
     refuse("compare --figure shift.pdf", 2, "ends neither in .svg nor in .png");
-    refuse("compare --figure nowhere/shift.svg", 2, "cannot write");
     refuse("completions tcl", 2, "possible values: bash");
     refuse("forward --robot missing.toml", 2, "cannot read missing.toml");
     refuse("forward --robot .", 2, "cannot read .");
+    refuse("assemble four-bar --branches 0", 2, "is not a whole number from 1 to 10000");
+    refuse("assemble four-bar --branches many", 2, "\"many\" is not a whole number");
     refuse("frobnicate", 2, "unrecognized subcommand");
 }
 

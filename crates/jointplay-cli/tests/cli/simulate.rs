@@ -137,7 +137,7 @@ fn same_flags_same_bytes() {
     let (first, second) = (Desk::new(), Desk::new());
     first.done("simulate --yaw-step-deg 30");
     second.done("simulate --yaw-step-deg 30");
-    second.done("simulate --yaw-step-deg 30");
+    second.done("simulate --yaw-step-deg 30 --force");
     assert_eq!(first.names("paper-study"), second.names("paper-study"));
     for name in &first.names("paper-study") {
         let read = |desk: &Desk| std::fs::read(desk.file(&format!("paper-study/{name}"))).unwrap();
@@ -161,13 +161,15 @@ fn the_order_of_the_samples_changes_no_sample() {
 }
 
 #[test]
-fn a_second_run_replaces_its_own_files_only() {
+fn a_second_run_replaces_its_own_files_on_request_only() {
     let desk = Desk::new();
     let fast = "simulate --yaw-step-deg 180 --pitch-deg -1:1:1";
     desk.done(fast);
     let all = desk.names("paper-study").len();
     desk.write("paper-study/.jointplay-partial-killed", "half");
-    desk.done(&format!("{fast} --virtualization radial"));
+    assert_eq!(desk.run(&format!("{fast} --virtualization radial")).code, 2);
+    assert_eq!(desk.names("paper-study").len(), all + 1);
+    desk.done(&format!("{fast} --virtualization radial --force"));
     let names = desk.names("paper-study");
     assert!(names.len() < all && !names.contains(&"samples-polar.csv".to_owned()), "{names:?}");
     assert!(!names.iter().any(|name| name.starts_with('.')), "{names:?}");
@@ -177,7 +179,7 @@ fn a_second_run_replaces_its_own_files_only() {
     let before = desk.read("paper-study/samples-radial.csv");
     let refused = desk.run("simulate --yaw-step-deg 90");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("notes.txt, samples-mine.csv"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("holds files already"), "{}", refused.stderr);
     assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
     assert_eq!(desk.read("paper-study/samples-radial.csv"), before);
 
@@ -203,7 +205,7 @@ fn a_folder_is_ours_only_by_its_own_summary() {
     std::fs::create_dir_all(desk.file("other/fig05-rods.svg")).unwrap();
     let refused = desk.run("simulate --out other --force");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("a folder is in its place"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("a folder has this name"), "{}", refused.stderr);
     assert_eq!(desk.names("other"), ["fig05-rods.svg"]);
 }
 

@@ -191,7 +191,7 @@ pitch_deg = { normal = [0, 60] }
     assert_eq!(model["reasons"]["pitch of 90° or more"], steep.count());
 
     // None at all: the table is written, and the answer is no.
-    desk.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e300]"));
+    desk.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e9]"));
     let none = desk.run("study none.toml");
     assert_eq!(none.code, 1, "{}", none.stderr);
     assert!(none.stderr.contains("no sample has an answer"), "{}", none.stderr);
@@ -249,8 +249,8 @@ fn robots_lie_beside_their_study() {
     assert_eq!(columns(&csv)["height_mm"][0], "400.0");
     assert_eq!(summary["robot"], "GPR of the paper");
     for (robot, message) in [
-        ("../mine.toml", "has to lie in the folder of the study"),
-        ("/mine.toml", "has to lie in the folder of the study"),
+        ("../mine.toml", "has to be in the folder of the file that names it"),
+        ("/mine.toml", "has to be in the folder of the file that names it"),
         ("none.toml", "cannot read"),
         ("delta", "of the kind \\\"mechanism\\\""),
         ("gps", "not in the catalogue"),

@@ -7,6 +7,7 @@ use jointplay_cell::robot::{
 };
 use jointplay_cell::wafer::{BrokenWay, Unreachable};
 
+use crate::number::number;
 use crate::units::{deg, mm};
 
 /// What went wrong, in mm and degrees.
@@ -35,9 +36,11 @@ pub fn explain(error: &CellError) -> String {
 /// A number in SI with the unit that people use.
 fn with_unit(value: f64, unit: &str) -> String {
     match unit.strip_prefix("rad") {
-        Some(rate) => format!("{}°{rate}", deg(value)),
-        None if unit == "m" || unit.starts_with("m/") => format!("{} m{unit}", mm(value)),
-        None => format!("{value} {unit}").trim_end().to_owned(),
+        Some(rate) => format!("{}°{rate}", number(deg(value))),
+        None if unit == "m" || unit.starts_with("m/") => {
+            format!("{} m{unit}", number(mm(value)))
+        }
+        None => format!("{} {unit}", number(value)).trim_end().to_owned(),
     }
 }
 

@@ -12,6 +12,7 @@ use super::problem::{Fault, Problem};
 use super::tree::{Entry, Reader, Span, Table};
 use super::{Files, bodies, robot, stations};
 use crate::catalogue;
+use crate::number::number;
 use crate::place::Error;
 
 /// Longer texts are refused unread.
@@ -211,8 +212,8 @@ fn wafer(table: &Table) -> Option<Wafer> {
     if thickness > diameter / 10.0 {
         let why = format!(
             "a wafer {} mm thick and {} mm wide is no thin plate: its thickness may be a tenth of its diameter at most",
-            crate::units::mm(thickness),
-            crate::units::mm(diameter)
+            number(crate::units::mm(thickness)),
+            number(crate::units::mm(diameter))
         );
         table.wrong_at("thickness_mm", Fault::Unfit(why));
     }

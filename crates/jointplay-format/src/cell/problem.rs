@@ -1,5 +1,6 @@
 //! What can be wrong in a cell file, or in the file of a robot with arms.
 
+use crate::number::{counted, entries, number};
 use crate::place::{Error, Form, listed, suggestion};
 
 /// What is wrong with a file, and where.
@@ -39,7 +40,7 @@ pub enum Fault {
         found: String,
     },
     /// A number that is too large, too small, or none.
-    #[error("`{key}` is {value}, but has to be {needed}")]
+    #[error("`{key}` is {}, but has to be {needed}", number(*.value))]
     Beyond {
         /// Which key.
         key: String,
@@ -49,7 +50,7 @@ pub enum Fault {
         needed: String,
     },
     /// A list with too few or too many entries.
-    #[error("`{key}` has {found} entries, but needs {needed}")]
+    #[error("`{key}` has {}, but needs {needed}", entries(*.found))]
     Count {
         /// Which key.
         key: String,
@@ -110,6 +111,9 @@ pub enum Fault {
         /// How many more are.
         others: usize,
     },
+    /// Further errors, which are not listed.
+    #[error("{} from here on", counted(*.0, "more error"))]
+    More(usize),
     /// Everything else: what does not fit together.
     #[error("{0}")]
     Unfit(String),

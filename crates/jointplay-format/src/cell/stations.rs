@@ -11,6 +11,7 @@ use nalgebra::Vector3;
 use super::file::{Effectors, lean, named_effectors, points};
 use super::problem::Fault;
 use super::tree::{Reader, Span, Table};
+use crate::number::number;
 use crate::units::{deg, m_from_mm, mm, shift, um};
 
 /// Most slots of a station.
@@ -222,7 +223,7 @@ fn check_reach(table: &Table, station: &Station) {
             "retract_mm",
             Fault::Unfit(format!(
                 "`retract_mm` is {}, but the wafer of {} is only {:.3} mm from the robot's axis",
-                mm(station.retract_reach),
+                number(mm(station.retract_reach)),
                 table.whose,
                 reach * 1e3
             )),

@@ -1,6 +1,6 @@
 //! Tables of TOML that are read key by key, every problem noted with its place.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::Range;
 
 use nalgebra::Vector3;
@@ -8,38 +8,44 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::problem::{Fault, Problem};
-use crate::place::{Form, Place, nearest};
+use crate::number::number;
+use crate::place::{Form, Place, malformed, nearest, shortened};
 use crate::units::m_from_mm;
 
 /// Longest name of a station, an effector, an axis: as much as fits a table of text.
 const LONGEST_NAME: usize = 32;
 
-/// Most problems told of one file; the rest is most often their consequence.
-const MOST_PROBLEMS: usize = 64;
+/// Most problems listed of one file; the rest is most often their consequence, and is counted.
+const MOST_PROBLEMS: usize = 20;
 
 /// A text and what is wrong with it.
 pub(super) struct Reader<'a> {
     text: &'a str,
     problems: RefCell<Vec<Problem>>,
+    /// Whether the text is no TOML: then nothing is reported of its contents, which are guesses.
+    malformed: Cell<bool>,
 }
 
 impl<'a> Reader<'a> {
     pub(super) fn new(text: &'a str) -> Self {
-        Self { text, problems: RefCell::default() }
+        Self { text, problems: RefCell::default(), malformed: Cell::new(false) }
     }
 
-    /// The whole file; problems of its form are noted.
+    /// The whole file; the first error of its syntax is noted, and hides those that follow from it.
     pub(super) fn parse(&self) -> Spanned<DeTable<'a>> {
         let (table, errors) = DeTable::parse_recoverable(self.text);
-        for error in errors {
-            let message = error.message().replace('\n', " ");
-            self.wrong(error.span().unwrap_or(0..0), Form::Malformed { message });
+        let start = |error: &toml::de::Error| error.span().map_or(0, |span| span.start);
+        if let Some(first) = errors.iter().min_by_key(|error| start(error)) {
+            self.wrong(first.span().unwrap_or(0..0), malformed(first.message()));
+            self.malformed.set(true);
         }
         table
     }
 
     pub(super) fn wrong(&self, span: Range<usize>, fault: impl Into<Fault>) {
-        self.problems.borrow_mut().push(Problem::at(self.text, span, fault.into()));
+        if !self.malformed.get() {
+            self.problems.borrow_mut().push(Problem::at(self.text, span, fault.into()));
+        }
     }
 
     pub(super) fn line(&self, span: Range<usize>) -> usize {
@@ -58,7 +64,11 @@ impl<'a> Reader<'a> {
             _ => {
                 problems.sort_by_key(|problem| (problem.place.line, problem.place.column));
                 problems.dedup();
-                problems.truncate(MOST_PROBLEMS);
+                let more = problems.len().saturating_sub(MOST_PROBLEMS);
+                if more > 0 {
+                    problems.truncate(MOST_PROBLEMS + 1);
+                    problems[MOST_PROBLEMS].problem = Box::new(Fault::More(more));
+                }
                 Err(problems)
             }
         }
@@ -82,6 +92,9 @@ pub(super) struct Entry<'r, 'a> {
     pub(super) value: &'r Spanned<DeValue<'a>>,
 }
 
+/// Smaller numbers become 0 when their unit is changed, or divide to infinity.
+const LEAST_POSITIVE: f64 = 1e-12;
+
 /// What a number has to be.
 #[derive(Clone, Copy)]
 pub(super) enum Span {
@@ -97,7 +110,7 @@ impl Span {
             && value.abs() <= 1e12
             && match self {
                 Self::Any => true,
-                Self::Positive => value > 0.0,
+                Self::Positive => value >= LEAST_POSITIVE,
                 Self::NotNegative => value >= 0.0,
                 Self::Within(min, max) => (min..=max).contains(&value),
             }
@@ -106,9 +119,9 @@ impl Span {
     fn needed(self) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
-            Self::Positive => "positive".to_owned(),
+            Self::Positive => format!("positive, and at least {LEAST_POSITIVE:e}"),
             Self::NotNegative => "0 or more".to_owned(),
-            Self::Within(min, max) => format!("from {min} to {max}"),
+            Self::Within(min, max) => format!("from {} to {}", number(min), number(max)),
         }
     }
 }
@@ -232,9 +245,16 @@ impl<'r, 'a> Entry<'r, 'a> {
     /// Notes that the value is of another kind.
     pub(super) fn misfit(&self, reader: &Reader, needed: &str) {
         let found = match self.value.get_ref() {
-            DeValue::String(text) => format!("the text {text:?}"),
-            DeValue::Integer(number) => format!("the number {number}"),
-            DeValue::Float(number) => format!("the number {}", number.as_str()),
+            DeValue::String(text) => format!("the text {}", shortened(&format!("{text:?}"))),
+            DeValue::Integer(found) => {
+                let value = found.as_str().replace('_', "").parse();
+                let shown = value.map_or_else(|_| found.to_string(), number);
+                format!("the number {shown}")
+            }
+            DeValue::Float(found) => {
+                let value = found.as_str().replace('_', "").parse();
+                format!("the number {}", value.map_or_else(|_| found.as_str().to_owned(), number))
+            }
             DeValue::Boolean(value) => format!("{value}"),
             DeValue::Datetime(_) => "a date".to_owned(),
             DeValue::Array(list) => format!("a list of {}", list.len()),

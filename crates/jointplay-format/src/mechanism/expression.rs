@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
+use crate::number::number;
 use crate::place::{listed, nearest, suggestion};
 
 /// Deepest nesting of parentheses, powers and signs, so that no text overflows the stack.
@@ -62,7 +63,7 @@ pub enum ExpressionProblem {
         found: usize,
     },
     /// A result that is NaN or infinite.
-    #[error("the expression gives {value}, but has to be a finite number")]
+    #[error("the expression gives a value that is {}, but has to be a finite number", number(*.value))]
     NotFinite {
         /// What it gives.
         value: f64,

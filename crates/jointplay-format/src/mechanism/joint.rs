@@ -114,7 +114,8 @@ fn guess(values: &Values, table: &JointTable, kind: JointKind) -> Result<Vec<f64
         return Err(values.wrong(guess.span(), count("guess", numbers.len(), kind)));
     }
     let read = coordinates.iter().zip(numbers).map(|(&coordinate, (number, span))| {
-        values.number("guess", number, span).map(|value| values.coordinate(coordinate, value))
+        let value = values.number("guess", number, span.clone())?;
+        values.within("guess", coordinate, value, span)
     });
     read.collect()
 }
@@ -141,7 +142,8 @@ fn limits(values: &Values, table: &JointTable, kind: JointKind) -> Result<Vec<[f
         let min = values.number("limits", least.0, least.1.clone())?;
         let max = values.number("limits", most.0, most.1.clone())?;
         if min < max {
-            Ok([min, max].map(|value| values.coordinate(coordinate, value)))
+            let within = |value, span| values.within("limits", coordinate, value, span);
+            Ok([within(min, least.1.clone())?, within(max, most.1.clone())?])
         } else {
             Err(values.wrong(span, Problem::LimitsReversed { min, max }))
         }

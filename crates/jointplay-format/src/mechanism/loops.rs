@@ -203,7 +203,7 @@ axis = [0, 0, 1]
         let chain = parse(CRANKS).unwrap().mechanism;
         let closed = with_loops(&chain, LOOPS).unwrap();
         let again = with_loops(&closed, LOOPS).unwrap_err();
-        assert!(again.to_string().contains("has 1 loops already"), "{again}");
+        assert!(again.to_string().contains("has 1 loop already"), "{again}");
     }
 
     proptest! {

@@ -3,6 +3,7 @@
 use jointplay_core::mechanism::MechanismError;
 
 use super::expression::ExpressionProblem;
+use crate::number::{counted, entries, number};
 use crate::place::{Form, listed, suggestion};
 
 /// Why a text is no mechanism, and where.
@@ -64,15 +65,35 @@ pub enum Problem {
         names: Vec<String>,
     },
     /// A number that is NaN or infinite.
-    #[error("`{key}` is {value}, but has to be a finite number")]
+    #[error("`{key}` is {}, but has to be a finite number", number(*.value))]
     NotFinite {
         /// Which key.
         key: String,
         /// What was found.
         value: f64,
     },
+    /// A joint whose name is that of a coordinate of another joint.
+    #[error("`{name}` is also the name of a coordinate of the joint `{other}`: rename one of them")]
+    CoordinateTwice {
+        /// The name of the joint.
+        name: String,
+        /// The other joint.
+        other: String,
+    },
+    /// A length or an angle that no mechanism has.
+    #[error("`{key}` is {}, but has to lie within ±{} {unit}", number(*.value), number(*.most))]
+    Beyond {
+        /// Which key.
+        key: &'static str,
+        /// What was found.
+        value: f64,
+        /// Its largest size allowed.
+        most: f64,
+        /// The unit of both.
+        unit: &'static str,
+    },
     /// A number that has to be positive and is not.
-    #[error("`{key}` is {value}, but has to be positive")]
+    #[error("`{key}` is {}, but has to be positive", number(*.value))]
     NotPositive {
         /// Which key.
         key: &'static str,
@@ -80,7 +101,7 @@ pub enum Problem {
         value: f64,
     },
     /// A list with too few or too many entries.
-    #[error("`{key}` has {found} entries, but needs {needed}")]
+    #[error("`{key}` has {}, but needs {needed}", entries(*.found))]
     Count {
         /// Which key.
         key: &'static str,
@@ -124,14 +145,15 @@ pub enum Problem {
     },
     /// Loops for a mechanism that is no open chain.
     #[error(
-        "the mechanism has {found} loops already: a file of loops closes an open chain, in which all links have one place at zero"
+        "the mechanism has {} already: a file of loops closes an open chain, in which all links have one place at zero",
+        counted(*.found, "loop")
     )]
     HasLoops {
         /// How many there are.
         found: usize,
     },
     /// A lower limit that is not below its upper limit.
-    #[error("`limits` are reversed: least {min}, most {max}")]
+    #[error("`limits` are reversed: least {}, most {}", number(*.min), number(*.max))]
     LimitsReversed {
         /// Lower limit.
         min: f64,

@@ -157,6 +157,18 @@ fn mechanism(values: &Values, file: &File) -> Result<Mechanism, Error> {
         let names = links.names[1..].iter().map(String::as_str);
         return Err(values.wrong(file.base.span(), unknown("base", &base, names)));
     }
+    for table in &file.joint {
+        let name = &table.get_ref().name;
+        let Some((other, _)) = name.get_ref().rsplit_once('[') else { continue };
+        let freedoms = joints.iter().find(|one| one.name == other).map(|one| one.kind.freedoms());
+        let of_coordinate = |k: usize| format!("{other}[{k}]") == *name.get_ref();
+        if freedoms.is_some_and(|count| count > 1 && (0..count).any(of_coordinate)) {
+            let (name_of, other) = (name.get_ref().clone(), other.to_owned());
+            return Err(
+                values.wrong(name.span(), Problem::CoordinateTwice { name: name_of, other })
+            );
+        }
+    }
     let placed = |error| values.wrong(blame(file, &error), error);
     let mechanism = Mechanism::new(title, links.names, joints).map_err(placed)?;
     let names = mechanism.joints().iter().map(|joint| joint.name.as_str());
@@ -316,16 +328,18 @@ mod tests {
         refuse("\"a / 2\"", "\"b / 2\"", "b", "unknown name `b`; known here: a, alpha, half, pi");
         refuse("a = 220", "a = \"2 * half\"", "\"2 * half\"", "in a circle: a → half → a");
         refuse("a = 220", "a = \"a\"", "\"a\"", "a → a");
-        refuse("a = 220", "a = nan", "nan", "`a` is NaN");
+        refuse("a = 220", "a = nan", "nan", "`a` is not a number");
         refuse("a = 220", "a = 220\nsin = 1", "sin", "no parameter can be called \"sin\"");
-        refuse("lead = 5", "lead = \"1 / 0\"", "1 / 0", "gives inf");
+        refuse("lead = 5", "lead = \"1 / 0\"", "1 / 0", "is infinite");
     }
 
     #[test]
     fn wrong_numbers_are_refused() {
         refuse("[0, 0, 2]", "[0, 0, 0]", "[0, 0, 0]", "all its numbers are 0");
         refuse("[0, 0, 2]", "[0, 2]", "[0, 2]", "has 2 entries, but needs 3");
-        refuse("[0, 0, 2]", "[0, 0, inf]", "inf", "`axis` is inf");
+        refuse("[0, 0, 2]", "[0, 0, inf]", "inf", "`axis` is infinite");
+        refuse("point = [1, 2, 3]", "point = [1, 2, 1e308]", "1e308", "within ±1000000000 mm");
+        refuse("guess = 30", "guess = 1e308", "1e308", "`guess` is 1e308, but has to lie within");
         refuse("[0, 0, 2]", "[0, 0, true]", "true", "expected a number or an expression");
         refuse("zero = [1, 0, 5]", "zero = [0, 0, 5]", "[0, 0, 5]", "parallel to the axis");
         let tilted = "second_axis = [1, 1e-5, 0]";
@@ -363,11 +377,17 @@ mod tests {
     fn links_that_make_no_mechanism_are_refused() {
         refuse("[\"arm\", \"cross\"]", "[\"arm\", \"arm\"]", "[\"arm\", \"arm\"]", "to itself");
         refuse("name = \"v2\"", "name = \"crank\"", "\"crank\"", "used twice");
+        refuse(
+            "name = \"slider\"",
+            "name = \"cardan[1]\"",
+            "\"cardan[1]\"",
+            "also the name of a coordinate of the joint `cardan`",
+        );
         refuse("name = \"cardan\"", "name = \"crank\"", "\"crank\"", "used twice");
         let apart = "[[joint]]\nname = \"apart\"\nkind = \"fixed\"\nlinks = [\"p\", \"q\"]\n";
         let text = format!("{apart}\n[[virtual_joint]]");
         refuse("[[virtual_joint]]", &text, "\"p\"", "\"p\" is not connected to the base");
-        refuse("[\"nut\", \"ground\"]", "[\"nut\"]", "[\"nut\"]", "has 1 entries, but needs 2");
+        refuse("[\"nut\", \"ground\"]", "[\"nut\"]", "[\"nut\"]", "has 1 entry, but needs 2");
     }
 
     #[test]

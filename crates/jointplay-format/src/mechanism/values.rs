@@ -109,6 +109,9 @@ impl AngleUnit {
     }
 }
 
+/// The largest length [m] and the largest angle [rad] that a file may name: far from where squares overflow.
+const LARGEST: f64 = 1e6;
+
 /// Reads numbers of one file.
 pub(super) struct Values<'a> {
     pub(super) text: &'a str,
@@ -184,6 +187,25 @@ impl Values<'_> {
         }
     }
 
+    /// Metres or radians from a coordinate of the file, refused where no mechanism has it.
+    pub(super) fn within(
+        &self,
+        key: &'static str,
+        coordinate: Coordinate,
+        value: f64,
+        span: Range<usize>,
+    ) -> Result<f64, Error> {
+        let si = self.coordinate(coordinate, value);
+        if si.abs() <= LARGEST {
+            return Ok(si);
+        }
+        let (most, unit) = match coordinate {
+            Coordinate::Slide => (self.units.length.from_meters(LARGEST), self.units.length.name()),
+            Coordinate::Turn => (self.units.angle.from_radians(LARGEST), self.units.angle.name()),
+        };
+        Err(self.wrong(span, Problem::Beyond { key, value, most, unit }))
+    }
+
     fn vector(&self, key: &'static str, numbers: &Numbers) -> Result<Vector3<f64>, Error> {
         let [x, y, z] = numbers.get_ref().as_slice() else {
             let problem =
@@ -200,7 +222,11 @@ impl Values<'_> {
         key: &'static str,
         numbers: &Numbers,
     ) -> Result<Vector3<f64>, Error> {
-        Ok(self.vector(key, numbers)?.map(|value| self.length(value)))
+        let vector = self.vector(key, numbers)?;
+        for (&value, entry) in vector.iter().zip(numbers.get_ref()) {
+            self.within(key, Coordinate::Slide, value, entry.span())?;
+        }
+        Ok(vector.map(|value| self.length(value)))
     }
 
     /// A direction, from numbers of any length but zero.

@@ -1,5 +1,6 @@
 //! What can be wrong in a study file.
 
+use crate::number::number;
 use crate::place::{Form, listed, suggestion};
 use crate::{robot, steps};
 
@@ -48,7 +49,7 @@ pub enum Problem {
         found: String,
     },
     /// A number that is NaN or infinite.
-    #[error("`{key}` has {value}, but needs finite numbers")]
+    #[error("`{key}` has a value that is {}, but needs finite numbers", number(*.value))]
     NotFinite {
         /// Which key.
         key: &'static str,
@@ -56,7 +57,7 @@ pub enum Problem {
         value: f64,
     },
     /// A number that is too large or too small.
-    #[error("`{key}` has {value}, but needs numbers from {min} to {max}")]
+    #[error("`{key}` has {}, but needs numbers from {} to {}", number(*.value), number(*.min), number(*.max))]
     Beyond {
         /// Which key.
         key: &'static str,
@@ -92,7 +93,7 @@ pub enum Problem {
         key: &'static str,
     },
     /// A range to draw from whose ends do not ascend.
-    #[error("`{key}`: uniform from {from} to {to} is no range; the first has to be the smaller")]
+    #[error("`{key}`: uniform from {} to {} is no range; the first has to be the smaller", number(*.from), number(*.to))]
     Reversed {
         /// Which key.
         key: &'static str,
@@ -102,7 +103,7 @@ pub enum Problem {
         to: f64,
     },
     /// A standard deviation of zero or less.
-    #[error("`{key}`: a standard deviation of {value} is not positive")]
+    #[error("`{key}`: a standard deviation of {} is not positive", number(*.value))]
     Deviation {
         /// Which key.
         key: &'static str,

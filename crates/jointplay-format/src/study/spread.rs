@@ -17,6 +17,9 @@ pub(super) struct Key {
     pub(super) to_si: fn(f64) -> f64,
 }
 
+/// The largest standard deviation, in the unit of the file: nearly all that it draws is beyond every robot.
+const LARGEST_DEVIATION: f64 = 1e9;
+
 const KINDS: [&str; 2] = ["uniform", "normal"];
 
 /// Reads the values of a key.
@@ -74,6 +77,10 @@ fn drawn(text: &str, key: &Key, span: Range<usize>, table: &toml::Table) -> Resu
     }
     if !second.is_finite() {
         return Err(wrong(Problem::NotFinite { key: name, value: second }));
+    }
+    if second > LARGEST_DEVIATION {
+        let (value, min, max) = (second, 0.0, LARGEST_DEVIATION);
+        return Err(wrong(Problem::Beyond { key: name, value, min, max }));
     }
     if second <= 0.0 {
         return Err(wrong(Problem::Deviation { key: name, value: second }));

@@ -54,7 +54,7 @@ fn a_mesh_that_cannot_be_served_is_told_at_the_start() {
     refused("base.stl", Some(folder.path()), "cannot be read");
     refused("base.stl", None, "not from a file");
     std::fs::create_dir(folder.path().join("folder.stl")).unwrap();
-    refused("folder.stl", Some(folder.path()), "no file");
+    refused("folder.stl", Some(folder.path()), "not a file");
     let large = std::fs::File::create(folder.path().join("large.stl")).unwrap();
     large.set_len(50_000_001).unwrap();
     refused("large.stl", Some(folder.path()), "longer than 50000000 bytes");

@@ -7,7 +7,8 @@ use jointplay::format::{cell, program};
 
 use super::input::EXAMPLE;
 use crate::failure::Failure;
-use crate::{folder, output};
+use crate::folder::{self, ForceArgs};
+use crate::output;
 
 /// Write the example cell and its program, to start from
 #[derive(Args)]
@@ -16,18 +17,19 @@ Examples:
   jointplay cell example
   jointplay cell example --out other-cell")]
 pub(super) struct ExampleCommand {
-    /// Folder for the two files, made if missing; files of their names are not replaced
-    #[arg(long, value_name = "FOLDER", default_value = "example-cell")]
+    /// Folder for the two files, made if missing
+    #[arg(short, long, value_name = "FOLDER", default_value = "example-cell")]
     out: PathBuf,
+    #[command(flatten)]
+    force: ForceArgs,
 }
 
 impl ExampleCommand {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let files = [("toml", cell::EXAMPLE), ("program", program::EXAMPLE)];
         let paths = files.map(|(end, _)| self.out.join(format!("{EXAMPLE}.{end}")));
-        for ((_, text), path) in files.iter().zip(&paths) {
-            folder::write_new(&self.out, path, text.as_bytes())?;
-        }
+        let named = files.map(|(end, text)| (format!("{EXAMPLE}.{end}"), text.as_bytes().to_vec()));
+        folder::write(&self.out, &named, self.force)?;
         let [cell, program] = paths.map(|path| path.display().to_string());
         output::text(&format!("{cell}\n{program}\ncheck it: jointplay cell check {cell}\n"))
     }

@@ -1,20 +1,22 @@
 //! `jointplay cell export`: a program's motion for other programs.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use jointplay::format::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
 use jointplay::format::export::{self, Recording};
+use jointplay::format::number::number;
 use jointplay::format::{place, table};
 use serde::Serialize;
 
 use super::input::{InputArgs, Planned};
 use super::text::{counted, violations};
-use crate::arguments::{finite, read_text};
+use crate::arguments::finite;
 use crate::failure::Failure;
+use crate::folder::{self, ForceArgs};
+use crate::output;
 use crate::progress::Progress;
-use crate::{folder, output};
+use crate::source::{STANDARD, label, read_text};
 
 /// Samples a second [Hz].
 #[derive(Clone, Copy)]
@@ -25,7 +27,7 @@ pub(super) fn rate(text: &str) -> Result<Rate, String> {
     if (0.1..=100_000.0).contains(&value) {
         Ok(Rate(value))
     } else {
-        Err(format!("{value} samples a second are not within 0.1 to 100000"))
+        Err(format!("{} samples a second are not within 0.1 to 100000", number(value)))
     }
 }
 
@@ -44,7 +46,7 @@ Exit codes: 0 written, 1 not safe to run or not reachable, 2 bad input or usage.
 pub(super) struct Export {
     #[command(flatten)]
     pub(super) input: InputArgs,
-    /// What to write, with commas between
+    /// What to write, with commas between; parquet and mcap need a build with the feature of that name
     #[arg(long, value_enum, value_delimiter = ',', default_value = "csv,gltf,solidworks,text")]
     to: Vec<Kind>,
     /// How controller text is written: the name of a dialect that comes along (neutral, points), or a dialect file
@@ -54,11 +56,10 @@ pub(super) struct Export {
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate: Rate,
     /// Folder for the files
-    #[arg(long, value_name = "FOLDER", default_value = "cell-export")]
+    #[arg(short, long, value_name = "FOLDER", default_value = "cell-export")]
     out: PathBuf,
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: ForceArgs,
     /// Export a program with violations too
     #[arg(long)]
     despite_errors: bool,
@@ -72,10 +73,12 @@ enum Kind {
     /// samples as comma-separated values
     Csv,
     /// samples as Parquet
+    #[cfg_attr(not(feature = "parquet"), value(skip))]
     Parquet,
     /// the cell in 3D with its motion, one binary glTF file
     Gltf,
     /// joint states, trajectories and transforms, for Foxglove and ROS 2
+    #[cfg_attr(not(feature = "mcap"), value(skip))]
     Mcap,
     /// time and value for each motor, and a macro that loads them
     Solidworks,
@@ -95,7 +98,7 @@ struct Written {
 
 impl Export {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        folder::probe(&self.out)?;
+        folder::check_folder(&self.out, self.force)?;
         let dialect = dialect(&self.dialect)?;
         let planned = self.input.plan()?;
         if !planned.is_sound() && !self.despite_errors {
@@ -107,12 +110,7 @@ impl Export {
             )));
         }
         let files = self.files(&planned, &dialect)?;
-        let foreign = folder::foreign(&self.out, &own(&planned, &dialect))?;
-        if !foreign.is_empty() && !self.force {
-            let folder = self.out.clone();
-            return Err(Failure::Foreign { folder, command: "cell export", names: foreign });
-        }
-        folder::write(&self.out, &files)?;
+        folder::write(&self.out, &files, self.force)?;
         let written = Written {
             verdict: planned.document().verdict,
             violations: planned.report.violations.len(),
@@ -176,29 +174,13 @@ impl Export {
     }
 }
 
-/// Names of all files that an export of this cell may write, sound or not.
-fn own(planned: &Planned, dialect: &Dialect) -> BTreeSet<String> {
-    let stem = &planned.input.named.stem;
-    let mut names = BTreeSet::new();
-    for stem in [stem.clone(), format!("{stem}{MARK}")] {
-        names.extend(["csv", "parquet", "glb", "mcap"].map(|end| format!("{stem}.{end}")));
-        names.insert(format!("{stem}-{}.{}", dialect.name, dialect.extension));
-        names.extend(DIALECTS.iter().filter_map(|entry| {
-            let known = Dialect::parse(entry.text).ok()?;
-            Some(format!("{stem}-{}.{}", known.name, known.extension))
-        }));
-    }
-    names.extend(export::solidworks_names(planned.cell()));
-    names
-}
-
 /// A dialect that comes along, or that of a file.
 fn dialect(path: &Path) -> Result<Dialect, Failure> {
-    let label = path.display().to_string();
+    let label = label(path);
     let known = DIALECTS.iter().find(|entry| entry.name == label && !path.exists());
     let text = match known {
         Some(entry) => entry.text.to_owned(),
-        None if !path.exists() && path.extension().is_none() => {
+        None if !path.exists() && path.extension().is_none() && path != Path::new(STANDARD) => {
             let names = DIALECTS.map(|entry| entry.name.to_owned());
             return Err(Failure::Misused(place::not_known("the dialect", &label, &names)));
         }
@@ -230,8 +212,11 @@ fn mcap(_: &Recording<'_>, _: f64) -> Result<Vec<u8>, Failure> {
 }
 
 fn told(written: &Written, files: &[(String, Vec<u8>)]) -> String {
-    let mut text =
-        format!("{:.3} s of motion at {} samples a second\n", written.duration_s, written.rate_hz);
+    let mut text = format!(
+        "{:.3} s of motion at {} samples a second\n",
+        written.duration_s,
+        number(written.rate_hz)
+    );
     if written.violations > 0 {
         text.push_str("NOT SAFE TO RUN, as every file says\n");
     }

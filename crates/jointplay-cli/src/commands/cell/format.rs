@@ -1,14 +1,15 @@
 //! `jointplay cell format`: a program laid out evenly.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::program;
 
 use super::input::{EXAMPLE, wrong};
-use crate::arguments::read_text;
 use crate::failure::Failure;
-use crate::{folder, output};
+use crate::folder::{self, ForceArgs};
+use crate::output;
+use crate::source::{STANDARD, label, read_text};
 
 /// Lay a program out evenly: words in capitals, blocks set in, comments kept
 ///
@@ -32,13 +33,20 @@ pub(super) struct Format {
 impl Format {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let (text, label) = match &self.program {
-            Some(path) => (read_text(path, program::MAX_BYTES as u64)?, path.display().to_string()),
+            Some(path) => (read_text(path, program::MAX_BYTES as u64)?, label(path)),
             None => (program::EXAMPLE.to_owned(), format!("{EXAMPLE}.program")),
         };
         let even =
             program::format(&text).map_err(|problems| Failure::Wrong(wrong(&problems, &label)))?;
         match &self.program {
-            Some(path) if self.write && even != text => folder::write_file(path, even.as_bytes()),
+            Some(path) if self.write && path == Path::new(STANDARD) => {
+                let text =
+                    "--write: standard input is no file; without --write the program is printed";
+                Err(Failure::Misused(text.to_owned()))
+            }
+            Some(path) if self.write && even != text => {
+                folder::write_file(path, even.as_bytes(), ForceArgs::REPLACE)
+            }
             Some(_) if self.write => Ok(()),
             _ => output::raw(&even),
         }

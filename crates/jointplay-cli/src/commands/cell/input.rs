@@ -1,6 +1,6 @@
 //! Cells and programs, as given on the command line.
 
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::cell::cell::Cell;
@@ -13,9 +13,10 @@ use jointplay::format::place::Error as Placed;
 use jointplay::format::{cell, program, report};
 
 use super::text::counted;
-use crate::arguments::{TextFormat, read_text};
+use crate::arguments::TextFormat;
 use crate::failure::{Failure, Wrong};
 use crate::progress::Progress;
+use crate::source::{self, Kind, STANDARD, Source, read_text};
 
 /// What the example is called, in place of a file.
 pub(super) const EXAMPLE: &str = "example";
@@ -88,6 +89,10 @@ impl CellArgs {
         self.format == TextFormat::Json
     }
 
+    pub(super) fn is_standard_input(&self) -> bool {
+        self.file.as_deref() == Some(Path::new(STANDARD))
+    }
+
     fn is_example(&self) -> bool {
         self.file.as_ref().is_none_or(|path| path == Path::new(EXAMPLE) && !path.exists())
     }
@@ -95,10 +100,14 @@ impl CellArgs {
     pub(super) fn load(&self) -> Result<Named, Failure> {
         match &self.file {
             Some(path) if !self.is_example() => {
-                let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+                let stem = source::stem(path);
                 let folder = path.parent().map(Path::to_owned).unwrap_or_default();
-                let text = read_text(path, cell::MAX_BYTES as u64)?;
-                Named::read(path.display().to_string(), stem, text, Some(folder))
+                let Source { label, text } = {
+                    let source = Source::read(path, cell::MAX_BYTES)?;
+                    source.require(&[Kind::Cell], "a work cell")?;
+                    source
+                };
+                Named::read(label, stem, text, Some(folder))
             }
             _ => {
                 let label = format!("{EXAMPLE}.toml");
@@ -147,7 +156,7 @@ impl InputArgs {
                 let path = cell.with_extension(PROGRAM);
                 if !path.exists() {
                     return Err(Failure::Misused(format!(
-                        "there is no {} beside the cell: name the program behind it",
+                        "there is no {} beside the cell: name the program after the cell",
                         path.display()
                     )));
                 }
@@ -156,7 +165,7 @@ impl InputArgs {
             _ => return Ok((program::EXAMPLE.to_owned(), format!("{EXAMPLE}.{PROGRAM}"))),
         };
         let text = read_text(&path, program::MAX_BYTES as u64)?;
-        Ok((text, path.display().to_string()))
+        Ok((text, source::label(&path)))
     }
 
     /// Expands, times and checks the program.
@@ -268,37 +277,9 @@ fn told(error: &ProgramError, text: &str, label: &str) -> Wrong {
     Wrong::new(&program::explain(text, error), label)
 }
 
-/// A folder in words.
-fn shown(folder: &Path) -> String {
-    if folder.as_os_str().is_empty() {
-        "this folder".to_owned()
-    } else {
-        folder.display().to_string()
-    }
-}
-
 /// A file that a cell names: in its folder or below, and nowhere else.
 fn beside(folder: Option<&Path>, name: &str) -> Result<Vec<u8>, String> {
-    let Some(folder) = folder else {
-        return Err("the example has no files beside it".to_owned());
-    };
-    let within = |part| matches!(part, Component::Normal(_));
-    if !Path::new(name).components().all(within) {
-        return Err("it has to lie in the folder of the cell or below it".to_owned());
-    }
-    let path = folder.join(name);
+    let folder = folder.ok_or("the example has no files beside it")?;
     let allowed = cell::MAX_MESH_BYTES as u64;
-    let told = |error: std::io::Error| match error.kind() {
-        std::io::ErrorKind::NotFound => format!("there is none in {}", shown(folder)),
-        _ => error.to_string(),
-    };
-    let mut bytes = Vec::new();
-    // Counted while reading: pipes and devices do not tell their length.
-    let file = std::fs::File::open(path).map_err(told)?;
-    std::io::Read::read_to_end(&mut std::io::Read::take(file, allowed + 1), &mut bytes)
-        .map_err(told)?;
-    if bytes.len() as u64 > allowed {
-        return Err(format!("it is longer than {allowed} bytes"));
-    }
-    Ok(bytes)
+    jointplay_files::read(folder, name, allowed).map_err(|why| why.to_string())
 }

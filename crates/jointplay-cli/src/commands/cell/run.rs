@@ -11,7 +11,8 @@ use super::input::InputArgs;
 use super::pictures::{PICTURES, pictures};
 use super::text;
 use crate::failure::Failure;
-use crate::{folder, output};
+use crate::folder::{self, ForceArgs};
+use crate::output;
 
 const REPORT: &str = "report.json";
 const SAMPLES: &str = "samples.csv";
@@ -33,11 +34,10 @@ pub(super) struct Run {
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate: Rate,
     /// Folder for the results
-    #[arg(long, value_name = "FOLDER", default_value = "cell-run")]
+    #[arg(short, long, value_name = "FOLDER", default_value = "cell-run")]
     out: PathBuf,
-    /// Write into a folder that holds other files
-    #[arg(long)]
-    force: bool,
+    #[command(flatten)]
+    force: ForceArgs,
     /// Write the samples of a program with violations too, which are counted in a column of their own
     #[arg(long)]
     despite_errors: bool,
@@ -45,14 +45,9 @@ pub(super) struct Run {
 
 impl Run {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        folder::probe(&self.out)?;
+        folder::check_folder(&self.out, self.force)?;
         let own: BTreeSet<String> =
             PICTURES.into_iter().chain([REPORT, SAMPLES]).map(str::to_owned).collect();
-        let foreign = folder::foreign(&self.out, &own)?;
-        if !foreign.is_empty() && !self.force {
-            let folder = self.out.clone();
-            return Err(Failure::Foreign { folder, command: "cell run", names: foreign });
-        }
         let planned = self.input.plan()?;
         let document = planned.document();
         let mut files = vec![(REPORT.to_owned(), (output::to_json(&document) + "\n").into_bytes())];
@@ -61,7 +56,7 @@ impl Run {
             files.push((SAMPLES.to_owned(), table::csv(&columns).into_bytes()));
         }
         files.extend(pictures(&planned)?);
-        folder::write(&self.out, &files)?;
+        folder::write(&self.out, &files, self.force)?;
         folder::remove_stale(&self.out, &own, &files)?;
         if self.input.json() {
             output::json(&document)?;

@@ -1,10 +1,11 @@
 //! `jointplay cell teach`: stations from taught points.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use clap::Args;
 use jointplay::format::cell::{self, Change};
+use jointplay::format::number::number;
 use jointplay::format::place::not_known;
 use jointplay::format::report::{self, StationReport, TeachReport};
 use jointplay::format::units::m_from_mm;
@@ -15,8 +16,9 @@ use super::input::{CellArgs, Named};
 use super::pictures::PNG_WIDTH;
 use crate::arguments::{finite, length};
 use crate::failure::Failure;
-use crate::output::fixed;
-use crate::{folder, output};
+use crate::figure::{FigureArgs, Format};
+use crate::folder::{self, ForceArgs};
+use crate::output::{self, fixed};
 
 /// Place a station from taught points, or tell where stations are
 ///
@@ -37,20 +39,19 @@ pub(super) struct Teach {
     #[arg(long, value_name = "NAME")]
     station: Option<String>,
     /// A point of the resting plane in the base frame; three or more
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires = "station", conflicts_with_all = ["first_mm", "last_mm"])]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, requires = "station", conflicts_with_all = ["first_mm", "last_mm"])]
     point_mm: Vec<Point>,
     /// How far from the plane a point may be
     #[arg(long, value_name = "UM", default_value = "100", value_parser = threshold)]
     threshold_um: f64,
     /// Where the wafer of the first slot rests, in the base frame
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires_all = ["station", "last_mm"])]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, requires_all = ["station", "last_mm"])]
     first_mm: Option<Point>,
     /// Where the wafer of the last slot rests, in the base frame
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, requires_all = ["station", "first_mm"])]
+    #[arg(long, value_name = "X,Y,Z", value_parser = point, requires_all = ["station", "first_mm"])]
     last_mm: Option<Point>,
-    /// Draw how the stations lean and how far points are off their planes, both larger than they are; .svg or .png
-    #[arg(long, value_name = "FILE")]
-    figure: Option<PathBuf>,
+    #[command(flatten)]
+    figure: FigureArgs,
     /// Write it into the cell file, whose comments stay
     #[arg(long, requires = "station")]
     write: bool,
@@ -73,17 +74,13 @@ fn threshold(text: &str) -> Result<f64, String> {
     if value > 0.0 && value <= 1e5 {
         Ok(value)
     } else {
-        Err(format!("{value} µm is not within 0 to 100000 µm"))
+        Err(format!("{} µm is not within 0 to 100000 µm", number(value)))
     }
 }
 
 impl Teach {
     pub(super) fn run(&self) -> Result<(), Failure> {
-        if let Some(path) = &self.figure
-            && !matches!(ending(path).as_deref(), Some("svg" | "png"))
-        {
-            return Err(Failure::FigureKind { path: path.clone() });
-        }
+        self.figure.target()?;
         let mut named = self.cell.load()?;
         if let Some(station) = &self.station {
             let names: Vec<String> =
@@ -98,18 +95,19 @@ impl Teach {
                 }
             }
         }
-        if let Some(path) = &self.figure {
-            folder::write_file(path, &self.drawn(&named, path)?)?;
-        }
         let document = report::teach(&named.cell, self.station.as_deref());
         if self.cell.json() {
             output::json(&document)?;
         } else {
-            let mut told = text(&document);
-            if let Some(path) = &self.figure {
-                let _ = writeln!(told, "picture: {}", path.display());
-            }
-            output::text(&told)?;
+            output::text(&text(&document))?;
+        }
+        let picture = self.picture(&named);
+        let written = self.figure.write(|format| match format {
+            Format::Svg => picture.to_svg().map(String::into_bytes),
+            Format::Png => picture.to_png(PNG_WIDTH),
+        })?;
+        if let Some(path) = written.filter(|_| !self.cell.json()) {
+            output::text(&format!("picture: {}\n", path.display()))?;
         }
         let scattered = document.stations.iter().find(|station| {
             station.plane.as_ref().is_some_and(|plane| plane.verdict == "scattered")
@@ -123,17 +121,13 @@ impl Teach {
     }
 
     /// The picture of the stations asked about.
-    fn drawn(&self, named: &Named, path: &Path) -> Result<Vec<u8>, Failure> {
+    fn picture<'a>(&self, named: &'a Named) -> Taught<'a> {
         let mut picture = Taught::new(&named.cell);
         if let Some(station) = &self.station {
             picture.stations.retain(|&k| named.cell.stations[k].name == *station);
             picture.title = named.cell.name.clone();
         }
-        let drawn = match ending(path).as_deref() {
-            Some("png") => picture.to_png(PNG_WIDTH),
-            _ => picture.to_svg().map(String::into_bytes),
-        };
-        drawn.map_err(|source| Failure::Figure { figure: path.display().to_string(), source })
+        picture
     }
 
     fn change(&self) -> Option<Change> {
@@ -148,17 +142,16 @@ impl Teach {
     }
 
     fn save(&self, named: &Named) -> Result<(), Failure> {
+        if self.cell.is_standard_input() {
+            let text = "--write: standard input is no file; name the cell file";
+            return Err(Failure::Misused(text.to_owned()));
+        }
         if named.folder.is_none() {
             let text = "--write: the example is no file; `jointplay cell example` makes one of it";
             return Err(Failure::Misused(text.to_owned()));
         }
-        folder::write_file(Path::new(&named.label), named.text.as_bytes())
+        folder::write_file(Path::new(&named.label), named.text.as_bytes(), ForceArgs::REPLACE)
     }
-}
-
-/// What a name ends in, in small letters.
-fn ending(path: &Path) -> Option<String> {
-    path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase())
 }
 
 /// The cell with another place of one station.

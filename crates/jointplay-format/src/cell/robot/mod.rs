@@ -252,7 +252,7 @@ mod tests {
         refused(&format!("{radial}metric = 1.0"), "1.0", "only polar and offset have angles");
         let polar = "virtualization = \"polar\"\n";
         refused(&format!("{polar}metric = \"raduis\""), "\"raduis\"", "did you mean `radius`?");
-        refused(&format!("{polar}metric = -1"), "-1", "from 0.000000001 to 1000000000");
+        refused(&format!("{polar}metric = -1"), "-1", "from 1e-9 to 1000000000");
         refused(&format!("{polar}metric = true"), "true", "has to be a number");
         refused(&format!("{polar}solvers = 1"), "solvers", "did you mean `solver`?");
     }
@@ -302,7 +302,7 @@ mod tests {
         refuse("gpr = \"gpr\"", "gpr = \"bennett\"", "\"bennett\"", "known: gpr");
         refuse("mount_mm", "mount_m", "mount_m", "did you mean `mount_mm`?");
         refuse("length_mm = 230.0", "length_mm = -1", "-1", "but has to be 0 or more");
-        refuse("length_mm = 230.0", "length_mm = nan", "nan", "`length_mm` is NaN");
+        refuse("length_mm = 230.0", "length_mm = nan", "nan", "`length_mm` is not a number");
         refuse("drives = { RA = 1 }", "drives = { R = 1 }", "R", "known: T, RA, RB");
         refuse("drives = { RA = 1 }", "drives = { q1 = 1 }", "q1", "known: T, RA, RB");
         refuse("drives = { RA = 1 }", "drives = [1]", "[1]", "such as { T = 1, R = -2 }");
@@ -321,7 +321,7 @@ mod tests {
             "did you mean `range_deg`?",
         );
         refuse("[-190.0, 190.0]", "[190.0, -190.0]", "\"T\"", "reversed: least 190°, most -190°");
-        refuse("[-190.0, 190.0]", "[-190.0]", "[-190.0]", "has 1 entries, but needs 2");
+        refuse("[-190.0, 190.0]", "[-190.0]", "[-190.0]", "has 1 entry, but needs 2");
         refuse("home_deg = 0.0", "home_deg = 200.0", "\"T\"", "has to lie from -190° to 190°");
         refuse("home_mm = 500.0", "home_mm = 800.0", "[rods]", "has to lie from 246 mm to 754 mm");
         refuse("velocity_deg_s = 180.0", "velocity_deg_s = 280.0", "\"T\"", "from 0°/s to 270°/s");

@@ -1,0 +1,69 @@
+//! What is printed beside the answer: colours, notes, how much of them.
+
+use std::io::Write as _;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+use clap::{Args, ColorChoice};
+
+/// Flags of every command about what is printed.
+#[derive(Args)]
+pub(crate) struct ConsoleArgs {
+    /// Print the answer and errors only: no progress, no notes
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Report files that are read and written, and the time taken, on standard error
+    #[arg(short, long, global = true)]
+    verbose: bool,
+    /// Whether output has colours
+    #[arg(long, global = true, value_enum, value_name = "WHEN", default_value = "auto")]
+    color: ColorChoice,
+}
+
+const QUIET: u8 = 0;
+const NORMAL: u8 = 1;
+const VERBOSE: u8 = 2;
+
+/// How much is printed; set once, before the command runs.
+static LEVEL: AtomicU8 = AtomicU8::new(NORMAL);
+
+impl ConsoleArgs {
+    /// Applies the flags to everything that is printed from now on.
+    pub(crate) fn apply(&self) {
+        let level = match (self.quiet, self.verbose) {
+            (true, _) => QUIET,
+            (_, true) => VERBOSE,
+            _ => NORMAL,
+        };
+        LEVEL.store(level, Ordering::Relaxed);
+        match self.color {
+            ColorChoice::Auto => anstream::ColorChoice::Auto,
+            ColorChoice::Always => anstream::ColorChoice::Always,
+            ColorChoice::Never => anstream::ColorChoice::Never,
+        }
+        .write_global();
+    }
+}
+
+/// Whether neither notes nor progress are printed.
+pub(crate) fn is_quiet() -> bool {
+    LEVEL.load(Ordering::Relaxed) == QUIET
+}
+
+/// A note on standard error, unless `--quiet` is given.
+pub(crate) fn note(line: &str) {
+    if !is_quiet() {
+        print(line);
+    }
+}
+
+/// A detail on standard error, where `--verbose` is given.
+pub(crate) fn detail(line: &str) {
+    if LEVEL.load(Ordering::Relaxed) == VERBOSE {
+        print(line);
+    }
+}
+
+fn print(line: &str) {
+    // Where standard error is closed, there is no reader.
+    drop(writeln!(anstream::stderr(), "{line}"));
+}

@@ -1,0 +1,53 @@
+//! One figure that is written where `--figure` asks for it.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use jointplay::plot;
+
+use crate::failure::Failure;
+use crate::folder::{self, ForceArgs};
+
+/// Where the figure of a question goes.
+#[derive(Args)]
+pub(crate) struct FigureArgs {
+    /// Write the figure into this file, which ends in .svg or .png
+    #[arg(long, value_name = "FILE")]
+    figure: Option<PathBuf>,
+    #[command(flatten)]
+    force: ForceArgs,
+}
+
+/// Formats of figures.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Format {
+    Svg,
+    Png,
+}
+
+impl FigureArgs {
+    /// The file and its format, where a figure is asked for.
+    pub(crate) fn target(&self) -> Result<Option<(&Path, Format)>, Failure> {
+        let Some(path) = &self.figure else { return Ok(None) };
+        let ending = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
+        match ending.as_deref() {
+            Some("svg") => Ok(Some((path, Format::Svg))),
+            Some("png") => Ok(Some((path, Format::Png))),
+            _ => Err(Failure::FigureKind { path: path.clone() }),
+        }
+    }
+
+    /// Draws the figure and writes it, where one is asked for; the path of what was written.
+    ///
+    /// It is called after the answer is printed, which no failure to write may hide.
+    pub(crate) fn write(
+        &self,
+        draw: impl FnOnce(Format) -> Result<Vec<u8>, plot::Error>,
+    ) -> Result<Option<&Path>, Failure> {
+        let Some((path, format)) = self.target()? else { return Ok(None) };
+        folder::check_file(path, self.force)?;
+        let failed = |source| Failure::Figure { figure: path.display().to_string(), source };
+        folder::write_file(path, &draw(format).map_err(failed)?, self.force)?;
+        Ok(Some(path))
+    }
+}

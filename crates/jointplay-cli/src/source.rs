@@ -1,0 +1,183 @@
+//! Files of input: from the disk, from the catalogue, or from standard input; and which kind they are of.
+
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use jointplay::format::cell::robot::KIND as ARMS;
+use jointplay::format::{catalogue, import, mechanism, place};
+
+use crate::console;
+use crate::failure::Failure;
+
+/// The name of standard input and of standard output.
+pub(crate) const STANDARD: &str = "-";
+
+/// Set once standard input was read, which can be read only once.
+static STANDARD_INPUT_READ: AtomicBool = AtomicBool::new(false);
+
+/// The text of a file, and its name in messages.
+pub(crate) struct Source {
+    pub(crate) label: String,
+    pub(crate) text: String,
+}
+
+impl Source {
+    /// Reads a file, the file of this name in the catalogue where there is none, or standard input for `-`.
+    ///
+    /// # Arguments
+    /// * `allowed` – its largest size [bytes]
+    pub(crate) fn read(path: &Path, allowed: usize) -> Result<Self, Failure> {
+        let label = label(path);
+        if path != Path::new(STANDARD) && !path.exists() {
+            if let Some(entry) = catalogue::find(&label) {
+                console::detail(&format!("{label}: from the catalogue"));
+                return Ok(Self { label, text: entry.text.to_owned() });
+            }
+            if is_name(path) {
+                let known: Vec<String> =
+                    catalogue::entries().iter().map(|entry| entry.name.to_owned()).collect();
+                let text = place::not_known("the file or catalogue entry", &label, &known);
+                return Err(Failure::Misused(text));
+            }
+        }
+        Ok(Self { label, text: read_text(path, allowed as u64)? })
+    }
+
+    /// Which kind of file it is, where it says so.
+    pub(crate) fn kind(&self) -> Option<Kind> {
+        Kind::of(&self.text)
+    }
+
+    /// Refuses a file that says it is of another kind than those.
+    ///
+    /// # Arguments
+    /// * `needed` – what is needed, for the message
+    pub(crate) fn require(&self, kinds: &[Kind], needed: &str) -> Result<(), Failure> {
+        match self.kind().filter(|kind| !kinds.contains(kind)) {
+            None => Ok(()),
+            Some(kind) => {
+                let hint = if kind == Kind::ThreeRods && kinds.contains(&Kind::Mechanism) {
+                    "\n  the paper's robot as a mechanism is gpr-mechanism, of the catalogue"
+                } else {
+                    ""
+                };
+                let (label, noun, used) = (&self.label, kind.noun(), kind.used_by(&self.label));
+                Err(Failure::Misused(format!(
+                    "{label} is {noun}, but {needed} is needed here\n  {used}{hint}"
+                )))
+            }
+        }
+    }
+}
+
+/// Kinds of files, as they describe themselves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Mechanism,
+    Model,
+    ThreeRods,
+    Arms,
+    Cell,
+    Study,
+    Loops,
+}
+
+impl Kind {
+    fn of(text: &str) -> Option<Self> {
+        if import::is_model(text) {
+            return Some(Self::Model);
+        }
+        match mechanism::kind_of(text)?.as_str() {
+            "mechanism" => Some(Self::Mechanism),
+            "gpr" => Some(Self::ThreeRods),
+            ARMS => Some(Self::Arms),
+            "cell" => Some(Self::Cell),
+            "study" => Some(Self::Study),
+            "loops" => Some(Self::Loops),
+            _ => None,
+        }
+    }
+
+    fn noun(self) -> &'static str {
+        match self {
+            Self::Mechanism => "a mechanism",
+            Self::Model => "a model of another program",
+            Self::ThreeRods => "a three-rod robot",
+            Self::Arms => "a robot with arms",
+            Self::Cell => "a work cell",
+            Self::Study => "a study",
+            Self::Loops => "a file of loops",
+        }
+    }
+
+    /// Which commands take such a file.
+    fn used_by(self, label: &str) -> String {
+        match self {
+            Self::Mechanism | Self::Model => {
+                format!(
+                    "commands for it: jointplay mobility, assemble, move, draw or suggest {label}"
+                )
+            }
+            Self::ThreeRods => format!(
+                "commands for it: jointplay forward, inverse, mobility, sensitivity, compare, simulate or studio --robot {label}"
+            ),
+            Self::Arms => format!(
+                "a work cell names it by robot = \"{label}\": jointplay cell example writes such a file"
+            ),
+            Self::Cell => {
+                format!(
+                    "commands for it: jointplay cell check {label}, jointplay studio --cell {label}"
+                )
+            }
+            Self::Study => format!("the command for it: jointplay study {label}"),
+            Self::Loops => format!("the command for it: jointplay import MODEL --loops {label}"),
+        }
+    }
+}
+
+/// Whether a path is a bare name, which can only be meant for the catalogue.
+fn is_name(path: &Path) -> bool {
+    path.extension().is_none() && path.components().count() == 1
+}
+
+/// The name of a file in messages.
+pub(crate) fn label(path: &Path) -> String {
+    if path == Path::new(STANDARD) {
+        "standard input".to_owned()
+    } else {
+        path.display().to_string()
+    }
+}
+
+/// The name of a file without its ending, for files of results.
+pub(crate) fn stem(path: &Path) -> String {
+    if path == Path::new(STANDARD) {
+        return "input".to_owned();
+    }
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// The text of a file, or of standard input for `-`; refused where it is longer than `allowed` bytes.
+pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
+    let named = PathBuf::from(label(path));
+    let failed = |source| Failure::Read { path: named.clone(), source };
+    let mut text = String::new();
+    // Counted while reading: pipes and devices do not report their length.
+    let read = if path == Path::new(STANDARD) {
+        if STANDARD_INPUT_READ.swap(true, Ordering::Relaxed) {
+            let text = "standard input can be read only once: name a file for the other `-`";
+            return Err(Failure::Misused(text.to_owned()));
+        }
+        std::io::stdin().lock().take(allowed + 1).read_to_string(&mut text)
+    } else {
+        let file = std::fs::File::open(path).map_err(failed)?;
+        file.take(allowed + 1).read_to_string(&mut text)
+    };
+    if text.len() as u64 > allowed {
+        return Err(Failure::TooLarge { path: named, allowed });
+    }
+    read.map_err(failed)?;
+    console::detail(&format!("{}: {} bytes read", named.display(), text.len()));
+    Ok(text)
+}

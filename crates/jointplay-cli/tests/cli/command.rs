@@ -1,0 +1,240 @@
+//! What all commands share: files, names of the catalogue, standard input, overwriting, usage errors.
+
+use std::io::Write as _;
+use std::process::{Output, Stdio};
+
+use serde_json::Value;
+
+use crate::desk::Desk;
+
+/// Runs a line with a text on standard input: exit code, standard output, standard error.
+fn with_input(desk: &Desk, line: &str, text: &str) -> (i32, String, String) {
+    let mut command = desk.command(line);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
+    let Output { status, stdout, stderr } = child.wait_with_output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (status.code().unwrap(), text(stdout), text(stderr))
+}
+
+#[track_caller]
+fn refused(desk: &Desk, line: &str, parts: &[&str]) {
+    let run = desk.run(line);
+    assert_eq!(run.code, 2, "{line}: {}", run.stderr);
+    for part in parts {
+        assert!(run.stderr.contains(part), "{line}: {part}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn catalogue_names_work_wherever_a_file_does() {
+    let desk = Desk::new();
+    assert_eq!(desk.done("forward --robot gpr"), desk.done("forward"));
+    assert_eq!(desk.done("mobility gpr"), desk.done("mobility"));
+    for line in ["mobility benett", "draw benett", "move benett", "assemble benett"] {
+        refused(&desk, line, &["`benett` is not known (did you mean `bennett`?)"]);
+    }
+    refused(&desk, "forward --robot gprr", &["did you mean `gpr`?"]);
+    refused(&desk, "cell check exampel", &["`exampel` is not known"]);
+}
+
+#[test]
+fn a_file_of_the_wrong_kind_is_refused_with_the_command_that_takes_it() {
+    let desk = Desk::new();
+    desk.write("study.toml", crate::study::SMALL);
+    desk.write("cell.toml", include_str!("../../../../cells/example.toml"));
+    desk.write("loops.toml", crate::import::LOOPS);
+    for (line, parts) in [
+        ("draw gpr", ["is a three-rod robot", "gpr-mechanism"]),
+        ("move gpr", ["is a three-rod robot", "jointplay forward"]),
+        ("mobility dual-arm", ["is a robot with arms", "robot = \"dual-arm\""]),
+        ("forward --robot hexapod", ["is a mechanism", "jointplay mobility"]),
+        ("forward --robot cell.toml", ["is a work cell", "jointplay cell check cell.toml"]),
+        ("cell check dual-arm", ["is a robot with arms", "a work cell is needed"]),
+        ("cell check study.toml", ["is a study", "jointplay study study.toml"]),
+        ("study bennett", ["is a mechanism", "a study is needed"]),
+        ("study cell.toml", ["is a work cell", "a study is needed"]),
+        ("import bennett", ["is a mechanism", "a model of MuJoCo"]),
+        ("draw loops.toml", ["is a file of loops", "--loops loops.toml"]),
+        ("simulate --robot study.toml", ["is a study", "a three-rod robot is needed"]),
+    ] {
+        refused(&desk, line, &parts);
+    }
+    #[cfg(feature = "studio")]
+    refused(&desk, "studio hexapod --no-open", &["is a mechanism", "draw"]);
+}
+
+#[test]
+fn files_come_from_standard_input_too() {
+    let desk = Desk::new();
+    let bennett = desk.done("catalogue show bennett");
+    let (code, out, _) = with_input(&desk, "mobility -", &bennett);
+    assert_eq!((code, out), (0, desk.done("mobility bennett")));
+    let (code, out, _) = with_input(&desk, "import - --output -", crate::import::URDF);
+    assert_eq!(code, 0);
+    assert!(out.contains("kind = \"mechanism\""), "{out}");
+    let wrong = bennett.replace("joint", "jiont");
+    let (code, _, error) = with_input(&desk, "mobility -", &wrong);
+    assert_eq!(code, 2);
+    assert!(error.contains("standard input:"), "{error}");
+    let (code, _, error) = with_input(&desk, "cell check - -", "kind = \"cell\"");
+    assert_eq!(code, 2);
+    assert!(error.contains("only once"), "{error}");
+}
+
+#[test]
+fn no_command_replaces_a_file_unasked() {
+    let desk = Desk::new();
+    desk.write("robot.urdf", crate::import::URDF);
+    desk.write("study.toml", crate::study::SMALL);
+    for (line, file) in [
+        ("compare --figure file.svg", "file.svg"),
+        ("draw bennett --figure file.svg", "file.svg"),
+        ("cell teach --figure file.svg", "file.svg"),
+        ("import robot.urdf --output file.toml", "file.toml"),
+        ("catalogue copy bennett .", "bennett.toml"),
+        ("cell example --out .", "example.program"),
+        ("study study.toml --out file.csv", "file.csv"),
+        ("manual --out .", "jointplay-cell-check.1"),
+    ] {
+        desk.write(file, "mine");
+        refused(&desk, line, &[file, "--force"]);
+        assert_eq!(desk.read(file), "mine", "{line}");
+        assert_eq!(desk.run(&format!("{line} --force")).code, 0, "{line}");
+        assert_ne!(desk.read(file), "mine", "{line}");
+    }
+    for line in ["simulate --yaw-step-deg 360", "move four-bar"] {
+        std::fs::create_dir_all(desk.file("results")).unwrap();
+        desk.write("results/notes.txt", "mine");
+        refused(&desk, &format!("{line} --out results"), &["notes.txt", "--force"]);
+        assert_eq!(desk.names("results"), ["notes.txt"]);
+        desk.done(&format!("{line} --out results --force"));
+        assert_eq!(desk.read("results/notes.txt"), "mine");
+        std::fs::remove_dir_all(desk.file("results")).unwrap();
+    }
+}
+
+#[test]
+fn usage_errors_are_json_where_json_is_asked_for() {
+    let desk = Desk::new();
+    for line in [
+        "forward --format json --q-mm 1,2",
+        "mobility --format=json --frobnicate",
+        "cell check --format json a b c",
+    ] {
+        let run = desk.run(line);
+        assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{line}");
+        let error: Value = serde_json::from_str(&run.stderr).unwrap();
+        assert_eq!(error["error"]["kind"], "usage", "{line}");
+        let message = error["error"]["message"].as_str().unwrap();
+        assert!(!message.contains("Usage:") && !message.starts_with("error"), "{message}");
+    }
+    assert!(desk.run("forward --q-mm 1,2").stderr.starts_with("error: "));
+}
+
+#[test]
+fn negative_numbers_with_an_exponent_are_values() {
+    let desk = Desk::new();
+    let same = |one: &str, other: &str| assert_eq!(desk.done(one), desk.done(other), "{one}");
+    same("inverse --pitch-deg -1.5e-05", "inverse --pitch-deg=-0.000015");
+    same("compare --pitch-deg -1e0:1e0:5e-1", "compare --pitch-deg=-1:1:0.5");
+    same("draw bennett --view -3e1,20", "draw bennett --view=-30,20");
+}
+
+#[test]
+fn every_page_of_the_manual_refers_to_pages_that_are_written() {
+    let desk = Desk::new();
+    desk.done("manual --out pages");
+    let names = desk.names("pages");
+    assert!(names.len() > 25, "{names:?}");
+    for name in &names {
+        let page = desk.read(&format!("pages/{name}"));
+        let words = page.split_whitespace().filter_map(|word| word.strip_suffix("(1)"));
+        for word in words.filter(|word| word.starts_with("jointplay")) {
+            let other = format!("{}.1", word.replace('\\', ""));
+            assert!(names.contains(&other), "{name} refers to {other}");
+        }
+    }
+}
+
+#[test]
+fn notes_are_left_out_and_details_added_on_request() {
+    let desk = Desk::new();
+    desk.write("robot.urdf", crate::import::URDF);
+    let plain = desk.run("compare --figure a.svg -v");
+    assert_eq!(plain.code, 0);
+    assert!(plain.stderr.contains("a.svg: written"), "{}", plain.stderr);
+    assert_eq!(desk.run("mobility robot.urdf -q").stderr, "");
+    let coloured = desk.done("mobility --color always");
+    assert!(coloured.contains('\u{1b}'), "{coloured}");
+    refused(&desk, "mobility -q -v", &["cannot be used with"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_cell_names_no_file_outside_its_folder_by_a_link() {
+    use std::os::unix::fs::symlink;
+    let desk = Desk::new();
+    std::fs::create_dir(desk.file("cell")).unwrap();
+    let cell = include_str!("../../../../cells/example.toml");
+    desk.write("cell/example.toml", &cell.replace("\"dual-arm\"", "\"robot.toml\""));
+    desk.write("cell/example.program", "HOME\n");
+    desk.write("robot.toml", include_str!("../../../../robots/dual-arm.toml"));
+    symlink("../robot.toml", desk.file("cell/robot.toml")).unwrap();
+    refused(&desk, "cell check cell/example.toml", &["leads out of the folder"]);
+}
+
+/// Whether a process handles Ctrl-C itself, as the system reports it.
+#[cfg(target_os = "linux")]
+fn handles_interrupts(process: u32) -> bool {
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    let caught = caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    caught.is_some_and(|mask| mask & 0b10 != 0)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn long_motions_can_be_interrupted() {
+    let desk = Desk::new();
+    for line in ["move four-bar --drive A=0:3e6 --out way", "draw four-bar --ghost A=3e6"] {
+        let mut command = desk.command(line);
+        let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        while !handles_interrupts(child.id()) {
+            assert!(child.try_wait().unwrap().is_none(), "{line} ended by itself");
+            std::thread::yield_now();
+        }
+        let id = child.id().to_string();
+        assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{line}");
+        assert!(!desk.file("way").exists());
+    }
+}
+
+#[test]
+fn completions_for_bash_know_the_catalogue() {
+    let desk = Desk::new();
+    assert!(desk.done("completions bash").contains("gpr-mechanism"));
+}
+
+#[test]
+fn a_missing_quote_is_the_only_error() {
+    let desk = Desk::new();
+    let cell = include_str!("../../../../cells/example.toml");
+    let wrong: Vec<String> = cell
+        .lines()
+        .enumerate()
+        .map(
+            |(k, line)| {
+                if k == 26 { "    [\"hub\", \"upper-a/".to_owned() } else { line.to_owned() }
+            },
+        )
+        .collect();
+    desk.write("c.toml", &wrong.join("\n"));
+    desk.write("c.program", "HOME\n");
+    let run = desk.run("cell check c.toml");
+    assert_eq!(run.code, 2);
+    assert!(run.stderr.starts_with("error: c.toml:27:"), "{}", run.stderr);
+    assert_eq!(run.stderr.lines().count(), 4, "{}", run.stderr);
+}

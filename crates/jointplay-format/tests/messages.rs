@@ -1,0 +1,182 @@
+//! Messages of all readers over mutated values: no words of Rust, no endless numbers, no `NaN`.
+
+#![allow(clippy::unwrap_used, reason = "a failing test may panic")]
+
+use jointplay_format::export::dialect::{DIALECTS, Dialect};
+use jointplay_format::{catalogue, cell, import, mechanism, robot, study};
+
+/// A reader: the message that it answers with, if it refuses the text.
+type Read = fn(&str) -> Option<String>;
+
+/// One file of every kind, with its reader.
+fn files() -> Vec<(&'static str, String, Read)> {
+    fn all(problems: Vec<cell::Problem>) -> String {
+        problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+    }
+    let mechanism: Read = |text| mechanism::parse(text).err().map(|error| error.to_string());
+    let of_catalogue = |name| catalogue::find(name).unwrap().text.to_owned();
+    let study_reader: Read =
+        |text| study::parse(text, study::robot_of).err().map(|error| error.to_string());
+    let mut files: Vec<(&'static str, String, Read)> = vec![
+        ("robot", robot::PAPER.to_owned(), |text| robot::parse(text).err().map(|e| e.to_string())),
+        ("mechanism", include_str!("../src/mechanism/sample.toml").to_owned(), mechanism),
+        ("catalogue", of_catalogue("gpr-mechanism"), mechanism),
+        ("arms", of_catalogue("dual-arm"), |text| cell::robot::parse(text).err().map(all)),
+        ("cell", cell::EXAMPLE.to_owned(), |text| {
+            cell::read(text, &mut |_| Err("no files".to_owned())).err().map(all)
+        }),
+        ("dialect", DIALECTS[0].text.to_owned(), |text| {
+            Dialect::parse(text).err().map(|error| error.to_string())
+        }),
+        ("loops", LOOPS.to_owned(), |text| {
+            let chain = import::parse(CHAIN).unwrap().mechanism;
+            mechanism::with_loops(&chain, text).err().map(|error| error.to_string())
+        }),
+    ];
+    files.extend(study::examples().iter().map(|one| ("study", one.text.to_owned(), study_reader)));
+    files
+}
+
+const CHAIN: &str = r#"<robot name="pair">
+  <link name="base"/><link name="left"/><link name="right"/>
+  <joint name="a" type="continuous"><parent link="base"/><child link="left"/></joint>
+  <joint name="b" type="continuous"><parent link="base"/><child link="right"/></joint>
+</robot>"#;
+
+const LOOPS: &str = r#"kind = "loops"
+units = { length = "mm", angle = "deg" }
+[[joint]]
+name = "tips"
+kind = "spherical"
+links = ["left", "right"]
+in = "left"
+point = [0, 0, 100]
+"#;
+
+const VALUES: [&str; 28] = [
+    "1e308",
+    "-1e308",
+    "5e-324",
+    "1e-17",
+    "nan",
+    "-inf",
+    "-1",
+    "0",
+    "1.0000000000000002",
+    "9223372036854775807",
+    "99999999999999999999999999999999999999999999",
+    "true",
+    "\"\"",
+    "\"x\"",
+    "\"9e999\"",
+    "[]",
+    "[1]",
+    "[1e308, 1e308, 1e308]",
+    "[nan, 1, 2]",
+    "[[]]",
+    "{}",
+    "{ a = 1 }",
+    "{ normal = [0, 1e308] }",
+    "{ uniform = [-1e308, 1e308] }",
+    "1979-05-27T07:32:00Z",
+    "07:32:00",
+    "{ length = 1979-05-27, angle = 3 }",
+    "\"1979\\u001b\"",
+];
+
+/// Words that only a programmer of Rust knows.
+const RUST: [&str; 24] = [
+    "usize",
+    "isize",
+    "u8",
+    "u16",
+    "u32",
+    "u64",
+    "u128",
+    "i8",
+    "i16",
+    "i32",
+    "i64",
+    "i128",
+    "f32",
+    "f64",
+    "sequence",
+    "map",
+    "struct",
+    "tuple",
+    "serde",
+    "toml_private",
+    "variant",
+    "NaN",
+    "inf",
+    "None",
+];
+
+fn check(message: &str, value: &str) -> Result<(), String> {
+    // What the file itself says may be repeated.
+    let message = message.replace(value.trim_matches('"'), "");
+    let words = message.split(|letter: char| !letter.is_ascii_alphanumeric() && letter != '_');
+    for word in words {
+        let is_long = word.len() > 17 && word.chars().all(|letter| letter.is_ascii_digit());
+        if is_long || RUST.contains(&word) || word.starts_with("__") {
+            return Err(word.to_owned());
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn messages_over_mutated_values_use_the_words_of_the_field() {
+    let mut refused = 0;
+    let mut wrong = Vec::new();
+    for (kind, text, read) in files() {
+        let lines: Vec<&str> = text.lines().collect();
+        for (number, line) in lines.iter().enumerate() {
+            let Some((key, _)) = line.split_once(" = ").filter(|_| !line.starts_with('#')) else {
+                continue;
+            };
+            // A seventh of the values for each line of a long file, which is slow to read.
+            let step = if lines.len() > 60 { 7 } else { 1 };
+            for value in VALUES.into_iter().skip(number % step).step_by(step) {
+                let changed = format!("{key} = {value}");
+                let mut lines = lines.clone();
+                lines[number] = &changed;
+                let Some(message) = read(&lines.join("\n")) else { continue };
+                refused += 1;
+                if let Err(word) = check(&message, value) {
+                    wrong.push(format!("{kind}: {changed}: {word:?} in {message}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong[..wrong.len().min(20)].join("\n"));
+    assert!(refused > 1000, "{refused}");
+}
+
+#[test]
+fn after_an_error_of_syntax_nothing_else_is_reported_of_a_cell() {
+    let read = |text: &str| cell::read(text, &mut |_| Err("no files".to_owned())).unwrap_err();
+    let lines: Vec<&str> = cell::EXAMPLE.lines().collect();
+    for number in (0..lines.len()).filter(|&number| lines[number].matches('"').count() > 1) {
+        // One quote is missing.
+        let cut = lines[number].rfind('"').unwrap();
+        let mut changed = lines.clone();
+        let line = format!("{}{}", &lines[number][..cut], &lines[number][cut + 1..]);
+        changed[number] = &line;
+        if lines[number].trim_start().starts_with('#') {
+            continue;
+        }
+        let problems = read(&changed.join("\n"));
+        assert_eq!(problems.len(), 1, "{line}: {problems:?}");
+        assert_eq!(problems[0].place.line, number + 1, "{line}: {}", problems[0]);
+    }
+}
+
+#[test]
+fn long_lists_of_errors_are_cut_and_counted() {
+    let extra: String = (0..70).map(|number| format!("unknown_{number} = 1\n")).collect();
+    let text = format!("{extra}{}", cell::EXAMPLE);
+    let problems = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap_err();
+    assert_eq!(problems.len(), 21);
+    assert_eq!(problems[20].to_string(), "50 more errors from here on");
+}
