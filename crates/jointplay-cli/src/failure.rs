@@ -38,6 +38,9 @@ pub(crate) enum Failure {
     Stopped(String),
     #[error("{0}")]
     OverClearance(String),
+    /// A configuration of a mechanism that its joints cannot reach.
+    #[error("beyond joint limits:\n{}", messages(.0))]
+    BeyondLimits(Vec<report::LimitReport>),
     #[error("{0}")]
     Unsolved(String),
     #[error("{0}")]
@@ -105,6 +108,10 @@ impl Wrong {
 
 fn excerpts(all: &[Wrong]) -> String {
     all.iter().map(|one| one.excerpt.as_str()).collect::<Vec<_>>().join("\n")
+}
+
+fn messages(broken: &[report::LimitReport]) -> String {
+    broken.iter().map(|limit| format!("  {}", limit.message)).collect::<Vec<_>>().join("\n")
 }
 
 fn list(broken: &[BrokenLimit]) -> String {
@@ -175,11 +182,13 @@ impl Failure {
             | jointplay::Error::DependentSides { .. }
             | jointplay::Error::TurnedOver { .. }
             | jointplay::Error::NotAssembled(_)
-            | jointplay::Error::NotRelieved { .. } => NO,
+            | jointplay::Error::NotRelieved { .. }
+            | jointplay::Error::NotLeast { .. } => NO,
             _ => BAD_INPUT,
         };
         match self {
             Self::Limits(_)
+            | Self::BeyondLimits(_)
             | Self::NotAssembled(_)
             | Self::Stopped(_)
             | Self::OverClearance(_)
@@ -194,7 +203,7 @@ impl Failure {
 
     fn kind(&self) -> &'static str {
         match self {
-            Self::Limits(_) => "limits",
+            Self::Limits(_) | Self::BeyondLimits(_) => "limits",
             Self::OverClearance(_) => "clearance",
             Self::Stopped(_) => "stopped",
             Self::Interrupted(_) => "interrupted",
@@ -213,8 +222,11 @@ impl Failure {
             return ExitCode::SUCCESS;
         }
         let mut stderr = anstream::stderr();
-        let limits =
-            if let Self::Limits(broken) = self { report::limits(broken) } else { Vec::new() };
+        let limits = match self {
+            Self::Limits(broken) => report::limits(broken),
+            Self::BeyondLimits(broken) => broken.clone(),
+            _ => Vec::new(),
+        };
         let written = if json {
             let kind = self.kind();
             let message = self.to_string();

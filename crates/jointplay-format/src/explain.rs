@@ -67,7 +67,7 @@ pub fn explain_limit(limit: &BrokenLimit) -> String {
 }
 
 /// A number to six decimals, or with all its digits where six would round it back into its limits.
-fn beyond(value: f64, min: f64, max: f64) -> String {
+pub(crate) fn beyond(value: f64, min: f64, max: f64) -> String {
     let short = format!("{value:.6}");
     let hides = short.parse().is_ok_and(|shown: f64| (min..=max).contains(&shown));
     if hides { format!("{value}") } else { short }
