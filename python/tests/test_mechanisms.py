@@ -216,6 +216,39 @@ def test_positions_with_play_are_those_of_the_robot(gpr):
 
 
 
+def test_a_tilt_commanded_by_a_ball_joint_stays_near_home():
+    """The heave that the command leaves free moves least: every door once put the rods metres away."""
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    rods = ["rod 1", "rod 2", "rod 3"]
+    reach = 1.01 * 0.093218 * np.sin(1 * DEG)
+    tilt = {"S1[0]": 0.0, "S1[1]": 1 * DEG}
+    there = mechanism.relieve(tilt).configuration
+    assert sum(there[rod] for rod in rods) == pytest.approx(0, abs=1e-9)
+    assert max(abs(there[rod]) for rod in rods) < reach
+    way = mechanism.drive({"S1[1]": (0, 1 * DEG)}, steps=5)
+    assert all(np.abs(way[rod]).max() < reach for rod in rods) and way.within_limits.all()
+    turns = np.linspace(-1, 1, 5) * DEG
+    many = mechanism.positions({"S1[0]": 0.0, "S1[1]": turns, "S1[2]": 0.0})
+    assert all(np.abs(many[rod]).max() < reach for rod in rods)
+    assert many.status.tolist() == [jp.PositionStatus.SOLVED] * 5
+    best = mechanism.suggest([tilt]).sets[0]
+    assert best.size_m == pytest.approx(1.5 * 0.093218 * (1 - np.cos(1 * DEG)), rel=0.01)
+    assert np.abs(best.coordinates[0, [0, 4, 8]]).max() < 2 * reach and best.limits_broken == ()
+
+
+def test_joint_limits_are_an_answer():
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    beyond = {"rod 1": 0.3, "rod 2": 0.3, "rod 3": 0.3}
+    for ask in (mechanism.assemble, mechanism.mobility, mechanism.relieve):
+        with pytest.raises(jp.JointLimitsError, match="rod 1 is at 300.000000 mm, allowed are -254 to 254 mm") as caught:
+            ask(beyond)
+        assert caught.value.limits_broken[:3] == ["rod 1", "rod 2", "rod 3"] and caught.value.result is not None
+    found = mechanism.positions({"rod 1": [0, 0.3], "rod 2": [0, 0.3], "rod 3": [0, 0.3]})
+    assert found.status.tolist() == [jp.PositionStatus.SOLVED, jp.PositionStatus.BEYOND_LIMITS]
+    with pytest.raises(jp.InputError, match=r'joint "S1": some of S1\[0\]'):
+        mechanism.positions({"S1[0]": [0.0], "S1[1]": [0.01]})
+
+
 def test_many_loops_by_sparse_algebra():
     """Seventy parallelograms side by side: too many for dense algebra, and easy to count."""
     points = {"a": (0, 0), "b": (1, 0), "c": (1, 2), "d": (0, 2)}

@@ -39,6 +39,9 @@ pub(crate) enum Failure {
     Stopped(String),
     #[error("{0}")]
     OverClearance(String),
+    /// A configuration of a mechanism that its joints cannot reach.
+    #[error("beyond joint limits:\n{}", messages(.0))]
+    BeyondLimits(Vec<report::LimitReport>),
     #[error("{0}")]
     Unsolved(String),
     #[error("{0}")]
@@ -130,6 +133,10 @@ fn few(names: &[String]) -> String {
     }
 }
 
+fn messages(broken: &[report::LimitReport]) -> String {
+    broken.iter().map(|limit| format!("  {}", limit.message)).collect::<Vec<_>>().join("\n")
+}
+
 fn list(broken: &[BrokenLimit]) -> String {
     broken.iter().map(|limit| format!("  {}", explain_limit(limit))).collect::<Vec<_>>().join("\n")
 }
@@ -200,11 +207,13 @@ impl Failure {
             | jointplay::Error::DependentSides { .. }
             | jointplay::Error::TurnedOver { .. }
             | jointplay::Error::NotAssembled(_)
-            | jointplay::Error::NotRelieved { .. } => NO,
+            | jointplay::Error::NotRelieved { .. }
+            | jointplay::Error::NotLeast { .. } => NO,
             _ => BAD_INPUT,
         };
         match self {
             Self::Limits(_)
+            | Self::BeyondLimits(_)
             | Self::NotAssembled(_)
             | Self::Stopped(_)
             | Self::OverClearance(_)
@@ -219,7 +228,7 @@ impl Failure {
 
     fn kind(&self) -> &'static str {
         match self {
-            Self::Limits(_) => "limits",
+            Self::Limits(_) | Self::BeyondLimits(_) => "limits",
             Self::OverClearance(_) => "clearance",
             Self::Stopped(_) => "stopped",
             Self::Interrupted(_) => "interrupted",
@@ -238,8 +247,11 @@ impl Failure {
             return ExitCode::SUCCESS;
         }
         let mut stderr = anstream::stderr();
-        let limits =
-            if let Self::Limits(broken) = self { report::limits(broken) } else { Vec::new() };
+        let limits = match self {
+            Self::Limits(broken) => report::limits(broken),
+            Self::BeyondLimits(broken) => broken.clone(),
+            _ => Vec::new(),
+        };
         let written = if json {
             let kind = self.kind();
             let message = self.to_string();

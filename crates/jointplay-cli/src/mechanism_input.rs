@@ -11,8 +11,8 @@ use jointplay::format::report;
 use jointplay::format::units::m_from_mm;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Closure, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble, branches, guess,
-    relieve,
+    Closure, Commanded, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble, branches,
+    guess, relieve,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -129,8 +129,8 @@ pub(crate) struct Input {
 
 /// A closed configuration, with virtual joints displaced where they had to be.
 pub(crate) struct Posed {
-    /// (f + M) [m, rad].
-    pub(crate) values: DVector<f64>,
+    /// (f + M) [m, rad], and how well the loops close there.
+    pub(crate) closed: Closure,
     pub(crate) relief: Option<Relief>,
 }
 
@@ -259,10 +259,15 @@ impl Input {
         let closed = self.assembled(commands);
         let has_play = !self.file.mechanism.virtual_joints().is_empty();
         match closed {
-            Ok(closed) => Ok(Posed { values: closed.coordinates, relief: None }),
+            Ok(closed) => Ok(Posed { closed, relief: None }),
             Err(Failure::NotAssembled(_)) if has_play && !commands.is_empty() => {
                 let relief = self.relieved(commands)?;
-                Ok(Posed { values: relief.coordinates.clone(), relief: Some(relief) })
+                let closed = Closure {
+                    coordinates: relief.coordinates.clone(),
+                    residual: relief.residual,
+                    iterations: relief.iterations,
+                };
+                Ok(Posed { closed, relief: Some(relief) })
             }
             Err(other) => Err(other),
         }
@@ -270,11 +275,34 @@ impl Input {
 
     /// The least displacement of the virtual joints that lets these coordinates be where they are asked to be.
     pub(crate) fn relieved(&self, commands: &[(usize, f64)]) -> Result<Relief, Failure> {
-        let mut start = self.assembled(&[])?.coordinates;
-        commands.iter().for_each(|&(k, value)| start[k] = value);
-        let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let system = MechanismSystem::new(&self.file.mechanism, start)?;
-        Ok(relieve(&system, &commanded, ReliefSolver::LeastNorm)?)
+        let mechanism = &self.file.mechanism;
+        let home = MechanismSystem::new(mechanism, self.assembled(&[])?.coordinates)?;
+        let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
+        let commanded = Commanded::new(&home, &coordinates)?;
+        let start = commanded.start(values, mechanism.virtual_joints().len());
+        let system = MechanismSystem::new(mechanism, start)?;
+        relieve(&system, &commanded, ReliefSolver::LeastNorm).map_err(|error| {
+            // Values that the commanded joints cannot have are the better reason.
+            let beyond = mechanism.beyond_limits(system.home());
+            let beyond: Vec<_> =
+                beyond.into_iter().filter(|one| coordinates.contains(&one.coordinate)).collect();
+            match beyond.is_empty() {
+                true => error.into(),
+                false => Failure::BeyondLimits(report::beyond_limits(&self.coordinates, &beyond)),
+            }
+        })
+    }
+
+    /// Refuses a configuration that is beyond joint limits or clearances.
+    ///
+    /// # Arguments
+    /// * `values` – (f + M), or (f) where clearances are not to be looked at [m, rad]
+    pub(crate) fn within_limits(&self, values: &DVector<f64>) -> Result<(), Failure> {
+        let beyond = self.file.mechanism.beyond_limits(values);
+        if beyond.is_empty() {
+            return Ok(());
+        }
+        Err(Failure::BeyondLimits(report::beyond_limits(&self.coordinates, &beyond)))
     }
 
     /// An error of the core with the configurations that were found, in the units of the file.

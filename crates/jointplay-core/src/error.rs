@@ -161,13 +161,21 @@ pub enum Error {
     NotAssembled(#[from] Box<crate::mechanism::Unassembled>),
     /// Virtual joints that do not make a commanded motion possible.
     #[error(
-        "these virtual joints do not make the command possible: the loops stay open by {residual:.3e} (radians and characteristic lengths), {allowed:.0e} is asked for; more of them, or others, are needed"
+        "the virtual joints do not close the loops for this command: the smallest mismatch found is {residual:.3e} (radians and characteristic lengths), allowed is {allowed:.0e}; command a smaller motion, or add virtual joints"
     )]
     NotRelieved {
         /// Largest mismatch that is left.
         residual: f64,
         /// Largest that counts as closed.
         allowed: f64,
+    },
+    /// Virtual joints that close the loops for a command, but whose least displacement was not found.
+    #[error(
+        "the virtual joints can close the loops for this command, but their least displacement was not found in {iterations} steps; command a smaller motion"
+    )]
+    NotLeast {
+        /// Steps done.
+        iterations: usize,
     },
     /// Newton's method did not close the loops; the coordinates given hold its best iterate.
     #[error(

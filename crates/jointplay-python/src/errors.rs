@@ -117,6 +117,9 @@ fn class_and_facts<'py>(
             "NotReachedError",
             fields!(py; residual = *residual, allowed = *allowed, iterations = *iterations),
         ),
+        E::NotLeast { iterations } => {
+            ("NotConvergedError", fields!(py; solver = "least-norm", iterations = *iterations))
+        }
         E::SvdNotConverged { rows, columns } => {
             ("NoAnswerError", fields!(py; rows = *rows, columns = *columns))
         }
@@ -140,6 +143,21 @@ pub(crate) fn study(py: Python<'_>, error: &study::Error) -> PyErr {
         new(py, class, &message, told())
     });
     made.unwrap_or_else(|failed| failed)
+}
+
+/// That a configuration of a mechanism is beyond joint limits, with the result that has it.
+pub(crate) fn beyond_limits(
+    py: Python<'_>,
+    limits: &[jointplay::format::report::LimitReport],
+    result: &Bound<'_, PyAny>,
+) -> PyErr {
+    let messages: Vec<&str> = limits.iter().map(|limit| limit.message.as_str()).collect();
+    let message = format!("beyond joint limits: {}", messages.join("; "));
+    let facts = || {
+        let names: Vec<&str> = limits.iter().map(|limit| limit.limit.as_str()).collect();
+        Ok(fields!(py; limits_broken = names, result = result))
+    };
+    new(py, "JointLimitsError", &message, facts())
 }
 
 /// A bug of ours, told as such.

@@ -19,6 +19,12 @@ use crate::posed::{Posed, STARTS};
 use crate::skin::{self, fields};
 use crate::{errors, mechanism_results as results};
 
+/// What became of a row of positions, as in `PositionStatus`.
+const SOLVED: u8 = 0;
+const NOT_FINITE: u8 = 1;
+const NOT_CLOSED: u8 = 2;
+const BEYOND_LIMITS: u8 = 3;
+
 /// Steps of a way to its beginning.
 const STEPS: usize = 60;
 /// The most steps that a way may have.
@@ -26,7 +32,7 @@ const MOST_STEPS: usize = 100_000;
 
 #[pymethods]
 impl PyMechanism {
-    /// The closed configuration nearest the guesses of the file.
+    /// The closed configuration nearest the guesses of the file; where rigid links do not close for `at`, virtual joints take their least displacement.
     ///
     /// Parameters
     /// ----------
@@ -39,6 +45,8 @@ impl PyMechanism {
     /// ------
     /// NotAssembledError
     ///     With other configurations, where some were found.
+    /// JointLimitsError
+    ///     Where the configuration is beyond joint limits or clearances; with it as `result`.
     #[pyo3(signature = (at=None, *, tolerance=None))]
     fn assemble<'py>(
         &self,
@@ -48,9 +56,11 @@ impl PyMechanism {
     ) -> PyResult<Bound<'py, PyAny>> {
         let commands = self.commands(py, at)?;
         let found = py
-            .detach(|| self.assembled(&commands, tolerance))
+            .detach(|| self.posed(&commands, tolerance))
             .map_err(|error| errors::core(py, &error))?;
-        results::configuration(py, self, &found.coordinates, found.residual, found.iterations)
+        let made =
+            results::configuration(py, self, &found.values, found.residual, found.iterations)?;
+        self.within_limits(py, &found.values, made)
     }
 
     /// Closed configurations found from many starts.
@@ -123,8 +133,10 @@ impl PyMechanism {
         });
         let (values, residual, iterations, near, finite) = found.map_err(failed)?;
         let configuration = results::configuration(py, self, &values, residual, iterations)?;
-        let system = MechanismSystem::new(&self.file.mechanism, values).map_err(failed)?;
-        results::mobility(py, &system, self.kutzbach(), &finite, near.as_ref(), configuration)
+        let system = MechanismSystem::new(&self.file.mechanism, values.clone()).map_err(failed)?;
+        let kutzbach = self.kutzbach();
+        let made = results::mobility(py, &system, kutzbach, &finite, near.as_ref(), configuration)?;
+        self.within_limits(py, &values, made)
     }
 
     /// Drives joints along a way, all others following; virtual joints give way as little as they can.
@@ -243,7 +255,7 @@ impl PyMechanism {
             suggest(&bare, &home.coordinates, &commanded, &all)
         });
         let found = found.map_err(|error| errors::core(py, &error))?;
-        results::suggestions(py, &bare, &found)
+        results::suggestions(py, self, &bare, &found)
     }
 
     /// The least displacement of the virtual joints that lets joint coordinates be where they are asked to be.
@@ -257,6 +269,12 @@ impl PyMechanism {
     /// ------
     /// NotRelievedError
     ///     Where these virtual joints cannot make it possible.
+    /// JointLimitsError
+    ///     Where joints are beyond their limits; with the relief as `result`. Clearances are compared by the caller.
+    ///
+    /// Notes
+    /// -----
+    /// Joints that the commands do not determine stay as near the closed configuration of the file as they can.
     fn relieve<'py>(
         &self,
         py: Python<'py>,
@@ -279,7 +297,9 @@ impl PyMechanism {
             Ok((relief, sensitivity))
         });
         let (relief, sensitivity) = found.map_err(|error| errors::core(py, &error))?;
-        results::relief(py, self, &relief, &sensitivity)
+        let made = results::relief(py, self, &relief, &sensitivity)?;
+        let joints = relief.coordinates.rows(0, self.coordinates.joints()).into_owned();
+        self.within_limits(py, &joints, made)
     }
 
     /// Positions of all joints for many values of some, quickly.
@@ -294,7 +314,7 @@ impl PyMechanism {
     /// Returns
     /// -------
     /// Positions
-    ///     Rows that cannot be closed are NaN.
+    ///     Rows that cannot be closed are NaN; `status` says what became of each row.
     ///
     /// Notes
     /// -----
@@ -332,33 +352,65 @@ impl PyMechanism {
         let solved = py.detach(|| {
             let mut values = vec![f64::NAN; poses * width];
             let mut residuals = vec![f64::NAN; poses];
+            let mut status = vec![NOT_CLOSED; poses];
             if poses == 0 {
-                return Ok((values, residuals));
+                return Ok((values, residuals, status));
             }
             let first = indices.iter().zip(&columns).map(|(&k, column)| (k, column.at(0)));
             let mut here = self.posed(&first.collect::<Commands>(), None)?.values;
             let system = MechanismSystem::new(&self.file.mechanism, here.clone())?;
             let mut positions = PositionSolver::new(&system, &indices)?;
+            // What commands leave undetermined must not save displacement of virtual joints.
+            let commanded = match self.file.mechanism.virtual_joints().is_empty() {
+                true => None,
+                false => Some(self.commanded(&indices)?),
+            };
+            let commanded = commanded.filter(|commanded| commanded.undetermined() > 0);
             for (i, row) in values.chunks_exact_mut(width).enumerate() {
                 let mut next = here.clone();
                 for (&k, column) in indices.iter().zip(&columns) {
                     next[k] = column.at(i);
                 }
-                match positions.solve(next.as_mut_slice(), solver) {
-                    Ok(found) => {
+                let solved = match &commanded {
+                    None => {
+                        let found = positions.solve(next.as_mut_slice(), solver);
+                        found.map(|found| (next, found.residual))
+                    }
+                    Some(commanded) => {
+                        let values = columns.iter().map(|column| column.at(i));
+                        let found = self.relieved_at(commanded, values, solver);
+                        found.map(|found| (found.coordinates, found.residual))
+                    }
+                };
+                match solved {
+                    Ok((next, residual)) => {
                         row.copy_from_slice(next.as_slice());
-                        residuals[i] = found.residual;
+                        residuals[i] = residual;
+                        let within = self.file.mechanism.beyond_limits(&next).is_empty();
+                        status[i] = if within { SOLVED } else { BEYOND_LIMITS };
                         here = next;
                     }
+                    Err(jointplay::Error::NotFinite { .. }) => status[i] = NOT_FINITE,
                     Err(
-                        jointplay::Error::NotReached { .. } | jointplay::Error::NotFinite { .. },
+                        jointplay::Error::NotReached { .. }
+                        | jointplay::Error::NotRelieved { .. }
+                        | jointplay::Error::NotLeast { .. },
                     ) => {}
                     Err(other) => return Err(other),
                 }
             }
-            Ok((values, residuals))
+            Ok((values, residuals, status))
         });
-        let (values, residuals) = solved.map_err(|error| errors::core(py, &error))?;
+        let (values, residuals, status) = solved.map_err(|error| match error {
+            jointplay::Error::PartlyCommanded { coordinate } => {
+                let joint = &self.coordinates.all()[coordinate].joint;
+                let message = format!(
+                    "joint \"{joint}\": some of {joint}[0], {joint}[1], {joint}[2] are commanded, but positions take all three coordinates of a rotation vector or none"
+                );
+                errors::input(py, &message)
+            }
+            error => errors::core(py, &error),
+        })?;
         let array = Array2::from_shape_vec((poses, width), values)
             .map_err(|error| errors::internal(&error.to_string()))?;
         let fields = fields!(py;
@@ -366,7 +418,28 @@ impl PyMechanism {
             units = PyTuple::new(py, self.units(0..width))?,
             coordinates = PyArray2::from_owned_array(py, array),
             residual = PyArray1::from_vec(py, residuals),
+            status = PyArray1::from_vec(py, status),
         );
         skin::result(py, "Positions", &fields)
+    }
+}
+
+impl PyMechanism {
+    /// A result, or the exception that its configuration is beyond joint limits or clearances.
+    ///
+    /// # Arguments
+    /// * `values` – (f + M), or (f) where clearances are not to be looked at [m, rad]
+    fn within_limits<'py>(
+        &self,
+        py: Python<'py>,
+        values: &DVector<f64>,
+        result: Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let beyond = self.file.mechanism.beyond_limits(values);
+        if beyond.is_empty() {
+            return Ok(result);
+        }
+        let limits = report::beyond_limits(&self.coordinates, &beyond);
+        Err(errors::beyond_limits(py, &limits, &result))
     }
 }

@@ -2,8 +2,8 @@
 
 use jointplay::format::report;
 use jointplay::mechanism::{
-    Class, Closure, Mechanism, MechanismSystem, Motion, Relief, SparseMobility, Suggestions,
-    VirtualMotion, link_motion, self_stresses,
+    BeyondLimits, Class, Closure, Mechanism, MechanismSystem, Motion, Relief, SparseMobility,
+    Suggestions, VirtualMotion, link_motion, self_stresses,
 };
 use jointplay::mobility::{FiniteMobility, NearMobility, branch_dimensions};
 use jointplay::nalgebra::DVector;
@@ -154,6 +154,8 @@ pub(crate) fn motion<'py>(
     });
     let told = report::motion(&of.file, driven, held, moved);
     let free = waypoints.iter().map(|at| at.free_mobility as i64);
+    let within =
+        waypoints.iter().map(|at| of.file.mechanism.beyond_limits(&at.coordinates).is_empty());
     let fields = fields!(py;
         name = of.file.mechanism.name(),
         names = PyTuple::new(py, &names)?,
@@ -167,6 +169,7 @@ pub(crate) fn motion<'py>(
         free_mobility = PyArray1::from_iter(py, free),
         singular = PyTuple::new(py, singular.collect::<PyResult<Vec<_>>>()?)?,
         limits_broken = PyTuple::new(py, told.limits_broken)?,
+        within_limits = PyArray1::from_iter(py, within),
         stopped = told.stopped,
         message = told.message,
     );
@@ -175,9 +178,19 @@ pub(crate) fn motion<'py>(
 
 pub(crate) fn suggestions<'py>(
     py: Python<'py>,
+    of: &PyMechanism,
     mechanism: &Mechanism,
     found: &Suggestions,
 ) -> PyResult<Bound<'py, PyAny>> {
+    let placed = |all: &[DVector<f64>]| {
+        let count = mechanism.joint_freedoms();
+        let array = Array2::from_shape_fn((all.len(), count), |(i, k)| all[i][k]);
+        PyArray2::from_owned_array(py, array)
+    };
+    let broken = |all: &[BeyondLimits]| {
+        let names = of.names(0..mechanism.joint_freedoms());
+        PyTuple::new(py, all.iter().map(|one| names[one.coordinate]).collect::<Vec<_>>())
+    };
     let sets = found.sets.iter().map(|set| {
         let joints = set.virtual_joints.iter().zip(&set.largest).map(|(joint, &largest)| {
             let (motion, direction, unit) = match joint.motion {
@@ -197,16 +210,21 @@ pub(crate) fn suggestions<'py>(
         let fields = fields!(py;
             size_m = set.size,
             symmetric = set.symmetric,
+            coordinates = placed(&set.configurations),
+            limits_broken = broken(&set.beyond_limits)?,
             virtual_joints = PyTuple::new(py, joints.collect::<PyResult<Vec<_>>>()?)?,
         );
         skin::result(py, "Suggestion", &fields)
     });
     let fields = fields!(py;
         needed = found.needed,
+        without_play = placed(&found.without_play),
+        limits_broken = broken(&found.beyond_limits)?,
         sets = PyTuple::new(py, sets.collect::<PyResult<Vec<_>>>()?)?,
         candidates = found.candidates,
         compared = found.compared,
         cut_short = found.cut_short,
+        untried = found.untried,
     );
     skin::result(py, "Suggestions", &fields)
 }

@@ -2,8 +2,8 @@
 
 use jointplay::Error;
 use jointplay::mechanism::{
-    Closure, Drive, MechanismSystem, Motion, Relief, ReliefSolver, SparseSystem, assemble, drive,
-    drive_relieved, guess, relieve,
+    Closure, Commanded, Drive, MechanismSystem, Motion, Relief, ReliefSolver, SparseSystem,
+    assemble, drive, drive_relieved, guess, relieve,
 };
 use jointplay::nalgebra::DVector;
 
@@ -89,11 +89,27 @@ impl PyMechanism {
 
     /// The least displacement of the virtual joints that lets these coordinates be where they are asked to be.
     pub(crate) fn relieved(&self, commands: &[(usize, f64)]) -> Result<Relief, Error> {
-        let mut start = self.assembled(&[], None)?.coordinates;
-        commands.iter().for_each(|&(k, value)| start[k] = value);
-        let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        let system = MechanismSystem::new(&self.file.mechanism, start)?;
-        relieve(&system, &commanded, ReliefSolver::LeastNorm)
+        let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
+        let commanded = self.commanded(&coordinates)?;
+        self.relieved_at(&commanded, values, ReliefSolver::LeastNorm)
+    }
+
+    /// Commands of some coordinates, from the closed configuration nearest the guesses of the file.
+    pub(crate) fn commanded(&self, coordinates: &[usize]) -> Result<Commanded, Error> {
+        let home = self.assembled(&[], None)?.coordinates;
+        Commanded::new(&MechanismSystem::new(&self.file.mechanism, home)?, coordinates)
+    }
+
+    /// The relief for values of commanded coordinates [m, rad].
+    pub(crate) fn relieved_at(
+        &self,
+        commanded: &Commanded,
+        values: impl IntoIterator<Item = f64>,
+        solver: ReliefSolver,
+    ) -> Result<Relief, Error> {
+        let mechanism = &self.file.mechanism;
+        let start = commanded.start(values, mechanism.virtual_joints().len());
+        relieve(&MechanismSystem::new(mechanism, start)?, commanded, solver)
     }
 
     /// Drives along a way: virtual joints give way where there are any, and many loops are left to sparse algebra.
@@ -115,7 +131,8 @@ impl PyMechanism {
         if mechanism.virtual_joints().is_empty() {
             drive(&system, drives, &free, steps)
         } else {
-            drive_relieved(&system, drives, &free, steps, &mut |_| ())
+            let home = MechanismSystem::new(mechanism, self.assembled(&[], None)?.coordinates)?;
+            drive_relieved(&home, &system, drives, &free, steps, &mut |_| ())
         }
     }
 }

@@ -190,6 +190,15 @@ class NotRelievedError(NoAnswerError):
     """Largest that counts as closed."""
 
 
+class JointLimitsError(NoAnswerError):
+    """A mechanism is beyond joint limits, or virtual joints are beyond their clearance."""
+
+    limits_broken: list[str]
+    """Names of the coordinates that are beyond."""
+    result: Any
+    """The result that was computed there."""
+
+
 class StoppedError(NoAnswerError):
     """A mechanism stopped on the way to where its motion was to begin."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Any, Literal
 
 import numpy as np
@@ -154,6 +155,8 @@ class Motion(Table):
     """Singular configurations on the way."""
     limits_broken: tuple[str, ...]
     """Coordinates that went beyond their limits or clearance."""
+    within_limits: NDArray[np.bool_]
+    """Whether all joint limits and clearances hold, shape (n,)."""
     stopped: Literal["locked", "singular_start", "incompatible"] | None
     """Why it stopped, if it did not come to the end."""
     message: str | None
@@ -170,6 +173,19 @@ class Motion(Table):
         return _by_name_and_unit(self.names, self.units, self.coordinates)
 
 
+class PositionStatus(IntEnum):
+    """What became of a row: the numbers in the ``status`` of ``Positions``."""
+
+    SOLVED = 0
+    """The loops close within joint limits and clearances."""
+    NOT_FINITE = 1
+    """A number given is NaN or infinite; the row is NaN."""
+    NOT_CLOSED = 2
+    """The loops were not closed; the row is NaN."""
+    BEYOND_LIMITS = 3
+    """The loops close, but a joint is beyond its limits, or a virtual joint beyond its clearance."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Positions(Table):
     """All joints for n commands; a row that cannot be closed is NaN."""
@@ -182,6 +198,8 @@ class Positions(Table):
     """Their values, shape (n, f + M) [m, rad]."""
     residual: Floats
     """Largest mismatch of a loop, in radians and characteristic lengths, shape (n,)."""
+    status: NDArray[np.uint8]
+    """A ``PositionStatus`` for each row, shape (n,)."""
 
     def __getitem__(self, name: str) -> Floats:
         """One coordinate for all commands, shape (n,) [m or rad]."""
@@ -228,7 +246,11 @@ class Suggestion(Result):
     size_m: float
     """Largest displacement over the commands, turns weighed by the characteristic length [m]."""
     symmetric: bool
-    """Whether the same motion stands at every joint of the same kind and place."""
+    """Whether every symmetry of the mechanism maps the set onto itself; ``False`` where it has none."""
+    coordinates: Floats
+    """Joint coordinates for each command, shape (commands, f) [m, rad]."""
+    limits_broken: tuple[str, ...]
+    """Joint coordinates that are beyond their limits for one of the commands."""
     virtual_joints: tuple[SuggestedJoint, ...]
     """Its virtual joints."""
 
@@ -239,14 +261,20 @@ class Suggestions(Result):
 
     needed: bool
     """Whether any play is needed at all."""
+    without_play: Floats
+    """Joint coordinates for each command, shape (commands, f) [m, rad]; empty where play is needed."""
+    limits_broken: tuple[str, ...]
+    """Joint coordinates that are beyond their limits there."""
     sets: tuple[Suggestion, ...]
-    """Sets of virtual joints, least displacement first; none holds another that is enough."""
+    """Sets of virtual joints, those within joint limits first, then by displacement; none holds another that is enough."""
     candidates: int
     """Places and directions that were considered."""
     compared: int
     """Sets that were compared."""
     cut_short: bool
     """Whether the search stopped at its limit."""
+    untried: int
+    """Sets taken for possible, but not tried: with these, or where cut short, a smaller displacement may exist."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -8,17 +8,21 @@ use jointplay::format::report::{self, AssemblyReport};
 
 use crate::arguments::whole;
 use crate::failure::Failure;
-use crate::mechanism_input::{Assignment, Input, MechanismArgs, ToleranceArgs, assignment};
+use crate::mechanism_input::{Assignment, Input, MechanismArgs, Posed, ToleranceArgs, assignment};
 use crate::progress::Progress;
 
 /// Close the loops of a mechanism, starting from the guesses of its file
+///
+/// Where rigid links do not close for the values of --at, the virtual joints of the file take their least displacement.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   jointplay assemble four-bar
   jointplay assemble four-bar --at A=30
   jointplay assemble four-bar --at A=30 --branches 50
-  jointplay assemble bennett --set b=0.1101 --tolerance 1e-3")]
+  jointplay assemble bennett --set b=0.1101 --tolerance 1e-3
+
+Exit codes: 0 done, 1 the loops do not close, or beyond a joint limit or clearance, 2 bad input or usage.")]
 pub(crate) struct Assemble {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
@@ -37,7 +41,7 @@ impl Assemble {
         let input = Input { tolerance: self.near.tolerance, ..self.mechanism.load()? };
         let commands = input.commands(&self.at)?;
         let working = Progress::of_work("assembling");
-        let closed = input.assembled(&commands)?;
+        let Posed { closed, relief } = input.posed(&commands)?;
         let others = match self.branches {
             None => None,
             Some(starts) => {
@@ -48,14 +52,25 @@ impl Assemble {
             }
         };
         drop(working);
-        let report = report::assembly(&input.file, &closed, input.tolerance, others.as_deref());
-        self.mechanism.print(&report, |report| text(&input, report))
+        let report = report::assembly(
+            &input.file,
+            &closed,
+            relief.as_ref(),
+            input.tolerance,
+            others.as_deref(),
+        );
+        self.mechanism.print(&report, |report| text(&input, report))?;
+        input.within_limits(&closed.coordinates)
     }
 }
 
 fn text(input: &Input, report: &AssemblyReport) -> String {
     let mut text = format!("{}, assembled\n", report.name);
     text.push_str(&input.table(&report.closed.coordinates.0, 0));
+    if let Some(displaced) = &report.virtual_joints {
+        text.push_str("rigid links do not close there; displacement of the virtual joints\n");
+        text.push_str(&input.table(&displaced.0, report.closed.coordinates.0.len()));
+    }
     let closed = match report.tolerance {
         None => "closed",
         Some(_) => "closed within the tolerance",

@@ -85,7 +85,7 @@ impl Draw {
             let text = "--exaggerate: this configuration takes no play that could be shown larger; say one with --at that closes by the file's virtual joints only";
             return Err(Failure::Misused(text.to_owned()));
         }
-        let mut picture = MechanismPicture::new(&input.file.mechanism, posed.values);
+        let mut picture = MechanismPicture::new(&input.file.mechanism, posed.closed.coordinates);
         (picture.view, picture.exaggeration) = (self.view, self.exaggerate);
         if !self.ghost.is_empty() {
             let to = input.commands(&self.ghost)?;

@@ -12,7 +12,7 @@ use jointplay::format::report::{
 };
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
-use jointplay::mechanism::MechanismSystem;
+use jointplay::mechanism::{CLOSED, MechanismSystem};
 use jointplay::mobility::{
     ClosedThere, RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility,
 };
@@ -107,10 +107,11 @@ impl Mobility {
             let found = system.mobility(RANK_THRESHOLD)?;
             let report = report::sparse_mobility(&input.file, &system, &found);
             drop(working);
-            return self.answer.print(&report, sparse_text);
+            self.answer.print(&report, sparse_text)?;
+            return input.within_limits(system.coordinates());
         }
         let posed = input.posed(&input.commands(&self.at)?)?;
-        let system = MechanismSystem::new(&input.file.mechanism, posed.values.clone())?;
+        let system = MechanismSystem::new(&input.file.mechanism, posed.closed.coordinates.clone())?;
         let at = system.at_home();
         let near = tolerance.map(|tolerance| near_mobility(&system, &at, tolerance)).transpose()?;
         // For real it would have to be put together by force where it does not close.
@@ -122,13 +123,14 @@ impl Mobility {
         let report = report::mechanism_mobility(
             &input.file,
             &system,
-            &posed.values,
+            &posed.closed.coordinates,
             posed.relief.as_ref(),
             &finite,
             near.as_ref(),
         )?;
         drop(working);
-        self.answer.print(&report, |report| mechanism_text(&input, report))
+        self.answer.print(&report, |report| mechanism_text(&input, report))?;
+        input.within_limits(&posed.closed.coordinates)
     }
 
     fn refuse_tolerance(&self) -> Result<(), Failure> {
@@ -227,6 +229,10 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     freedoms(&mut text, &report.freedoms);
     let values = report.singular_values.split_at(report.freedoms.rank).into();
     spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
+    let _ = writeln!(
+        text,
+        "  deviations of dimensions that change singular values by less than the threshold, or close to {CLOSED:.0e}, are round-off and count as none"
+    );
     let _ = writeln!(text, "{}", report.class);
     for carried in &report.carried_twice {
         let _ =
@@ -246,11 +252,13 @@ fn near_words(report: &MechanismMobilityReport) -> String {
     if let Some(near) = &report.near {
         let (mobility, needed) = (near.near_mobility, near.near_tolerance_needed);
         let words = if report.freedoms.finite_mobility == Some(mobility) {
-            "as for real".to_owned()
+            ", as for real".to_owned()
+        } else if needed <= CLOSED {
+            format!("; the largest mismatch on the way, {needed:.1e}, is round-off")
         } else {
-            format!("if dimensions are true only to {needed:.1e}")
+            format!(", if dimensions are true only to {needed:.1e}")
         };
-        let _ = writeln!(text, "within a tolerance of {:.1e}: {mobility}, {words}", near.tolerance);
+        let _ = writeln!(text, "within a tolerance of {:.1e}: {mobility}{words}", near.tolerance);
         if let Some(gap) = near.forced_shut {
             let _ = writeln!(
                 text,
@@ -261,10 +269,18 @@ fn near_words(report: &MechanismMobilityReport) -> String {
             let _ = writeln!(text, "  one more would need about {more:.1e}");
         }
     }
-    if let Some(NearMissReport { smallest_counted_share, tolerance_to_try }) = report.near_miss {
+    if let Some(NearMissReport { near_mobility, near_tolerance_needed, tolerance_to_try }) =
+        report.near_miss
+    {
         let _ = writeln!(
             text,
-            "  perhaps a near miss: the least singular value that counts is {smallest_counted_share:.1e} of the largest; --tolerance {tolerance_to_try:.0e} tells what moves if dimensions are rounded"
+            "near miss: mobility {near_mobility} if dimensions are true only to {near_tolerance_needed:.1e}; see --tolerance {tolerance_to_try:.0e}"
+        );
+    }
+    if let Some(coordinates) = report.near_miss_not_searched {
+        let _ = writeln!(
+            text,
+            "near misses were not searched for, with {coordinates} coordinates; --tolerance 1e-4 does"
         );
     }
     text

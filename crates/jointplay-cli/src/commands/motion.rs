@@ -4,7 +4,6 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::Error;
 use jointplay::constraint::System as _;
 use jointplay::format::report::{self, MotionReport};
 use jointplay::format::table;
@@ -43,7 +42,7 @@ Examples:
   jointplay move four-bar --drive A=0:360:5 --out four-bar-motion
   jointplay move hexapod --drive P1=0:0.02 --drive P2=0:-0.02:0.005 --format json
 
-Exit codes: 0 went to the end, 1 stopped on the way, 2 bad input or usage.")]
+Exit codes: 0 went to the end, 1 stopped on the way or left joint limits or clearances, 2 bad input or usage.")]
 pub(crate) struct Move {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
@@ -104,7 +103,10 @@ impl Move {
             write(&input, &report, &driven, folder, names, self.force)?;
         }
         self.mechanism.print(&report, |report| self.text(&input, report, &driven))?;
-        report.message.map_or(Ok(()), |message| Err(Failure::Stopped(message)))
+        if let Some(message) = report.message {
+            return Err(Failure::Stopped(message));
+        }
+        moved.waypoints.iter().try_for_each(|at| input.within_limits(&at.coordinates))
     }
 
     fn legs(&self, input: &Input, start: &DVector<f64>) -> Result<Vec<Leg>, Failure> {
@@ -266,7 +268,7 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
     }
     let drives: Vec<Drive> =
         legs.iter().map(|leg| Drive { coordinate: leg.coordinate, to: leg.to }).collect();
-    Ok(along(input, &start, &drives, held, count.unwrap_or(STEPS), "driving")?)
+    along(input, &start, &drives, held, count.unwrap_or(STEPS), "driving")
 }
 
 /// The configuration to which drives lead; `place` is what messages call it.
@@ -307,27 +309,24 @@ fn along(
     held: &[usize],
     count: usize,
     stage: &str,
-) -> Result<Motion, Error> {
+) -> Result<Motion, Failure> {
     let mechanism = &input.file.mechanism;
     let mut progress = Progress::new(count);
     progress.stage(stage);
     let mut progress = |done| progress.at(done);
     if !MechanismSystem::fits(mechanism) {
-        return SparseSystem::new(mechanism, from.clone())?.drive_watched(
-            drives,
-            held,
-            count,
-            &mut progress,
-        );
+        let system = SparseSystem::new(mechanism, from.clone())?;
+        return Ok(system.drive_watched(drives, held, count, &mut progress)?);
     }
     let driven = |k: &usize| drives.iter().any(|drive| drive.coordinate == *k);
     let free: Vec<usize> =
         (0..mechanism.joint_freedoms()).filter(|k| !driven(k) && !held.contains(k)).collect();
     let system = MechanismSystem::new(mechanism, from.clone())?;
     if mechanism.virtual_joints().is_empty() {
-        drive_watched(&system, drives, &free, count, &mut progress)
+        Ok(drive_watched(&system, drives, &free, count, &mut progress)?)
     } else {
-        drive_relieved(&system, drives, &free, count, &mut progress)
+        let home = MechanismSystem::new(mechanism, input.assembled(&[])?.coordinates)?;
+        Ok(drive_relieved(&home, &system, drives, &free, count, &mut progress)?)
     }
 }
 

@@ -38,9 +38,11 @@ pub(super) fn run(
     let sensitivity =
         commanded_sensitivity(&system, &system.at_home(), &commanded, length, RANK_THRESHOLD)?;
     let values = sensitivity.singular_values().as_slice();
-    let report = report::relief(&input.file, &relief, values, length);
+    let report = report::relief(&input.file, &relief, &commanded, values, length);
     drop(working);
     answer.print(&report, |report| text(input, report))?;
+    let of_joints = relief.coordinates.rows(0, input.coordinates.joints()).into_owned();
+    input.within_limits(&of_joints)?;
     let over: Vec<&str> =
         report.virtual_joints.iter().filter(|one| one.over).map(|one| one.name.as_str()).collect();
     if over.is_empty() {
@@ -72,11 +74,14 @@ fn text(input: &Input, report: &ReliefReport) -> String {
     let _ = writeln!(text, "  all together      {:>18} {:>15} {unit}", fixed(report.size, 3), "");
     let values: String =
         report.singular_values.iter().map(|&value| format!(" {}", magnitude(value))).collect();
+    let rows: Vec<&str> = report.virtual_joints.iter().map(|one| one.name.as_str()).collect();
+    let length = fixed(report.characteristic_length_mm, 3);
     let _ = writeln!(
         text,
-        "virtual joints per command, lengths in units of {} mm",
-        rounded(report.characteristic_length_mm, 6)
+        "sensitivity of the virtual joints to the commanded coordinates, mm per mm (1 rad counts as {length} mm)"
     );
+    let _ = writeln!(text, "  rows                 {}", rows.join(", "));
+    let _ = writeln!(text, "  columns              {}", report.commanded.join(", "));
     let _ = writeln!(text, "  singular values     {values}");
     text
 }

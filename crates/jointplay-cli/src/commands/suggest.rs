@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use clap::Args;
-use jointplay::format::report::{self, SuggestReport};
+use jointplay::format::report::{self, ByName, SuggestReport};
 use jointplay::mechanism::suggest;
 use jointplay::nalgebra::DVector;
 
@@ -26,7 +26,9 @@ const SMALL_TURN: f64 = 0.05;
 Examples:
   jointplay suggest gpr-mechanism
   jointplay suggest gpr-mechanism --format json
-  jointplay suggest parallelogram --command A1=5,A2=4.9 --command A1=-5,A2=-5.1")]
+  jointplay suggest parallelogram --command A1=5,A2=4.9 --command A1=-5,A2=-5.1
+
+Exit codes: 0 done, 1 no set was found, or none within joint limits, 2 bad input or usage.")]
 pub(crate) struct Suggest {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
@@ -61,8 +63,17 @@ impl Suggest {
             values.map(|(&k, &value)| coordinates.from_si(k, value)).collect()
         };
         let told = commands.iter().map(in_units).collect();
-        let report = report::suggestions(&input.file.mechanism, names, told, &found);
-        self.mechanism.print(&report, text)
+        let report = report::suggestions(&input.file, names, told, &found);
+        self.mechanism.print(&report, |report| text(&input, &commanded, report))?;
+        if !found.needed {
+            return found.without_play.iter().try_for_each(|at| input.within_limits(at));
+        }
+        match report.sets.into_iter().next() {
+            // Sets within limits are listed first.
+            Some(best) if best.limits_broken.is_empty() => Ok(()),
+            Some(best) => Err(Failure::BeyondLimits(best.limits_broken)),
+            None => Err(Failure::Unsolved("no set of virtual joints was found".to_owned())),
+        }
     }
 
     /// Indices of the commanded coordinates, and their values in each command [m, rad].
@@ -120,7 +131,37 @@ fn small_steps(
     Ok((motors, commands))
 }
 
-fn text(report: &SuggestReport) -> String {
+/// Coordinates that show where the mechanism is: motors that are not commanded, or joints of one freedom where there are no motors.
+fn shown(input: &Input, commanded: &[usize]) -> Vec<usize> {
+    let joints = input.file.mechanism.joints();
+    let motors = joints.iter().any(|joint| joint.actuated);
+    let shows = joints.iter().flat_map(|joint| {
+        let freedoms = joint.kind.freedoms();
+        std::iter::repeat_n(if motors { joint.actuated } else { freedoms == 1 }, freedoms)
+    });
+    let shows = shows.enumerate().filter(|&(_, shows)| shows).map(|(k, _)| k);
+    shows.filter(|k| !commanded.contains(k)).collect()
+}
+
+/// A line for each command: where the mechanism is.
+fn places(input: &Input, shown: &[usize], configurations: &[ByName<f64>]) -> String {
+    let mut text = String::new();
+    for at in configurations.iter().filter(|_| !shown.is_empty()) {
+        let values: Vec<String> = shown
+            .iter()
+            .map(|&k| {
+                let (name, value) = &at.0[k];
+                let number = fixed(*value, input.coordinates.decimals(k));
+                format!("{name} = {number} {}", input.coordinates.unit(k))
+            })
+            .collect();
+        let _ = writeln!(text, "   at {}", values.join(", "));
+    }
+    text
+}
+
+fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
+    let shown = shown(input, commanded);
     let mut text = format!("where {} would need play\n", report.name);
     for command in &report.commands {
         let values: Vec<String> = report
@@ -132,25 +173,44 @@ fn text(report: &SuggestReport) -> String {
         let _ = writeln!(text, "  commanded {}", values.join(", "));
     }
     if !report.play_needed {
-        text.push_str("none: its links alone allow this\n");
+        text.push_str(if report.open_chain {
+            "none: it is an open chain, without loops that could hinder a command\n  loops of a URDF model are added by `jointplay import --loops`\n"
+        } else {
+            "none: rigid links close for each command\n"
+        });
+        text.push_str(&places(input, &shown, &report.without_play));
         return text;
     }
     let _ = writeln!(
         text,
-        "{} places and directions, {} sets compared{}; least displacement first",
+        "{}, by displacement",
+        if report.cut_short || report.sets_untried > 0 {
+            "best sets found, not all that there are; a smaller displacement may exist"
+        } else {
+            "sets of virtual joints"
+        }
+    );
+    let _ = writeln!(
+        text,
+        "  {} places and directions, {} sets compared{}, {} not tried",
         report.candidates,
         report.sets_compared,
-        if report.cut_short { " (stopped at the limit)" } else { "" }
+        if report.cut_short { " (the most that are compared)" } else { "" },
+        report.sets_untried
     );
     if report.sets.is_empty() {
         text.push_str("no set that was tried makes this possible\n");
     }
     for (n, set) in report.sets.iter().take(TOLD).enumerate() {
-        let alike = if set.symmetric { ", alike" } else { "" };
+        let alike = if set.symmetric { ", symmetric" } else { "" };
         let _ = writeln!(text, "{}. by {} mm{alike}", n + 1, fixed(set.size_mm, 5));
         for joint in &set.virtual_joints {
             let unit = if joint.unit == "um" { "µm" } else { "mrad" };
             let _ = writeln!(text, "   {:<44}{:>12} {unit}", joint.name, fixed(joint.largest, 3));
+        }
+        text.push_str(&places(input, &shown, &set.configurations));
+        for limit in &set.limits_broken {
+            let _ = writeln!(text, "   beyond joint limits: {}", limit.message);
         }
     }
     if report.sets.len() > TOLD {

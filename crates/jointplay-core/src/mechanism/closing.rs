@@ -13,6 +13,8 @@ pub const CLOSED: f64 = 1e-11;
 const ROUND_OFF: f64 = 1e-14;
 /// Longest step of a correction, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.5;
+/// Where loops are closed, corrections go on only as long as each leaves no more than this share of the residual: slower is a drift along motions that loops do not determine.
+const STILL_CONVERGING: f64 = 0.5;
 /// Damping below which a longer step is no better.
 const LEAST_DAMPING: f64 = 1e-14;
 
@@ -80,6 +82,9 @@ pub fn close(
             }
             let there = here.moved(&by)?;
             let reached = scaled_residual(&there.residual(&there.at_home()), &rows);
+            if before <= CLOSED && reached.norm() > STILL_CONVERGING * before {
+                break;
+            }
             if reached.norm() < before {
                 (here, residual, accepted) = (there, reached, true);
                 damping_factor *= 0.1;

@@ -164,6 +164,23 @@ impl<'a> Kinematics<'a> {
         moved
     }
 
+    /// (f) how joint coordinates differ between two configurations [m, rad]: for a ball the rotation vector from the first to the second, in the turned frame.
+    ///
+    /// # Arguments
+    /// * `from`, `to` – at least the (f) coordinates of the joints [m, rad]
+    pub(super) fn displacement(&self, from: &DVector<f64>, to: &DVector<f64>) -> DVector<f64> {
+        let f = self.mechanism.joint_freedoms();
+        let mut by = to.rows(0, f) - from.rows(0, f);
+        for element in self.chains.iter().flat_map(|chain| &chain.elements) {
+            if matches!(element.factor, Factor::Ball) && element.coordinate < f {
+                let k = element.coordinate;
+                let turn = rotation_vector(&(ball(from, k).inverse() * ball(to, k)));
+                by.fixed_rows_mut::<3>(k).copy_from(&turn);
+            }
+        }
+        by
+    }
+
     /// Pose of each link in the base frame at some coordinates.
     ///
     /// # Errors

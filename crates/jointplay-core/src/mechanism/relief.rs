@@ -2,15 +2,22 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::motion::STEP_THRESHOLD;
+use super::singular::OnWay;
 use super::{CLOSED, MechanismSystem, close};
 use crate::Error;
 use crate::constraint::{Dimension, System, scaled_jacobian, scaled_residual, units};
 use crate::linalg::{Svd, svd};
+use crate::mobility::{ClosedThere, finite_mobility};
 
 /// Singular values up to this share of the largest are not used to relieve anything.
 const RELIEF_THRESHOLD: f64 = 1e-9;
 /// Changes of the virtual joints below this, in their metric, are the end.
 const SETTLED: f64 = 1e-14;
+/// Undetermined joints this near to where they would be nearest home are there, in radians and characteristic lengths.
+const AT_HOME: f64 = 1e-12;
+/// Longest turn of the passive joints in one step, all of them together [rad].
+const LONGEST_STEP: f64 = 0.5;
 /// Steps of the iteration.
 const MAX_ITERATIONS: usize = 60;
 
@@ -57,42 +64,162 @@ pub fn virtual_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
     }
 }
 
+/// Which joint coordinates are commanded, and how far the commands leave the other joints undetermined.
+///
+/// With the commanded joints held, the rigid mechanism may still have finite motions: a common heave, or a rod that spins between two balls.
+/// Commands say nothing about them, so that they are not used to save displacement of virtual joints; the joints stay as near home as closed loops allow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Commanded {
+    /// (f) closed coordinates, virtual joints at rest [m, rad].
+    home: DVector<f64>,
+    coordinates: Vec<usize>,
+    undetermined: usize,
+}
+
+impl Commanded {
+    /// Commands of some coordinates of a mechanism that is at home before them.
+    ///
+    /// # Arguments
+    /// * `home` – closed, virtual joints at rest; loops that miss are taken as closed where they are
+    /// * `coordinates` – indices of the commanded joint coordinates
+    ///
+    /// # Errors
+    /// Those of [`finite_mobility`].
+    pub fn new(home: &MechanismSystem<'_>, coordinates: &[usize]) -> Result<Self, Error> {
+        let joints = home.coordinate_dimensions().len();
+        let passive = passive(joints, coordinates);
+        let held = OnWay::new(home, &passive, None);
+        let here = held.here();
+        let there = ClosedThere::new(&held, &here);
+        let undetermined = finite_mobility(&there, &here, STEP_THRESHOLD)?.lower_bound;
+        let home = home.home().rows(0, joints).into_owned();
+        Ok(Self { home, coordinates: coordinates.to_vec(), undetermined })
+    }
+
+    /// Indices of the commanded coordinates.
+    #[must_use]
+    pub fn coordinates(&self) -> &[usize] {
+        &self.coordinates
+    }
+
+    /// In how many directions the rigid mechanism can move with the commanded joints held.
+    #[must_use]
+    pub fn undetermined(&self) -> usize {
+        self.undetermined
+    }
+
+    /// Home with the commanded coordinates at other values and all virtual joints at rest: where [`relieve`] starts.
+    ///
+    /// # Arguments
+    /// * `values` – of the commanded coordinates [m, rad]
+    /// * `virtual_joints` – how many the mechanism has
+    #[must_use]
+    pub fn start(
+        &self,
+        values: impl IntoIterator<Item = f64>,
+        virtual_joints: usize,
+    ) -> DVector<f64> {
+        let mut start = self.home.clone().resize_vertically(self.home.len() + virtual_joints, 0.0);
+        self.coordinates.iter().zip(values).for_each(|(&k, value)| start[k] = value);
+        start
+    }
+}
+
+/// Joint coordinates that are not commanded.
+fn passive(joints: usize, commanded: &[usize]) -> Vec<usize> {
+    (0..joints).filter(|k| !commanded.contains(k)).collect()
+}
+
 /// Finds the passive joints and the virtual joints for commanded coordinates.
 ///
 /// # Arguments
-/// * `start` – home with the commanded coordinates at their values, passive joints near, virtual joints at rest
-/// * `commanded` – indices of the coordinates that keep their values
+/// * `start` – the commanded coordinates at their values, passive joints near, virtual joints at rest; see [`Commanded::start`]
 ///
 /// # Errors
-/// [`Error::NotRelieved`] with what stays open, where these virtual joints cannot make the motion possible.
+/// [`Error::NotRelieved`] with what stays open, where these virtual joints cannot make the motion possible; [`Error::NotLeast`] where they can, but the least displacement was not found.
 ///
 /// # Numerics
 /// The passive joints are eliminated at each step; what is left is a least-norm problem in the virtual joints alone.
+/// Undetermined motions of the passive joints are left out of this elimination, and take them as near home as closed loops allow.
+/// Joint limits are not looked at: see [`super::Mechanism::beyond_limits`].
 pub fn relieve(
     start: &MechanismSystem<'_>,
-    commanded: &[usize],
+    commanded: &Commanded,
     solver: ReliefSolver,
+) -> Result<Relief, Error> {
+    let first = relieved_from(start, commanded, solver, LONGEST_STEP)?;
+    if first.residual <= CLOSED {
+        return Ok(first);
+    }
+    // From where the loops can be closed at all, by shorter steps.
+    let free: Vec<usize> =
+        (0..start.home().len()).filter(|k| !commanded.coordinates.contains(k)).collect();
+    let closed = close(start, &free, MAX_ITERATIONS)?;
+    if !closed.is_closed() {
+        let residual = closed.residual.min(first.residual);
+        return Err(Error::NotRelieved { residual, allowed: CLOSED });
+    }
+    let near = start.moved_to(closed.coordinates)?;
+    let second = relieved_from(&near, commanded, solver, 0.1 * LONGEST_STEP)?;
+    if second.residual <= CLOSED {
+        return Ok(second);
+    }
+    Err(Error::NotLeast { iterations: first.iterations + second.iterations })
+}
+
+/// The relief that the iteration ends with, closed or not.
+fn relieved_from(
+    start: &MechanismSystem<'_>,
+    commanded: &Commanded,
+    solver: ReliefSolver,
+    longest: f64,
 ) -> Result<Relief, Error> {
     let f = start.coordinate_dimensions().len();
     let length = start.characteristic_length();
+    let dimensions = start.kinematics().dimensions();
     let mut here = start.clone();
     let mut iterations = 0;
     let mut reached = f64::INFINITY;
     while iterations < MAX_ITERATIONS {
         iterations += 1;
-        let Reduced { relieving, open, residual, j_x, passive_part, passive, of_passive, roots } =
-            reduced(&here, commanded)?;
+        let Reduced {
+            relieving,
+            open,
+            residual,
+            j_x,
+            passive_part,
+            passive,
+            rank,
+            of_passive,
+            roots,
+        } = reduced(&here, commanded)?;
         let y = here.at_home().virtual_joints.component_mul(&roots);
         let decomposition = svd(&relieving)?;
-        let rank = decomposition.rank(RELIEF_THRESHOLD);
-        let step = match solver {
+        let relieving_rank = decomposition.rank(RELIEF_THRESHOLD);
+        let mut step = match solver {
             ReliefSolver::LeastNorm => {
-                decomposition.solve(&(&relieving * &y - &open * &residual), rank) - &y
+                decomposition.solve(&(&relieving * &y - &open * &residual), relieving_rank) - &y
             }
-            ReliefSolver::Newton => -decomposition.solve(&(&open * &residual), rank),
+            ReliefSolver::Newton => -decomposition.solve(&(&open * &residual), relieving_rank),
         };
-        let passive_rank = passive_part.rank(RELIEF_THRESHOLD);
-        let follow = -passive_part.solve(&(&residual + &j_x * &step), passive_rank);
+        let mut follow = -passive_part.solve(&(&residual + &j_x * &step), rank);
+        // What the commands do not determine goes home.
+        let idle = passive_part.null_space(rank);
+        let mut homeward = 0.0;
+        if commanded.undetermined > 0 && idle.ncols() == commanded.undetermined {
+            let away = off_home(&here, commanded, &passive).component_div(&of_passive);
+            let by = &idle * (idle.transpose() * away);
+            homeward = by.norm();
+            follow -= by;
+        }
+        // Long slides are as straight as short ones; turns are not.
+        let turns =
+            passive.iter().zip(follow.iter()).filter(|(k, _)| dimensions[**k] == Dimension::Angle);
+        let turned = turns.map(|(_, by)| by * by).sum::<f64>().sqrt();
+        if turned > longest {
+            follow *= longest / turned;
+            step *= longest / turned;
+        }
         let mut by = DVector::zeros(here.home().len());
         for (&k, value) in passive.iter().zip(follow.component_mul(&of_passive).iter()) {
             by[k] = *value;
@@ -100,27 +227,24 @@ pub fn relieve(
         by.rows_mut(f, roots.len()).copy_from(&step.component_div(&roots));
         here = here.moved(&by)?;
         let after = here.mismatch(&here.at_home());
-        let settled = step.norm() <= SETTLED * length.max(y.norm());
+        let settled = step.norm() <= SETTLED * length.max(y.norm()) && homeward <= AT_HOME;
         let stop = !after.is_finite() || (settled && (after >= reached || after < 1e-15));
         reached = after;
         if stop {
             break;
         }
     }
-    if reached.is_nan() || reached > CLOSED {
-        let free: Vec<usize> = (0..start.home().len()).filter(|k| !commanded.contains(k)).collect();
-        let best = close(start, &free, MAX_ITERATIONS)?;
-        return Err(Error::NotRelieved { residual: best.residual.min(reached), allowed: CLOSED });
-    }
     let virtual_joints = here.at_home().virtual_joints;
     let size = virtual_joints.component_mul(&virtual_weights(start).map(f64::sqrt)).norm();
-    Ok(Relief {
-        coordinates: here.home().clone(),
-        virtual_joints,
-        size,
-        residual: reached,
-        iterations,
-    })
+    let residual = if reached.is_nan() { f64::INFINITY } else { reached };
+    let coordinates = here.home().clone();
+    Ok(Relief { coordinates, virtual_joints, size, residual, iterations })
+}
+
+/// (p) how far passive joints are from home [m, rad]; for a ball, the rotation vector from there to here in the turned frame.
+fn off_home(here: &MechanismSystem<'_>, commanded: &Commanded, passive: &[usize]) -> DVector<f64> {
+    let away = here.kinematics().displacement(&commanded.home, here.home());
+    DVector::from_iterator(passive.len(), passive.iter().map(|&k| away[k]))
 }
 
 /// What passive joints leave open, and what virtual joints can do about it.
@@ -133,14 +257,16 @@ pub(super) struct Reduced {
     j_x: DMatrix<f64>,
     passive_part: Svd,
     passive: Vec<usize>,
+    /// Singular values of the passive part that are used.
+    rank: usize,
     of_passive: DVector<f64>,
     /// (M) y = root · x is in the metric.
     pub(super) roots: DVector<f64>,
 }
 
-pub(super) fn reduced(here: &MechanismSystem<'_>, commanded: &[usize]) -> Result<Reduced, Error> {
+pub(super) fn reduced(here: &MechanismSystem<'_>, commanded: &Commanded) -> Result<Reduced, Error> {
     let (f, total) = (here.coordinate_dimensions().len(), here.home().len());
-    let passive: Vec<usize> = (0..f).filter(|k| !commanded.contains(k)).collect();
+    let passive = passive(f, &commanded.coordinates);
     let virtuals: Vec<usize> = (f..total).collect();
     let rows = units(&here.constraint_dimensions(), here.characteristic_length());
     let columns = units(here.kinematics().dimensions(), here.characteristic_length());
@@ -153,7 +279,10 @@ pub(super) fn reduced(here: &MechanismSystem<'_>, commanded: &[usize]) -> Result
     let per_metric = roots.map(|root| 1.0 / root);
     let j_x = scaled_jacobian(&jacobian.select_columns(&virtuals), &rows, &per_metric);
     let passive_part = svd(&j_p)?;
-    let open = passive_part.left_null_space(passive_part.rank(RELIEF_THRESHOLD)).transpose();
+    // Loops that are open, and virtual joints that turn a guide, tie undetermined motions a little: they are the least singular values.
+    let determined = passive.len().saturating_sub(commanded.undetermined);
+    let rank = passive_part.rank(RELIEF_THRESHOLD).min(determined);
+    let open = passive_part.left_null_space(rank).transpose();
     let relieving = &open * &j_x;
-    Ok(Reduced { relieving, open, residual, j_x, passive_part, passive, of_passive, roots })
+    Ok(Reduced { relieving, open, residual, j_x, passive_part, passive, rank, of_passive, roots })
 }

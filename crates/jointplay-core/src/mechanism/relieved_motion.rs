@@ -3,25 +3,30 @@
 use nalgebra::DVector;
 
 use super::motion::{Run, STEP_THRESHOLD};
-use super::{Closure, Drive, MechanismSystem, Motion, PositionSolver, ReliefSolver, Stop, relieve};
+use super::{
+    Closure, Commanded, Drive, MechanismSystem, Motion, PositionSolver, ReliefSolver, Stop, relieve,
+};
 use crate::Error;
 use crate::constraint::System;
 
 /// Drives joint coordinates along a straight line with the virtual joints giving way as little as they can.
 ///
 /// # Arguments
-/// * `start` – virtual joints at rest
+/// * `home` – closed, virtual joints at rest: joints that the drives do not determine stay near it
+/// * `start` – where the drives begin
 /// * `free` – joint coordinates that follow; all other joint coordinates are commanded
 /// * `count` – number of steps to report
 /// * `progress` – told the number of steps done after each
 ///
 /// # Errors
-/// [`Error::NotRelieved`] if not even the start can be relieved.
+/// [`Error::NotRelieved`] or [`Error::NotLeast`] if not even the start can be relieved; those of [`Commanded::new`].
 /// A motion that stops is not an error: see [`Motion::stopped`].
 ///
 /// # Numerics
-/// Each waypoint is the least displacement near the one before, by [`PositionSolver`], or by [`super::relieve`] from rest where that does not converge; singular configurations are not looked for.
+/// Each waypoint is the least displacement near the one before, by [`PositionSolver`]; by [`super::relieve`] from rest where that does not converge, or where drives leave joints undetermined.
+/// Singular configurations are not looked for.
 pub fn drive_relieved(
+    home: &MechanismSystem<'_>,
     start: &MechanismSystem<'_>,
     drives: &[Drive],
     free: &[usize],
@@ -31,12 +36,18 @@ pub fn drive_relieved(
     let run = Run::new(start, drives, free);
     let joints = start.coordinate_dimensions().len();
     let commanded: Vec<usize> = (0..joints).filter(|k| !free.contains(k)).collect();
-    let mut solver = match PositionSolver::new(start, &commanded) {
-        Ok(solver) => Some(solver),
+    let commanded = Commanded::new(home, &commanded)?;
+    let mut solver = match PositionSolver::new(start, commanded.coordinates()) {
+        Ok(solver) => (commanded.undetermined() == 0).then_some(solver),
         Err(Error::PartlyCommanded { .. }) => None,
         Err(other) => return Err(other),
     };
-    let first = relieve(start, &commanded, ReliefSolver::LeastNorm)?;
+    let at_rest = |values: &DVector<f64>| {
+        let mut at_rest = values.clone();
+        at_rest.rows_mut(joints, values.len() - joints).fill(0.0);
+        start.at(at_rest)
+    };
+    let first = relieve(&at_rest(start.home())?, &commanded, ReliefSolver::LeastNorm)?;
     let closed = |coordinates: DVector<f64>, residual: f64, iterations: usize| Closure {
         coordinates,
         residual,
@@ -65,17 +76,14 @@ pub fn drive_relieved(
             .and_then(|solver| solver.solve(position.as_mut_slice(), ReliefSolver::LeastNorm).ok());
         here = match solved {
             Some(found) => closed(position, found.residual, found.iterations),
-            None => {
-                to.rows_mut(joints, to.len() - joints).fill(0.0);
-                match relieve(&start.at(to)?, &commanded, ReliefSolver::LeastNorm) {
-                    Ok(found) => closed(found.coordinates, found.residual, found.iterations),
-                    Err(Error::NotRelieved { .. }) => {
-                        motion.stopped = Some(Stop::Incompatible);
-                        break;
-                    }
-                    Err(other) => return Err(other),
+            None => match relieve(&at_rest(&to)?, &commanded, ReliefSolver::LeastNorm) {
+                Ok(found) => closed(found.coordinates, found.residual, found.iterations),
+                Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => {
+                    motion.stopped = Some(Stop::Incompatible);
+                    break;
                 }
-            }
+                Err(other) => return Err(other),
+            },
         };
         let decomposition = run.decomposed(&here.coordinates)?;
         motion.waypoints.push(run.waypoint(share, here.clone(), &decomposition, regular_rank));

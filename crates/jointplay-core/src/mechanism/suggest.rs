@@ -1,15 +1,14 @@
 //! Where a mechanism would have to have play.
 
-use nalgebra::{DMatrix, DVector, Unit, Vector3};
+use nalgebra::{DMatrix, DVector};
 
 use super::relief::{Reduced, reduced};
+use super::virtual_candidates::{Candidate, Candidates, candidates};
 use super::{
-    Carrier, Mechanism, MechanismSystem, Relief, ReliefSolver, VirtualJoint, VirtualMotion, close,
-    relieve,
+    BeyondLimits, Commanded, Mechanism, MechanismSystem, ReliefSolver, VirtualJoint, close, relieve,
 };
 use crate::Error;
 use crate::linalg::svd;
-use crate::spatial::Pose;
 
 /// Sets of virtual joints looked at before the search is cut short.
 const MAX_SETS: usize = 50_000;
@@ -27,12 +26,16 @@ const NO_EFFECT: f64 = 1e-9;
 pub struct Suggestion {
     /// The virtual joints, ready for [`Mechanism::with_virtual_joints`].
     pub virtual_joints: Vec<VirtualJoint>,
-    /// Whether they are alike: the same motion at every joint of the same kind and place.
+    /// Whether every symmetry of the mechanism at home maps the set onto itself; `false` where it has none.
     pub symmetric: bool,
     /// The largest displacement over the commands, in the metric [m].
     pub size: f64,
     /// (M) how far each virtual joint goes at most over the commands [m or rad].
     pub largest: Vec<f64>,
+    /// Where the mechanism is for each command: (f) coordinates of the joints [m, rad].
+    pub configurations: Vec<DVector<f64>>,
+    /// Joint coordinates that are beyond their limits for one of the commands.
+    pub beyond_limits: Vec<BeyondLimits>,
 }
 
 /// What a search for virtual joints found.
@@ -40,20 +43,35 @@ pub struct Suggestion {
 pub struct Suggestions {
     /// Whether any play is needed at all: `false` where the links alone allow every command.
     pub needed: bool,
-    /// Sets, those that have to move least first; none holds another that is enough.
+    /// Where the rigid links are for each command, if no play is needed: (f) coordinates [m, rad].
+    pub without_play: Vec<DVector<f64>>,
+    /// Joint coordinates that are beyond their limits there.
+    pub beyond_limits: Vec<BeyondLimits>,
+    /// Sets, those within joint limits first, then by the least displacement; none holds another that is enough.
     pub sets: Vec<Suggestion>,
     /// Places and directions that were considered.
     pub candidates: usize,
     /// Sets that were compared by the linear estimate.
     pub compared: usize,
+    /// Sets that the linear estimate took for possible, but that were not tried with the whole kinematics.
+    pub untried: usize,
     /// Whether the search was cut short at its limit.
     pub cut_short: bool,
+}
+
+impl Suggestions {
+    /// Whether every set that the search knows of was compared and tried; if not, a smaller displacement may exist among them.
+    #[must_use]
+    pub fn complete(&self) -> bool {
+        !self.cut_short && self.untried == 0
+    }
 }
 
 /// Finds sets of virtual joints that make commands possible.
 ///
 /// Candidates are the slides and turns that each joint lacks: radial, tangential and normal on the link that carries more joints.
 /// A set makes a command possible where what the command opens lies in the span of what the set can do; the best are tried with the whole kinematics.
+/// Joints that the commands leave undetermined stay as near home as they can, see [`Commanded`].
 ///
 /// # Arguments
 /// * `home` – (f) closed coordinates without virtual joints [m, rad]
@@ -61,7 +79,7 @@ pub struct Suggestions {
 /// * `commands` – values of these coordinates, a vector for each command [m, rad]
 ///
 /// # Errors
-/// [`Error::NotRelieved`] where not even all candidates together make a command possible.
+/// [`Error::NotRelieved`] where not even all candidates together make a command possible; those of [`relieve`] and [`Commanded::new`].
 pub fn suggest(
     mechanism: &Mechanism,
     home: &DVector<f64>,
@@ -70,26 +88,35 @@ pub fn suggest(
 ) -> Result<Suggestions, Error> {
     let f = mechanism.joint_freedoms();
     super::system::check(home, f)?;
-    if possible_without_play(mechanism, home, commanded, commands)? {
-        let sets = Vec::new();
+    if let Some(found) = commands.iter().find(|command| command.len() != commanded.len()) {
+        let (found, expected) = (found.len(), commanded.len());
+        return Err(Error::WrongLength { what: "a command", found, expected });
+    }
+    let bare = with(mechanism, &[]);
+    let at_home = MechanismSystem::new(&bare, home.clone())?;
+    let commanded = Commanded::new(&at_home, commanded)?;
+    if let Some(without_play) = possible_without_play(&at_home, &commanded, commands)? {
         return Ok(Suggestions {
             needed: false,
-            sets,
+            beyond_limits: beyond(&bare, &without_play),
+            without_play,
+            sets: Vec::new(),
             candidates: 0,
             compared: 0,
+            untried: 0,
             cut_short: false,
         });
     }
-    let candidates = candidates(mechanism, home)?;
+    let Candidates { candidates, images } = candidates(&at_home, home)?;
     let all: Vec<VirtualJoint> = candidates.iter().map(|c| c.joint.clone()).collect();
     let relieved = with(mechanism, &all);
     let mut needs = Vec::new();
     for command in commands {
-        let start = commanded_start(home, commanded, command, all.len())?;
+        let start = commanded.start(command.iter().copied(), all.len());
         let system = MechanismSystem::new(&relieved, start)?;
-        let found = relieve(&system, commanded, ReliefSolver::LeastNorm)?;
+        let found = relieve(&system, &commanded, ReliefSolver::LeastNorm)?;
         let y = found.virtual_joints.clone();
-        let Reduced { relieving, roots, .. } = reduced(&system.at(found.coordinates)?, commanded)?;
+        let Reduced { relieving, roots, .. } = reduced(&system.at(found.coordinates)?, &commanded)?;
         needs.push((&relieving * y.component_mul(&roots), relieving));
     }
     let useful: Vec<usize> = (0..all.len())
@@ -109,14 +136,10 @@ pub fn suggest(
         key(a).cmp(&key(b)).then(a.0.total_cmp(&b.0))
     });
     let mut found: Vec<(Vec<usize>, Suggestion)> = Vec::new();
-    let (mut of_size, mut tries) = (0, 0);
+    let (mut of_size, mut tries, mut untried) = (0, 0, 0);
     for (_, set) in estimated {
         if set.members.len() != of_size {
             (of_size, tries) = (set.members.len(), 0);
-        }
-        tries += 1;
-        if tries > MAX_TRIED {
-            continue;
         }
         let smaller = |(members, _): &(Vec<usize>, Suggestion)| {
             members.iter().all(|member| set.members.contains(member))
@@ -124,42 +147,74 @@ pub fn suggest(
         if found.iter().any(smaller) {
             continue;
         }
+        tries += 1;
+        if tries > MAX_TRIED {
+            untried += 1;
+            continue;
+        }
         let chosen: Vec<VirtualJoint> = set.members.iter().map(|&k| all[k].clone()).collect();
-        if let Some((size, largest)) = tried(mechanism, home, commanded, commands, &chosen)? {
-            let symmetric = set.symmetric;
-            found.push((
-                set.members,
-                Suggestion { virtual_joints: chosen, symmetric, size, largest },
-            ));
+        let symmetric = is_symmetric(&set.members, &images);
+        if let Some(suggestion) = tried(mechanism, &commanded, commands, chosen, symmetric)? {
+            found.push((set.members, suggestion));
         }
     }
     let mut sets: Vec<Suggestion> = found.into_iter().map(|(_, suggestion)| suggestion).collect();
-    sets.sort_by(|a, b| a.size.total_cmp(&b.size));
-    Ok(Suggestions { needed: true, sets, candidates: all.len(), compared, cut_short })
+    sets.sort_by(|a, b| {
+        let outside = |set: &Suggestion| !set.beyond_limits.is_empty();
+        outside(a).cmp(&outside(b)).then(a.size.total_cmp(&b.size))
+    });
+    Ok(Suggestions {
+        needed: true,
+        without_play: Vec::new(),
+        beyond_limits: Vec::new(),
+        sets,
+        candidates: all.len(),
+        compared,
+        untried,
+        cut_short,
+    })
 }
 
+/// Where the rigid links are for each command, if they allow all of them.
 fn possible_without_play(
-    mechanism: &Mechanism,
-    home: &DVector<f64>,
-    commanded: &[usize],
+    home: &MechanismSystem<'_>,
+    commanded: &Commanded,
     commands: &[DVector<f64>],
-) -> Result<bool, Error> {
-    let bare = with(mechanism, &[]);
-    let free: Vec<usize> = (0..home.len()).filter(|k| !commanded.contains(k)).collect();
+) -> Result<Option<Vec<DVector<f64>>>, Error> {
+    let free: Vec<usize> =
+        (0..home.home().len()).filter(|k| !commanded.coordinates().contains(k)).collect();
+    let mut found = Vec::with_capacity(commands.len());
     for command in commands {
-        let start = commanded_start(home, commanded, command, 0)?;
-        let closed = close(&MechanismSystem::new(&bare, start)?, &free, MAX_CORRECTIONS)?;
+        let start = home.at(commanded.start(command.iter().copied(), 0))?;
+        let closed = close(&start, &free, MAX_CORRECTIONS)?;
         if !closed.is_closed() {
-            return Ok(false);
+            return Ok(None);
+        }
+        found.push(closed.coordinates);
+    }
+    Ok(Some(found))
+}
+
+/// Joint coordinates beyond their limits in one of some configurations, each once.
+fn beyond(mechanism: &Mechanism, configurations: &[DVector<f64>]) -> Vec<BeyondLimits> {
+    let mut found: Vec<BeyondLimits> = Vec::new();
+    for one in configurations.iter().flat_map(|at| mechanism.beyond_limits(at)) {
+        if !found.iter().any(|known| known.coordinate == one.coordinate) {
+            found.push(one);
         }
     }
-    Ok(true)
+    found
 }
 
-/// A place and direction, and which others are alike.
-struct Candidate {
-    joint: VirtualJoint,
-    orbit: usize,
+/// Whether every symmetry maps a set onto itself; `false` where there is none.
+///
+/// # Arguments
+/// * `images` – for each symmetry, the candidate that each is mapped onto
+fn is_symmetric(members: &[usize], images: &[Vec<Option<usize>>]) -> bool {
+    !images.is_empty()
+        && images.iter().all(|image| {
+            members.iter().all(|&k| image[k].is_some_and(|onto| members.contains(&onto)))
+        })
 }
 
 struct Set {
@@ -174,46 +229,41 @@ fn with(mechanism: &Mechanism, virtual_joints: &[VirtualJoint]) -> Mechanism {
         .expect("candidates have names and joints of their own")
 }
 
-fn commanded_start(
-    home: &DVector<f64>,
-    commanded: &[usize],
-    command: &DVector<f64>,
-    virtual_joints: usize,
-) -> Result<DVector<f64>, Error> {
-    if command.len() != commanded.len() {
-        let (found, expected) = (command.len(), commanded.len());
-        return Err(Error::WrongLength { what: "a command", found, expected });
-    }
-    let mut start = home.clone().resize_vertically(home.len() + virtual_joints, 0.0);
-    commanded.iter().zip(command.iter()).for_each(|(&k, &value)| start[k] = value);
-    Ok(start)
-}
-
-/// Size and largest displacements over all commands, if the set makes all of them possible.
+/// What a set takes over all commands, if it makes all of them possible.
 fn tried(
     mechanism: &Mechanism,
-    home: &DVector<f64>,
-    commanded: &[usize],
+    commanded: &Commanded,
     commands: &[DVector<f64>],
-    chosen: &[VirtualJoint],
-) -> Result<Option<(f64, Vec<f64>)>, Error> {
-    let relieved = with(mechanism, chosen);
+    chosen: Vec<VirtualJoint>,
+    symmetric: bool,
+) -> Result<Option<Suggestion>, Error> {
+    let relieved = with(mechanism, &chosen);
+    let f = relieved.joint_freedoms();
     let (mut size, mut largest) = (0.0_f64, vec![0.0_f64; chosen.len()]);
+    let mut configurations = Vec::with_capacity(commands.len());
     for command in commands {
-        let start = commanded_start(home, commanded, command, chosen.len())?;
+        let start = commanded.start(command.iter().copied(), chosen.len());
         let system = MechanismSystem::new(&relieved, start)?;
-        let Relief { virtual_joints, size: here, .. } =
-            match relieve(&system, commanded, ReliefSolver::LeastNorm) {
-                Ok(relief) => relief,
-                Err(Error::NotRelieved { .. }) => return Ok(None),
-                Err(error) => return Err(error),
-            };
-        size = size.max(here);
-        for (most, x) in largest.iter_mut().zip(virtual_joints.iter()) {
+        let relief = match relieve(&system, commanded, ReliefSolver::LeastNorm) {
+            Ok(relief) => relief,
+            Err(Error::NotRelieved { .. } | Error::NotLeast { .. }) => return Ok(None),
+            Err(error) => return Err(error),
+        };
+        size = size.max(relief.size);
+        for (most, x) in largest.iter_mut().zip(relief.virtual_joints.iter()) {
             *most = most.max(x.abs());
         }
+        configurations.push(relief.coordinates.rows(0, f).into_owned());
     }
-    Ok(Some((size, largest)))
+    let beyond_limits = beyond(mechanism, &configurations);
+    Ok(Some(Suggestion {
+        virtual_joints: chosen,
+        symmetric,
+        size,
+        largest,
+        configurations,
+        beyond_limits,
+    }))
 }
 
 /// Symmetric sets and their pairs, then sets of single candidates up to as many as there are directions to relieve.
@@ -229,7 +279,11 @@ fn sets(
     };
     let mut sets: Vec<Set> =
         orbits.iter().map(|&orbit| Set { members: members(orbit), symmetric: true }).collect();
-    for (n, &a) in orbits.iter().enumerate() {
+    let symmetric = sets.iter().any(|set| set.members.len() > 1);
+    if !symmetric {
+        sets.clear();
+    }
+    for (n, &a) in orbits.iter().enumerate().filter(|_| symmetric) {
         for &b in orbits.iter().skip(n + 1) {
             sets.push(Set { members: [members(a), members(b)].concat(), symmetric: true });
         }
@@ -241,7 +295,8 @@ fn sets(
         combinations(useful.len(), size, &mut chosen, 0, &mut |picked| {
             let members: Vec<usize> = picked.iter().map(|&n| useful[n]).collect();
             cut_short |= sets.len() >= MAX_SETS;
-            let known = sets.iter().take(orbits.len()).any(|set| set.members == members);
+            let known =
+                sets.iter().take_while(|set| set.symmetric).any(|set| set.members == members);
             if !cut_short && !known {
                 sets.push(Set { members, symmetric: false });
             }
@@ -289,121 +344,4 @@ fn estimate(
         size = size.max(y.norm());
     }
     Ok(Some(size))
-}
-
-/// The slides and turns that the joints lack.
-fn candidates(mechanism: &Mechanism, home: &DVector<f64>) -> Result<Vec<Candidate>, Error> {
-    let bare = with(mechanism, &[]);
-    let system = MechanismSystem::new(&bare, home.clone())?;
-    let unit = crate::constraint::System::characteristic_length(&system);
-    let on_link = |link: usize| {
-        mechanism.joints().iter().flat_map(move |joint| {
-            [0, 1].into_iter().filter(move |&s| joint.links[s] == link).map(|s| &joint.frames[s])
-        })
-    };
-    let (mut found, mut keys): (Vec<Candidate>, Vec<String>) = (Vec::new(), Vec::new());
-    for (j, joint) in mechanism.joints().iter().enumerate() {
-        let counts = joint.links.map(|link| on_link(link).count());
-        let side = usize::from(counts[1] >= counts[0]);
-        let carrier = if side == 0 { Carrier::First } else { Carrier::Second };
-        let link = joint.links[side];
-        let places: Vec<Vector3<f64>> =
-            on_link(link).map(|frame| frame.translation.vector).collect();
-        let (triad, radius) = triad(&places, &joint.frames[side], unit);
-        for (label, direction) in ["radial", "tangential", "normal"].into_iter().zip(triad) {
-            for slides in [true, false] {
-                let point = joint.frames[side].translation.vector;
-                let motion = if slides {
-                    VirtualMotion::Slide(direction)
-                } else {
-                    VirtualMotion::Turn { axis: direction, point }
-                };
-                if already_free(joint.kind, &joint.frames[side], direction, slides)? {
-                    continue;
-                }
-                let what = if slides { "slide" } else { "turn" };
-                let key = format!(
-                    "{} {} {label} {what} {} {:.6}",
-                    joint.kind.name(),
-                    joint.actuated,
-                    counts[side],
-                    radius / unit
-                );
-                let orbit = keys.iter().position(|known| *known == key).unwrap_or_else(|| {
-                    keys.push(key);
-                    keys.len() - 1
-                });
-                let name =
-                    format!("{label} {what} of {} at {}", mechanism.links()[link], joint.name);
-                found.push(Candidate {
-                    orbit,
-                    joint: VirtualJoint {
-                        name,
-                        joint: j,
-                        carrier,
-                        motion,
-                        clearance: if slides {
-                            joint.clearance.linear
-                        } else {
-                            joint.clearance.angular
-                        },
-                        stiffness: None,
-                    },
-                });
-            }
-        }
-    }
-    Ok(found)
-}
-
-/// Radial, tangential and normal direction at a joint's place on a link, and how far it is from the link's middle [m].
-fn triad(places: &[Vector3<f64>], frame: &Pose, unit: f64) -> ([Unit<Vector3<f64>>; 3], f64) {
-    #[expect(clippy::cast_precision_loss, reason = "a count of joints")]
-    let middle = places.iter().sum::<Vector3<f64>>() / places.len() as f64;
-    // The plane of the joints, where they have one; else the joint's axis.
-    let area = places
-        .iter()
-        .flat_map(|a| places.iter().map(move |b| (a - middle).cross(&(b - middle))))
-        .max_by(|a, b| a.norm().total_cmp(&b.norm()))
-        .unwrap_or_default();
-    let axis = frame.rotation * Vector3::z();
-    let normal = Unit::try_new(area, 1e-9 * unit * unit).unwrap_or(Unit::new_normalize(axis));
-    let arm = frame.translation.vector - middle;
-    let arm = arm - normal.scale(arm.dot(&normal));
-    let own = frame.rotation * Vector3::x();
-    let fallback = own - normal.scale(own.dot(&normal));
-    let other = frame.rotation * Vector3::y();
-    let last = other - normal.scale(other.dot(&normal));
-    let radial = Unit::try_new(arm, 1e-9 * unit)
-        .or_else(|| Unit::try_new(fallback, 0.5))
-        .unwrap_or_else(|| Unit::new_normalize(last));
-    let tangential = Unit::new_normalize(normal.cross(&radial));
-    ([radial, tangential, normal], arm.norm())
-}
-
-/// Whether a joint already has a motion, or a combination of its motions that is this one.
-fn already_free(
-    kind: super::JointKind,
-    frame: &Pose,
-    direction: Unit<Vector3<f64>>,
-    slides: bool,
-) -> Result<bool, Error> {
-    let local = frame.rotation.inverse() * direction.into_inner();
-    let zero = Vector3::zeros();
-    let candidate = if slides { (zero, local) } else { (local, zero) };
-    let mut columns: Vec<DVector<f64>> = Vec::new();
-    let column = |(angular, linear): (Vector3<f64>, Vector3<f64>)| {
-        DVector::from_iterator(6, angular.iter().chain(linear.iter()).copied())
-    };
-    for factor in kind.factors() {
-        columns.extend((0..factor.coordinates().len()).map(|k| column(factor.screw(k))));
-    }
-    if columns.is_empty() {
-        return Ok(false);
-    }
-    let own = svd(&DMatrix::from_columns(&columns))?;
-    let rank = own.rank(1e-9);
-    let candidate = column(candidate);
-    let within = own.u.columns(0, rank).transpose() * &candidate;
-    Ok(within.norm() > 1.0 - 1e-9)
 }

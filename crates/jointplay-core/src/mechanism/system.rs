@@ -79,6 +79,12 @@ impl<'a> MechanismSystem<'a> {
         Ok(Self { home: self.kinematics.moved(&self.home, by), ..self.clone() })
     }
 
+    /// The same system at another home; reference point and characteristic length stay.
+    pub(super) fn moved_to(&self, home: DVector<f64>) -> Result<Self, Error> {
+        check(&home, self.home.len())?;
+        Ok(Self { home, ..self.clone() })
+    }
+
     /// Tree, loops and poses.
     #[must_use]
     pub fn kinematics(&self) -> &Kinematics<'a> {

@@ -8,6 +8,7 @@
 //! | in how many directions can it really go? | [`finite_mobility`] |
 //! | …and do branches of other dimensions meet there? | [`branch_dimensions`] |
 //! | …if its dimensions are true only to a tolerance? | [`near_mobility`] |
+//! | …and would a small tolerance make a difference? | [`near_miss`] |
 //!
 //! The answers differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
 
@@ -24,7 +25,9 @@ pub use instantaneous::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,
 };
 pub use kutzbach::kutzbach_mobility;
-pub use near::{ClosedThere, NearMiss, NearMobility, TOLERANCES, near_mobility};
+pub use near::{
+    ClosedThere, NearMiss, NearMobility, TOLERANCES, near_miss, near_mobility, near_tolerances,
+};
 pub use neighbours::{Neighbours, branch_dimensions};
 pub use second_order::SecondOrder;
 pub(crate) use second_order::quadrics;

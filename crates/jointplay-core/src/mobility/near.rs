@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::InstantaneousMobility;
+use super::FiniteMobility;
 use crate::Error;
 use crate::constraint::{
     Configuration, Dimension, System, scaled_jacobian, scaled_residual, units,
@@ -18,11 +18,17 @@ pub const TOLERANCES: RangeInclusive<f64> = 1e-11..=1e-2;
 const RADIUS: f64 = 0.3;
 /// Steps out to there.
 const STEPS: u32 = 10;
-/// Singular values up to this many tolerances are followed up.
+/// Directions with singular values up to this are followed: to first order, a motion with a larger one leaves the band of the largest tolerance within [`RADIUS`].
 ///
-/// To first order a motion with singular value σ leaves a band of ± the tolerance within [`RADIUS`] if σ exceeds 7 tolerances; one whose residual turns on the way may start a little steeper.
-const CANDIDATES: f64 = 10.0;
-/// Directions that mix the candidates: motions on two branches are kept one by one, but not mixed.
+/// A motion with singular value σ misses by σ t after a way t, which is a hundredth at 0.3 for σ = 0.03; one whose residual turns on the way may start a little steeper.
+const CANDIDATES: f64 = 0.1;
+/// Singular values up to this belong to motions that are tried together first: those of exact dimensions.
+const EXACT: f64 = 1e-9;
+/// Random subspaces of the candidates that are followed for each number of motions.
+const MIXTURES: usize = 2;
+/// How often a subspace is turned to where its motions lead.
+const REFINED: usize = 2;
+/// Directions that mix those of a subspace: motions on two branches are possible one by one, but not mixed.
 const MIXED: usize = 2;
 /// Corrections at one step.
 const MAX_CORRECTIONS: usize = 30;
@@ -40,8 +46,10 @@ const BRANCH_RADIUS: f64 = 0.1;
 const SAME_POINT: f64 = 0.3;
 /// Such configurations whose motions are followed.
 const BRANCHES: usize = 3;
-/// A mechanism whose least singular value that counts is below this share of the largest may be a near miss.
-const NEAR_MISS: f64 = 1e-4;
+/// A near miss is worth a hint up to this tolerance: about the digits that dimensions are printed with.
+const HINTED: f64 = 1e-4;
+/// Near misses are looked for unasked up to this many coordinates.
+const UNASKED: usize = 64;
 
 /// Motions that are kept within a tolerance, and how much of it they need.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,10 +76,7 @@ pub struct NearMobility {
 /// [`Error::Tolerance`], [`Error::NotClosed`] if the residual at `at` exceeds the tolerance, [`Error::WrongLength`], [`Error::NotFinite`].
 ///
 /// # Numerics
-/// Singular values of the scaled Jacobian up to ten tolerances make candidates; what decides is the way.
-/// Each way holds its direction among the candidates and fits all other coordinates by Gauss–Newton steps with damping in proportion to the residual: singular values below what the loops miss move nothing.
-/// Where not all candidates are kept, those of configurations found a tenth away are tried as well, since branches may cross at the given one.
-/// Deterministic: the directions are the same at every call.
+/// What each number of motions needs does not depend on the tolerance, see [`near_tolerances`]; the mobility is how many of these numbers are within it.
 ///
 /// # Source
 /// own derivation, `docs/theory.md`
@@ -85,29 +90,129 @@ pub fn near_mobility<S: System + ?Sized>(
         let (min, max) = (*TOLERANCES.start(), *TOLERANCES.end());
         return Err(Error::Tolerance { found: tolerance, min, max });
     }
+    let residual = system.mismatch(at);
+    if residual.is_nan() || residual > tolerance {
+        return Err(Error::NotClosed { residual, allowed: tolerance });
+    }
+    let all = near_tolerances(system, at)?;
+    let mobility = all.iter().filter(|&&needed| needed <= tolerance).count();
+    Ok(NearMobility {
+        mobility,
+        needed: mobility.checked_sub(1).map_or(residual, |last| all[last]),
+        next: all.get(mobility).copied(),
+        tolerance,
+    })
+}
+
+/// The tolerance that one motion needs, that two need together, and so on, as far as it is within [`TOLERANCES`]; in radians and characteristic lengths, never decreasing.
+///
+/// # Errors
+/// [`Error::WrongLength`], [`Error::NotFinite`].
+///
+/// # Numerics
+/// Singular vectors of the scaled Jacobian with values up to 0.1 make candidates.
+/// Vectors of nearly equal values are arbitrary mixtures, so that for each number of motions several subspaces of the candidates are followed, each turned to where its motions lead; the least tolerance counts.
+/// Each way holds its direction among those of the subspace and fits all other coordinates by Gauss–Newton steps with damping in proportion to the residual: singular values below what the loops miss move nothing.
+/// The same is done at configurations found a tenth away, since branches may cross at the given one.
+/// Deterministic: the directions are the same at every call.
+pub fn near_tolerances<S: System + ?Sized>(
+    system: &S,
+    at: &Configuration,
+) -> Result<Vec<f64>, Error> {
+    system.check(at)?;
     let length = system.characteristic_length();
     let follower = Follower {
         system,
         rows: units(&system.constraint_dimensions(), length),
         columns: units(&system.coordinate_dimensions(), length),
-        tolerance,
     };
     let residual = system.mismatch(at);
-    if residual.is_nan() || residual > tolerance {
-        return Err(Error::NotClosed { residual, allowed: tolerance });
-    }
-    let candidates = follower.candidates(at)?;
-    let mut best = follower.kept(at, &candidates)?;
-    if best.mobility < candidates.ncols() {
-        for on_branch in follower.on_branches(at, &candidates)? {
-            let mut found = follower.kept(&on_branch, &follower.candidates(&on_branch)?)?;
-            found.needed = found.needed.max(residual);
-            if found.mobility > best.mobility {
-                best = found;
-            }
+    let (candidates, exact) = follower.candidates(at)?;
+    let mut all = Vec::new();
+    let first = Start { at: at.clone(), candidates };
+    // What moves for real moves within any tolerance, all of it together.
+    if exact > 0 {
+        let needed = follower.followed(&first.at, &first.least(exact))?;
+        if needed <= *TOLERANCES.start() {
+            all = vec![needed; exact];
         }
     }
-    Ok(best)
+    let mut starts = vec![first];
+    let mut random = Random(6);
+    let mut best: Option<(usize, DMatrix<f64>)> = None;
+    for count in all.len() + 1..=starts[0].candidates.ncols() {
+        let before = best.take();
+        let mut least = f64::INFINITY;
+        let mut n = 0;
+        while n < starts.len() && least > *TOLERANCES.start() {
+            let seed = before.as_ref().filter(|(start, _)| *start == n).map(|(_, basis)| basis);
+            for basis in starts[n].subspaces(count, seed, &mut random) {
+                let basis = follower.turned(&starts[n], basis)?;
+                let needed = follower.followed(&starts[n].at, &basis)?.max(residual);
+                if needed < least {
+                    (least, best) = (needed, Some((n, basis)));
+                }
+                if least <= *TOLERANCES.start() {
+                    break;
+                }
+            }
+            n += 1;
+            // Configurations on branches are looked for once, where they can make a difference.
+            if n == 1 && starts.len() == 1 && least > *TOLERANCES.start() {
+                let on_branches = follower.on_branches(&starts[0])?;
+                starts.extend(on_branches);
+            }
+        }
+        if least > *TOLERANCES.end() {
+            break;
+        }
+        let last = all.last().copied().unwrap_or(residual);
+        all.push(least.max(last));
+    }
+    Ok(all)
+}
+
+/// Where motions start, and the directions among which they are looked for.
+struct Start {
+    at: Configuration,
+    /// (n, candidates) orthonormal directions with small singular values, those of the largest first.
+    candidates: DMatrix<f64>,
+}
+
+impl Start {
+    /// (n, count) the directions of the smallest singular values.
+    fn least(&self, count: usize) -> DMatrix<f64> {
+        self.candidates.columns(self.candidates.ncols() - count, count).into_owned()
+    }
+
+    /// Orthonormal bases of subspaces to follow, each (n, count).
+    fn subspaces(
+        &self,
+        count: usize,
+        before: Option<&DMatrix<f64>>,
+        random: &mut Random,
+    ) -> Vec<DMatrix<f64>> {
+        let all = self.candidates.ncols();
+        if count > all {
+            return Vec::new();
+        }
+        let mut found = vec![self.least(count)];
+        if count == all {
+            return found;
+        }
+        if let Some(before) = before {
+            let other = &self.candidates * DVector::from_fn(all, |_, _| random.next());
+            let mut columns: Vec<DVector<f64>> =
+                before.column_iter().map(|column| column.into_owned()).collect();
+            columns.push(other);
+            found.push(DMatrix::from_columns(&columns).qr().q());
+        }
+        for _ in 0..MIXTURES {
+            let mixture = DMatrix::from_fn(all, count, |_, _| random.next()).qr().q();
+            found.push(&self.candidates * mixture);
+        }
+        found
+    }
 }
 
 /// Follows motions in dimensionless coordinates.
@@ -115,7 +220,6 @@ struct Follower<'a, S: ?Sized> {
     system: &'a S,
     rows: DVector<f64>,
     columns: DVector<f64>,
-    tolerance: f64,
 }
 
 impl<S: System + ?Sized> Follower<'_, S> {
@@ -134,41 +238,40 @@ impl<S: System + ?Sized> Follower<'_, S> {
         }
     }
 
-    /// (n, candidates) orthonormal directions with small singular values, those of the largest first.
-    fn candidates(&self, at: &Configuration) -> Result<DMatrix<f64>, Error> {
+    /// (n, candidates) orthonormal directions with small singular values, those of the largest first, and how many of them are zero but for round-off.
+    fn candidates(&self, at: &Configuration) -> Result<(DMatrix<f64>, usize), Error> {
         let found = svd(&self.jacobian(at))?;
-        let cut = CANDIDATES * self.tolerance;
-        let counted = found.singular_values.iter().filter(|&&value| value > cut).count();
-        Ok(found.null_space(counted))
+        let above = |cut: f64| found.singular_values.iter().filter(|&&value| value > cut).count();
+        let counted = above(CANDIDATES);
+        let exact = found.v.ncols() - above(EXACT);
+        Ok((found.null_space(counted), exact))
     }
 
-    /// The most candidates that are kept together, the ones of smallest singular values first.
-    fn kept(&self, from: &Configuration, candidates: &DMatrix<f64>) -> Result<NearMobility, Error> {
-        let count = candidates.ncols();
-        let found = |mobility, needed, next| NearMobility {
-            mobility,
-            needed,
-            next,
-            tolerance: self.tolerance,
-        };
-        let mut next = None;
-        for mobility in (1..=count).rev() {
-            let directions = candidates.columns(count - mobility, mobility).into_owned();
-            let needed = self.followed(from, &directions)?;
-            if needed <= self.tolerance {
-                return Ok(found(mobility, needed, next));
-            }
-            next = (needed <= *TOLERANCES.end()).then_some(needed);
+    /// A subspace turned to where motions along its directions lead, so that a motion of 0.3 in it is one of 0.3.
+    fn turned(&self, start: &Start, mut basis: DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
+        if basis.ncols() == start.candidates.ncols() {
+            return Ok(basis);
         }
-        Ok(found(0, self.system.mismatch(from), next))
+        for _ in 0..REFINED {
+            let fitted = complement(&basis)?;
+            let mut ends = Vec::with_capacity(basis.ncols());
+            for direction in basis.column_iter() {
+                let (_, end) = self.way(&start.at, &direction.into_owned(), &fitted)?;
+                ends.push(&start.candidates * start.candidates.tr_mul(&end));
+            }
+            let next = DMatrix::from_columns(&ends).qr().q();
+            if next.iter().all(|value| value.is_finite()) {
+                basis = next;
+            }
+        }
+        Ok(basis)
     }
 
     /// The largest residual on the ways along some directions and mixtures of them.
     fn followed(&self, from: &Configuration, directions: &DMatrix<f64>) -> Result<f64, Error> {
-        let (n, count) = directions.shape();
+        let count = directions.ncols();
         let mut largest = self.system.mismatch(from);
-        // What is orthogonal to the directions is free to fit.
-        let fitted = svd(&directions.transpose())?.v.columns(count, n - count).into_owned();
+        let fitted = complement(directions)?;
         let mut random = Random(3);
         let mixed = if count > 1 { MIXED } else { 0 };
         for k in 0..count + mixed {
@@ -178,9 +281,9 @@ impl<S: System + ?Sized> Follower<'_, S> {
                 directions * DVector::from_fn(count, |_, _| random.next()).normalize()
             };
             // One sense is enough: a motion may start at the end of its range. Where the first breaks nothing, the other cannot do better.
-            let mut size = self.way(from, &direction, &fitted)?;
+            let (mut size, _) = self.way(from, &direction, &fitted)?;
             if size > *TOLERANCES.start() {
-                size = size.min(self.way(from, &-direction, &fitted)?);
+                size = size.min(self.way(from, &-direction, &fitted)?.0);
             }
             largest = largest.max(size);
             if largest > *TOLERANCES.end() {
@@ -190,13 +293,13 @@ impl<S: System + ?Sized> Follower<'_, S> {
         Ok(largest)
     }
 
-    /// The largest residual on the way in one direction.
+    /// The largest residual on the way in one direction, and the displacement at its end.
     fn way(
         &self,
         from: &Configuration,
         direction: &DVector<f64>,
         fitted: &DMatrix<f64>,
-    ) -> Result<f64, Error> {
+    ) -> Result<(f64, DVector<f64>), Error> {
         let mut largest = 0.0_f64;
         let stride = direction * (RADIUS / f64::from(STEPS));
         let mut here = DVector::zeros(direction.len());
@@ -206,12 +309,13 @@ impl<S: System + ?Sized> Follower<'_, S> {
             let (there, size) = self.fit(from, &here + &last, fitted)?;
             largest = largest.max(size);
             if largest > *TOLERANCES.end() {
+                here = there;
                 break;
             }
             last = &there - here;
             here = there;
         }
-        Ok(largest)
+        Ok((largest, here))
     }
 
     /// The displacement of least residual near one, along some directions, and that residual.
@@ -251,49 +355,87 @@ impl<S: System + ?Sized> Follower<'_, S> {
         Ok((displacement, self.system.mismatch(&at)))
     }
 
-    /// Configurations off the given one that satisfy the constraints to the tolerance.
-    fn on_branches(
-        &self,
-        at: &Configuration,
-        candidates: &DMatrix<f64>,
-    ) -> Result<Vec<Configuration>, Error> {
+    /// Starts off the given one that satisfy the constraints to the largest tolerance.
+    fn on_branches(&self, start: &Start) -> Result<Vec<Start>, Error> {
+        let candidates = &start.candidates;
         let all = DMatrix::identity(candidates.nrows(), candidates.nrows());
         let mut random = Random(4);
         let mut found = Vec::new();
         for _ in 0..candidates.ncols() + MIXED {
             let direction = DVector::from_fn(candidates.ncols(), |_, _| random.next()).normalize();
-            let start = candidates * direction * BRANCH_RADIUS;
-            let (displacement, size) = self.fit(at, start, &all)?;
+            let by = candidates * direction * BRANCH_RADIUS;
+            let (displacement, size) = self.fit(&start.at, by, &all)?;
             let far = displacement.norm() / BRANCH_RADIUS;
-            if size <= self.tolerance && far > SAME_POINT && found.len() < BRANCHES {
-                found.push(self.moved(at, &displacement));
+            if size <= *TOLERANCES.end() && far > SAME_POINT && found.len() < BRANCHES {
+                let at = self.moved(&start.at, &displacement);
+                let (candidates, _) = self.candidates(&at)?;
+                found.push(Start { at, candidates });
             }
         }
         Ok(found)
     }
 }
 
-/// A singular value that counts, but so little that dimensions true to a tolerance might not tell it from zero.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NearMiss {
-    /// The least singular value that counts, as a share of the largest.
-    pub share: f64,
-    /// A tolerance at which it makes a candidate: the next power of ten.
-    pub tolerance: f64,
+/// (n, n − count) orthonormal directions orthogonal to some, which are free to fit.
+fn complement(directions: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
+    let (n, count) = directions.shape();
+    Ok(svd(&directions.transpose())?.v.columns(count, n - count).into_owned())
 }
 
-impl InstantaneousMobility {
-    /// Whether one more motion is hindered so little that [`near_mobility`] should be asked.
-    #[must_use]
-    pub fn near_miss(&self) -> Option<NearMiss> {
-        let least = self.smallest_counted()?;
-        let share = least / self.singular_values[0];
-        let tolerance = 10.0_f64.powf(least.log10().ceil());
-        (share < NEAR_MISS).then_some(NearMiss {
-            share,
-            tolerance: tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end()),
-        })
+/// What a tolerance of the dimensions would change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum NearMiss {
+    /// More motions than for exact dimensions, within a small tolerance.
+    Found {
+        /// Mobility within the tolerance.
+        mobility: usize,
+        /// The tolerance that this mobility needs, in radians and characteristic lengths.
+        needed: f64,
+        /// A tolerance to ask [`near_mobility`] with: `needed`, rounded up.
+        tolerance: f64,
+    },
+    /// Not looked for, since the mechanism has too many coordinates.
+    NotSearched {
+        /// How many it has.
+        coordinates: usize,
+        /// Up to how many they are looked for.
+        most: usize,
+    },
+}
+
+/// Whether a tolerance of up to 1e-4 would allow more motions than exact dimensions do.
+///
+/// # Arguments
+/// * `at`, `finite` – a closed configuration, and its finite mobility
+///
+/// # Errors
+/// Those of [`near_tolerances`].
+pub fn near_miss<S: System + ?Sized>(
+    system: &S,
+    at: &Configuration,
+    finite: &FiniteMobility,
+) -> Result<Option<NearMiss>, Error> {
+    let first = &finite.instantaneous;
+    // A motion that a small tolerance allows is one to first order, or nearly one.
+    let small = first.smallest_counted().is_some_and(|least| least <= 10.0 * HINTED);
+    if !small && finite.mobility == Some(first.mobility) {
+        return Ok(None);
     }
+    let coordinates = first.null_space.nrows();
+    if coordinates > UNASKED {
+        return Ok(Some(NearMiss::NotSearched { coordinates, most: UNASKED }));
+    }
+    let all = near_tolerances(system, at)?;
+    let mobility = all.iter().filter(|&&needed| needed <= HINTED).count();
+    // What is undecided is no near miss.
+    if mobility <= finite.mobility.unwrap_or(finite.upper_bound) {
+        return Ok(None);
+    }
+    let needed = all[mobility - 1];
+    let digit = 10.0_f64.powf(needed.max(f64::MIN_POSITIVE).log10().floor());
+    let tolerance = ((needed / digit).floor() + 1.0) * digit;
+    let tolerance = tolerance.clamp(*TOLERANCES.start(), *TOLERANCES.end());
+    Ok(Some(NearMiss::Found { mobility, needed, tolerance }))
 }
 
 /// A system with its loops taken as closed where they are: Φ less its value at one configuration.
@@ -462,14 +604,14 @@ mod tests {
             assert_eq!(less.mobility, 0);
             assert!(less.next.is_some_and(|next| (next / near.needed - 1.0).abs() < 0.1));
 
-            let suggested = finite.instantaneous.near_miss();
-            match suggested {
-                None => assert!(lean > NEAR_MISS),
-                Some(NearMiss { share, tolerance }) => {
-                    assert!(share < NEAR_MISS);
+            match near_miss(&system, &home, &finite).unwrap() {
+                None => assert!(near.needed > HINTED, "{lean} {near:?}"),
+                Some(NearMiss::Found { mobility, needed, tolerance }) => {
+                    assert_eq!((mobility, needed), (1, near.needed));
                     let found = near_mobility(&system, &home, tolerance).unwrap();
-                    assert_eq!(found.mobility, 1, "{lean} {suggested:?}");
+                    assert_eq!(found.mobility, 1, "{lean} {tolerance:e}");
                 }
+                other => panic!("{other:?}"),
             }
         }
         let exact = four_bar(0.0);

@@ -7,12 +7,13 @@ use jointplay_core::mechanism::{
     self_stresses,
 };
 use jointplay_core::mobility::{
-    FiniteMobility, NearMobility, branch_dimensions, kutzbach_mobility,
+    FiniteMobility, NearMiss, NearMobility, branch_dimensions, kutzbach_mobility, near_miss,
 };
 use nalgebra::DVector;
 use serde::ser::{Serialize, Serializer};
 
 use super::mobility::{FreedomsReport, columns};
+use super::{LimitReport, beyond_limits};
 use crate::coordinates::Coordinates;
 use crate::mechanism::MechanismFile;
 use crate::units::mm;
@@ -64,6 +65,11 @@ pub struct AssemblyReport {
     /// The closed configuration nearest the guess.
     #[serde(flatten)]
     pub closed: ConfigurationReport,
+    /// Virtual joints by name, if rigid links do not close for the values asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub virtual_joints: Option<ByName<f64>>,
+    /// Coordinates beyond their limits or clearance.
+    pub limits_broken: Vec<LimitReport>,
     /// Mismatch that was allowed, if the loops did not close exactly, in radians and characteristic lengths.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance: Option<f64>,
@@ -95,11 +101,13 @@ pub fn configuration(coordinates: &Coordinates, closed: &Closure) -> Configurati
 /// Tells how a mechanism is assembled.
 ///
 /// # Arguments
+/// * `relief` – if virtual joints had to be displaced
 /// * `tolerance` – largest mismatch that was asked to count as closed, in radians and characteristic lengths
 #[must_use]
 pub fn assembly(
     file: &MechanismFile,
     closed: &Closure,
+    relief: Option<&Relief>,
     tolerance: Option<f64>,
     branches: Option<&[Closure]>,
 ) -> AssemblyReport {
@@ -109,6 +117,11 @@ pub fn assembly(
         name: file.mechanism.name().to_owned(),
         units: UnitsReport::of(&coordinates),
         closed: told(closed),
+        virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
+        limits_broken: beyond_limits(
+            &coordinates,
+            &file.mechanism.beyond_limits(&closed.coordinates),
+        ),
         tolerance: tolerance.filter(|_| !closed.is_closed()),
         branches: branches.map(|branches| branches.iter().map(told).collect()),
     }
@@ -126,6 +139,8 @@ pub struct MechanismMobilityReport {
     /// Virtual joints by name, if they had to give way for the configuration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub virtual_joints: Option<ByName<f64>>,
+    /// Coordinates beyond their limits or clearance.
+    pub limits_broken: Vec<LimitReport>,
     /// Freedoms of all joints together.
     pub joint_freedoms: usize,
     /// Independent loops.
@@ -139,9 +154,12 @@ pub struct MechanismMobilityReport {
     /// If dimensions are true only to a tolerance.
     #[serde(flatten, skip_serializing_if = "Option::is_none")]
     pub near: Option<NearReport>,
-    /// A tolerance worth asking with, where the least singular value that counts is small and no tolerance was given.
+    /// What a tolerance of up to 1e-4 would change, where it would and none was given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub near_miss: Option<NearMissReport>,
+    /// Number of coordinates, where it is too large to look for near misses unasked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_miss_not_searched: Option<usize>,
     /// What class of mechanism this makes it, in words.
     pub class: String,
     /// What is carried twice: one entry for each redundant constraint.
@@ -175,12 +193,14 @@ pub struct NearReport {
     pub near_tolerance_for_one_more: Option<f64>,
 }
 
-/// A singular value that counts, but little.
+/// More freedoms than for exact dimensions, within a small tolerance; all in radians and characteristic lengths.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct NearMissReport {
-    /// The least singular value that counts, as a share of the largest.
-    pub smallest_counted_share: f64,
-    /// A tolerance to ask with.
+    /// Freedoms within the tolerance.
+    pub near_mobility: usize,
+    /// The tolerance that they need.
+    pub near_tolerance_needed: f64,
+    /// A tolerance to ask with: that one, rounded up.
     pub tolerance_to_try: f64,
 }
 
@@ -281,7 +301,7 @@ pub struct LinkMotionReport {
 /// Tells what of a mechanism can move.
 ///
 /// # Errors
-/// As [`link_motion`], [`self_stresses`] and [`branch_dimensions`].
+/// As [`link_motion`], [`self_stresses`], [`branch_dimensions`] and [`near_miss`].
 ///
 /// # Arguments
 /// * `values` – (f + M) the configuration [m, rad]
@@ -297,7 +317,20 @@ pub fn mechanism_mobility(
 ) -> Result<MechanismMobilityReport, Error> {
     let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
     let first = &finite.instantaneous;
-    let near_miss = if near.is_none() { first.near_miss() } else { None };
+    let near_miss =
+        if near.is_none() { near_miss(system, &system.at_home(), finite)? } else { None };
+    let (near_miss, near_miss_not_searched) = match near_miss {
+        Some(NearMiss::Found { mobility, needed, tolerance }) => {
+            let found = NearMissReport {
+                near_mobility: mobility,
+                near_tolerance_needed: needed,
+                tolerance_to_try: tolerance,
+            };
+            (Some(found), None)
+        }
+        Some(NearMiss::NotSearched { coordinates, .. }) => (None, Some(coordinates)),
+        None => (None, None),
+    };
     let carried_twice = self_stresses(system, first)?.into_iter().map(|stress| {
         let joints = stress.wrenches.iter().map(|(j, ..)| mechanism.joints()[*j].name.clone());
         CarriedTwiceReport { what: stress.words, joints: joints.collect() }
@@ -326,6 +359,7 @@ pub fn mechanism_mobility(
         units: UnitsReport::of(&coordinates),
         coordinates: by_name(&coordinates, values),
         virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
+        limits_broken: beyond_limits(&coordinates, &mechanism.beyond_limits(values)),
         joint_freedoms: mechanism.joint_freedoms(),
         loops: mechanism.loops(),
         freedoms: FreedomsReport::new(counted(mechanism), finite),
@@ -338,10 +372,8 @@ pub fn mechanism_mobility(
             near_tolerance_needed: near.needed,
             near_tolerance_for_one_more: near.next,
         }),
-        near_miss: near_miss.map(|found| NearMissReport {
-            smallest_counted_share: found.share,
-            tolerance_to_try: found.tolerance,
-        }),
+        near_miss,
+        near_miss_not_searched,
         carried_twice: carried_twice.collect(),
         link_motions: ByName(link_motions),
         singular_values: first.singular_values.iter().copied().collect(),

@@ -1,5 +1,6 @@
 //! Results as a program reads them: one serialisable document for each command, in mm and degrees.
 
+mod beyond;
 mod cell;
 mod compare;
 mod forward;
@@ -21,6 +22,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 use crate::explain::explain_limit;
 use crate::units::{deg, mm};
 
+pub use beyond::beyond_limits;
 pub use cell::{
     AxisReport, CellReport, DistanceReport, InstructionReport, ShareReport, ViolationReport, cell,
     excerpt, explain_violation, flaws,
@@ -82,7 +84,7 @@ impl Serialize for VirtualJointGroups {
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
 pub struct LimitReport {
-    /// `rod 1`, `rod 2`, `rod 3` or `tilt`.
+    /// `rod 1`, `rod 2`, `rod 3` or `tilt`; of a mechanism, the name of a coordinate.
     pub limit: String,
     /// What was found, in `unit`.
     pub found: f64,
@@ -90,7 +92,7 @@ pub struct LimitReport {
     pub min: f64,
     /// Greatest allowed, in `unit`.
     pub max: f64,
-    /// `mm` or `deg`.
+    /// `mm` or `deg`; of a mechanism, a unit of its file.
     pub unit: &'static str,
     /// The same in words.
     pub message: String,

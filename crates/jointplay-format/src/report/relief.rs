@@ -3,6 +3,7 @@
 use jointplay_core::mechanism::{Relief, VirtualMotion};
 
 use super::mechanism::{ByName, UnitsReport, by_name};
+use super::{LimitReport, beyond_limits};
 use crate::coordinates::Coordinates;
 use crate::mechanism::MechanismFile;
 use crate::units::mm;
@@ -16,6 +17,10 @@ pub struct ReliefReport {
     pub units: UnitsReport,
     /// Coordinates by name.
     pub coordinates: ByName<f64>,
+    /// Joint coordinates beyond their limits.
+    pub limits_broken: Vec<LimitReport>,
+    /// Names of the commanded coordinates: the columns of the sensitivity; its rows are the virtual joints.
+    pub commanded: Vec<String>,
     /// The virtual joints, in the order of the file.
     pub virtual_joints: Vec<VirtualJointReport>,
     /// Size of the displacement, in `size_unit`.
@@ -24,7 +29,7 @@ pub struct ReliefReport {
     pub size_unit: &'static str,
     /// Largest mismatch of a loop, in radians and characteristic lengths.
     pub residual: f64,
-    /// Singular values of the virtual joints' displacement per displacement of the commanded coordinates, largest first.
+    /// Singular values of the derivative of the virtual joints by the commanded coordinates, largest first; length by length, turns multiplied by the characteristic length.
     pub singular_values: Vec<f64>,
     /// Length by which turns are multiplied [mm].
     pub characteristic_length_mm: f64,
@@ -48,12 +53,14 @@ pub struct VirtualJointReport {
 /// Tells how much play a command takes.
 ///
 /// # Arguments
+/// * `commanded` – indices of the commanded coordinates
 /// * `singular_values` – of ∂X/∂P for the commanded coordinates
 /// * `characteristic_length` – by which turns are multiplied [m]
 #[must_use]
 pub fn relief(
     file: &MechanismFile,
     relief: &Relief,
+    commanded: &[usize],
     singular_values: &[f64],
     characteristic_length: f64,
 ) -> ReliefReport {
@@ -73,11 +80,14 @@ pub fn relief(
         }
     });
     let elastic = joints.iter().all(|joint| joint.stiffness.is_some());
+    let of_joints = relief.coordinates.rows(0, coordinates.joints()).into_owned();
     let (factor, size_unit) = if elastic { (1.0, "sqrt(J)") } else { (1e6, "um") };
     ReliefReport {
         name: file.mechanism.name().to_owned(),
         units: UnitsReport::of(&coordinates),
         coordinates: by_name(&coordinates, &relief.coordinates),
+        limits_broken: beyond_limits(&coordinates, &file.mechanism.beyond_limits(&of_joints)),
+        commanded: commanded.iter().map(|&k| coordinates.all()[k].name.clone()).collect(),
         virtual_joints: told.collect(),
         size: relief.size * factor,
         size_unit,

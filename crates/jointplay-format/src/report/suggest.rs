@@ -1,6 +1,12 @@
 //! Where a mechanism would have to have play.
 
-use jointplay_core::mechanism::{Mechanism, Suggestion, Suggestions, VirtualMotion};
+use jointplay_core::mechanism::{Suggestion, Suggestions, VirtualMotion};
+use nalgebra::DVector;
+
+use super::mechanism::{ByName, by_name};
+use super::{LimitReport, beyond_limits};
+use crate::coordinates::Coordinates;
+use crate::mechanism::MechanismFile;
 
 /// What `suggest` answers.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
@@ -13,13 +19,21 @@ pub struct SuggestReport {
     pub commands: Vec<Vec<f64>>,
     /// Whether any play is needed at all.
     pub play_needed: bool,
+    /// Whether the mechanism has no loops, so that no command could need play.
+    pub open_chain: bool,
+    /// Joint coordinates for each command, in the units of the file, where no play is needed.
+    pub without_play: Vec<ByName<f64>>,
+    /// Joint coordinates that are beyond their limits there.
+    pub limits_broken: Vec<LimitReport>,
     /// Places and directions that were considered.
     pub candidates: usize,
     /// Sets that were compared.
     pub sets_compared: usize,
     /// Whether the search stopped at its limit.
     pub cut_short: bool,
-    /// Sets of virtual joints, least displacement first; none holds another that is enough.
+    /// Sets taken for possible, but not tried with the whole kinematics.
+    pub sets_untried: usize,
+    /// Sets of virtual joints, those within joint limits first, then by the least displacement; none holds another that is enough.
     pub sets: Vec<SetReport>,
 }
 
@@ -28,10 +42,14 @@ pub struct SuggestReport {
 pub struct SetReport {
     /// Largest displacement over the commands, turns weighed by the characteristic length [mm].
     pub size_mm: f64,
-    /// Whether the same motion stands at every joint of the same kind and place.
+    /// Whether every symmetry of the mechanism maps the set onto itself; `false` where it has none.
     pub symmetric: bool,
     /// Its virtual joints.
     pub virtual_joints: Vec<SuggestedJoint>,
+    /// Joint coordinates for each command, in the units of the file.
+    pub configurations: Vec<ByName<f64>>,
+    /// Joint coordinates that are beyond their limits for one of the commands.
+    pub limits_broken: Vec<LimitReport>,
 }
 
 /// One virtual joint of a set.
@@ -57,28 +75,36 @@ pub struct SuggestedJoint {
 /// * `commands` – in the units of the file
 #[must_use]
 pub fn suggestions(
-    mechanism: &Mechanism,
+    file: &MechanismFile,
     commanded: Vec<String>,
     commands: Vec<Vec<f64>>,
     found: &Suggestions,
 ) -> SuggestReport {
+    let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
+    let named = |all: &[DVector<f64>]| all.iter().map(|at| by_name(&coordinates, at)).collect();
     SuggestReport {
         name: mechanism.name().to_owned(),
         commanded,
         commands,
         play_needed: found.needed,
+        open_chain: mechanism.loops() == 0,
+        without_play: named(&found.without_play),
+        limits_broken: beyond_limits(&coordinates, &found.beyond_limits),
         candidates: found.candidates,
         sets_compared: found.compared,
         cut_short: found.cut_short,
-        sets: found.sets.iter().map(|set| set_report(mechanism, set)).collect(),
+        sets_untried: found.untried,
+        sets: found.sets.iter().map(|set| set_report(file, &coordinates, set)).collect(),
     }
 }
 
-fn set_report(mechanism: &Mechanism, set: &Suggestion) -> SetReport {
+fn set_report(file: &MechanismFile, coordinates: &Coordinates, set: &Suggestion) -> SetReport {
     let joints = set.virtual_joints.iter().zip(&set.largest);
     SetReport {
         size_mm: set.size * 1e3,
         symmetric: set.symmetric,
+        configurations: set.configurations.iter().map(|at| by_name(coordinates, at)).collect(),
+        limits_broken: beyond_limits(coordinates, &set.beyond_limits),
         virtual_joints: joints
             .map(|(joint, largest)| {
                 let (motion, direction, scale, unit) = match joint.motion {
@@ -87,7 +113,7 @@ fn set_report(mechanism: &Mechanism, set: &Suggestion) -> SetReport {
                 };
                 SuggestedJoint {
                     name: joint.name.clone(),
-                    joint: mechanism.joints()[joint.joint].name.clone(),
+                    joint: file.mechanism.joints()[joint.joint].name.clone(),
                     motion,
                     direction: (*direction.as_ref()).into(),
                     largest: largest * scale,

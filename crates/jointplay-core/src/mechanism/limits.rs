@@ -1,0 +1,47 @@
+//! Joint limits, and clearances of virtual joints.
+
+use nalgebra::DVector;
+
+use super::Mechanism;
+
+/// Round-off at a limit is not beyond it: this share of the range.
+const ROUND_OFF: f64 = 1e-9;
+
+/// A joint coordinate beyond its limits, or a virtual joint beyond its clearance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BeyondLimits {
+    /// Index of the coordinate: joints, then virtual joints.
+    pub coordinate: usize,
+    /// Value found [m or rad].
+    pub value: f64,
+    /// Least and greatest value allowed [m or rad].
+    pub limits: [f64; 2],
+}
+
+impl Mechanism {
+    /// Limits of every coordinate, joints, then virtual joints [m or rad]; `None` where there are none.
+    fn all_limits(&self) -> impl Iterator<Item = Option<[f64; 2]>> + '_ {
+        let of_joints = self
+            .joints()
+            .iter()
+            .flat_map(|joint| (0..joint.kind.freedoms()).map(|k| joint.limits.get(k).copied()));
+        let clearance = |most: f64| [-most, most];
+        of_joints.chain(self.virtual_joints().iter().map(move |one| one.clearance.map(clearance)))
+    }
+
+    /// The coordinates of a configuration that are beyond their limits or clearance; NaN is beyond.
+    ///
+    /// # Arguments
+    /// * `coordinates` – (f + M), or (f) where virtual joints are not to be looked at [m, rad]
+    #[must_use]
+    pub fn beyond_limits(&self, coordinates: &DVector<f64>) -> Vec<BeyondLimits> {
+        let found = self.all_limits().zip(coordinates.iter()).enumerate();
+        let beyond = |(coordinate, (limits, &value)): (usize, (Option<[f64; 2]>, &f64))| {
+            let limits @ [least, greatest] = limits?;
+            let slack = ROUND_OFF * (greatest - least);
+            let within = value >= least - slack && value <= greatest + slack;
+            (!within).then_some(BeyondLimits { coordinate, value, limits })
+        };
+        found.filter_map(beyond).collect()
+    }
+}

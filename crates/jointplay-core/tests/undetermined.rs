@@ -1,0 +1,225 @@
+//! Joints that are neither commanded nor determined by the commands: they move least.
+#![expect(clippy::unwrap_used, reason = "a test says what it expects")]
+
+mod robot;
+
+use jointplay_core::constraint::System as _;
+use jointplay_core::mechanism::{
+    Commanded, Drive, JointKind, Mechanism, MechanismSystem, Relief, ReliefSolver, assemble,
+    drive_relieved, relieve, suggest,
+};
+use jointplay_core::mobility::{near_mobility, near_tolerances};
+use jointplay_core::nalgebra::{DVector, Rotation3, Vector3};
+
+use robot::{RADIUS, gpr, home, joint, planar, radial};
+
+/// Coordinates of a robot: rods 0, 4, 8, and the first ball from 1 on.
+const RODS: [usize; 3] = [0, 4, 8];
+
+fn relieved(mechanism: &Mechanism, coordinates: &[usize], values: &[f64]) -> Relief {
+    let at_home = MechanismSystem::new(mechanism, home(mechanism)).unwrap();
+    let commanded = Commanded::new(&at_home, coordinates).unwrap();
+    let start = commanded.start(values.iter().copied(), mechanism.virtual_joints().len());
+    let system = MechanismSystem::new(mechanism, start).unwrap();
+    relieve(&system, &commanded, ReliefSolver::LeastNorm).unwrap()
+}
+
+/// A tilt commanded by a ball joint leaves the heave free: rods go ±R sin α about where they were, and not metres away.
+#[test]
+fn a_tilt_commanded_by_a_ball_joint_takes_the_least_motion() {
+    let mechanism = gpr(radial);
+    for degrees in [1e-3, 0.1, 0.5, 1.0, 2.0, 5.0] {
+        for (x, y) in [(0.0, 1.0), (1.0, 0.0), (-0.6, 0.8)] {
+            let pitch = f64::to_radians(degrees);
+            let found = relieved(&mechanism, &[1, 2], &[x * pitch, y * pitch]);
+            let context = format!("{degrees} {x} {y}: {}", found.coordinates);
+            let rods = RODS.map(|k| found.coordinates[k]);
+            // The ball's turn against a rod that does not turn is the platform's.
+            let turn = Rotation3::new(found.coordinates.fixed_rows::<3>(1).into_owned());
+            let normal = turn * Vector3::z();
+            let balls = [0.0, 120.0, 240.0].map(|degrees: f64| {
+                let angle = degrees.to_radians();
+                RADIUS * Vector3::new(angle.cos(), angle.sin(), 0.0)
+            });
+            // A common heave breaks nothing, so that the rods are nearest home where their mean is.
+            let heights = balls.map(|ball| -(normal.x * ball.x + normal.y * ball.y) / normal.z);
+            for k in 0..3 {
+                assert!((rods[k] - heights[k]).abs() < 1e-9, "{context}");
+            }
+            // The virtual joints by the Fermat point of the triangle of balls.
+            let points = [0, 1, 2].map(|k| balls[k] + Vector3::z() * heights[k]);
+            let sides = [[0, 1], [1, 2], [2, 0]].map(|[a, b]| (points[a] - points[b]).norm());
+            let area = (points[1] - points[0]).cross(&(points[2] - points[0])).norm() / 2.0;
+            let squares = sides.map(|side| side * side);
+            let sum = (squares.iter().sum::<f64>() / 2.0 + 2.0 * 3.0_f64.sqrt() * area).sqrt();
+            let (d13, d21) = ((squares[0] - squares[1]) / sum, (squares[1] - squares[2]) / sum);
+            // l1 − l3 = d13, l2 − l1 = d21, l1 + l2 + l3 = sum.
+            let first = (sum + d13 - d21) / 3.0;
+            let radii = [first, first + d21, first - d13];
+            for k in 0..3 {
+                let off = found.virtual_joints[k] - (radii[k] - RADIUS);
+                assert!(off.abs() < 1e-10, "{context} {off:e}");
+            }
+        }
+    }
+}
+
+/// No small motion of the joints that are free lessens their distance from home.
+#[test]
+fn nothing_nearer_home_closes_the_loops() {
+    let mechanism = gpr(planar);
+    let found = relieved(&mechanism, &[1, 2], &[0.01, -0.02]);
+    let system = MechanismSystem::new(&mechanism, found.coordinates.clone()).unwrap();
+    let distance = |at: &DVector<f64>| RODS.iter().map(|&k| at[k] * at[k]).sum::<f64>().sqrt();
+    for heave in [-1e-2, -1e-4, -1e-6, 1e-6, 1e-4, 1e-2] {
+        let mut at = found.coordinates.clone();
+        RODS.iter().for_each(|&k| at[k] += heave);
+        let there = system.at(at.clone()).unwrap();
+        assert!(there.mismatch(&there.at_home()) < 1e-12);
+        assert!(distance(&at) > distance(&found.coordinates), "{heave}");
+    }
+}
+
+/// The same command with a rod held, or by rods, asks for the same play.
+#[test]
+fn suggestions_for_a_ball_joint_are_those_for_its_tilt() {
+    let bare = gpr(|_, _| Vec::new());
+    let pitch = 1.0_f64.to_radians();
+    let by_ball =
+        suggest(&bare, &home(&bare), &[1, 2], &[DVector::from_vec(vec![0.0, pitch])]).unwrap();
+    let held =
+        suggest(&bare, &home(&bare), &[1, 2, 0], &[DVector::from_vec(vec![0.0, pitch, 0.0])])
+            .unwrap();
+    // The play of the textbook: one ball has to go by 3/2 R (1 − cos α), about.
+    let expected = 1.5 * RADIUS * (1.0 - pitch.cos());
+    for found in [&by_ball, &held] {
+        let best = &found.sets[0];
+        assert!((best.size / expected - 1.0).abs() < 0.01, "{} {expected}", best.size);
+        for configuration in best.configurations.iter() {
+            assert!(RODS.iter().all(|&k| configuration[k].abs() < 2.1 * RADIUS * pitch));
+        }
+    }
+    assert!((by_ball.sets[0].size / held.sets[0].size - 1.0).abs() < 1e-3);
+}
+
+/// A path by a ball joint stays near home all the way.
+#[test]
+fn driving_a_ball_joint_stays_near_home() {
+    let mechanism = gpr(radial);
+    let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+    let pitch = 1.0_f64.to_radians();
+    let free: Vec<usize> = (0..12).filter(|&k| k != 2).collect();
+    let drives = [Drive { coordinate: 2, to: pitch }];
+    let motion = drive_relieved(&system, &system, &drives, &free, 5, &mut |_| ()).unwrap();
+    assert_eq!((motion.stopped, motion.waypoints.len()), (None, 6));
+    for point in &motion.waypoints {
+        assert!(RODS.iter().all(|&k| point.coordinates[k].abs() < 1.1 * RADIUS * pitch));
+    }
+}
+
+/// Legs at the corners of a polygon, each with a ball joint under one plate, leaning outward.
+fn legs(points: &[[f64; 2]], lean: f64) -> Mechanism {
+    let count = points.len();
+    let mut joints = Vec::new();
+    for (k, &[x, y]) in points.iter().enumerate() {
+        let out = Vector3::new(x, y, 0.0).normalize() * lean.sin();
+        let axis = [out.x, out.y, lean.cos()];
+        joints.push(joint(
+            &format!("leg {k}"),
+            JointKind::Prismatic,
+            [0, k + 1],
+            [x, y, 0.0],
+            axis,
+        ));
+    }
+    for (k, &[x, y]) in points.iter().enumerate() {
+        let links = [k + 1, count + 1];
+        joints.push(joint(
+            &format!("ball {k}"),
+            JointKind::Spherical,
+            links,
+            [x, y, 0.0],
+            [0.0, 0.0, 1.0],
+        ));
+    }
+    let mut links: Vec<String> = vec!["base".to_owned()];
+    links.extend((0..count).map(|k| format!("leg {k}")));
+    links.push("plate".to_owned());
+    Mechanism::new("legs", links, joints).unwrap()
+}
+
+fn triangle() -> Vec<[f64; 2]> {
+    [0.0_f64, 120.0, 240.0]
+        .map(|a| [0.1 * a.to_radians().cos(), 0.1 * a.to_radians().sin()])
+        .to_vec()
+}
+
+/// A tilt of a ten-thousandth of a degree closes to round-off beside level, and does not drift along the heave.
+#[test]
+fn closing_to_round_off_does_not_drift() {
+    let points = [[0.3, 0.2], [-0.3, 0.2], [-0.3, -0.2], [0.3, -0.2]];
+    let mechanism = legs(&points, 0.0);
+    let mut start = home(&mechanism);
+    start[4] = 1e-4_f64.to_radians();
+    let closed = assemble(&mechanism, &start, &[4], 0).unwrap();
+    for k in 0..4 {
+        assert!(closed.coordinates[k].abs() < 1e-6, "{}", closed.coordinates);
+    }
+}
+
+/// Three legs that lean alike: a heave misses by 0.3 sin(lean) at most, tilts by far more, whatever the lean and however near each other the singular values are.
+#[test]
+fn motions_beside_clusters_of_singular_values_are_found() {
+    let mut before = 0.0;
+    for exponent in -9..=0 {
+        let degrees = 10.0_f64.powi(exponent);
+        let lean = degrees.to_radians();
+        let mechanism = legs(&triangle(), lean);
+        let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
+        let at = system.at_home();
+        let all = near_tolerances(&system, &at).unwrap();
+        // A heave h of every leg moves every ball out by h sin(lean), which the loops miss by.
+        let least = 0.3 / 3.0_f64.sqrt() * lean.sin();
+        let share = all[0] / least;
+        assert!((0.3..3.5).contains(&share), "{degrees}: {all:?}, {least:e}");
+        assert!(all[0] > before, "{degrees}: {all:?} after {before:e}");
+        before = all[0];
+        // Tilts by θ, of which 0.3 in all coordinates make about 0.14, miss by the order of 1 − cos θ.
+        assert!(all.get(1).is_none_or(|&second| second > 2e-3), "{degrees}: {all:?}");
+        for tolerance in [1e-10, 1e-8, 1e-6, 1e-4, 1e-3] {
+            let found = near_mobility(&system, &at, tolerance).unwrap();
+            assert_eq!(found.mobility, usize::from(tolerance >= all[0]), "{degrees} {tolerance}");
+        }
+    }
+}
+
+/// Sets are symmetric only where a symmetry of the mechanism maps them onto themselves: whichever corner is named, the same is in the set.
+#[test]
+fn symmetric_sets_have_the_same_at_every_joint() {
+    let tilt = |points: &[[f64; 2]]| -> Vec<DVector<f64>> {
+        let along = |n: [f64; 2]| points.iter().map(move |p| 0.01 * (n[0] * p[0] + n[1] * p[1]));
+        [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
+            .map(|n| DVector::from_iterator(points.len(), along(n)))
+            .to_vec()
+    };
+    for (points, alike) in
+        [(triangle(), true), (vec![[0.1, 0.0], [-0.04, 0.07], [-0.07, -0.05]], false)]
+    {
+        let mechanism = legs(&points, 0.0);
+        let found = suggest(&mechanism, &home(&mechanism), &[0, 1, 2], &tilt(&points)).unwrap();
+        assert!(!found.sets.is_empty());
+        let mut symmetric = 0;
+        for set in &found.sets {
+            // How often each motion is named, the joints' numbers left out.
+            let mut counts = std::collections::BTreeMap::new();
+            for one in &set.virtual_joints {
+                let words: String = one.name.chars().filter(|c| !c.is_ascii_digit()).collect();
+                *counts.entry(words).or_insert(0) += 1;
+            }
+            let same_everywhere = counts.values().all(|&count| count == 3);
+            assert_eq!(set.symmetric, alike && same_everywhere, "{counts:?}");
+            symmetric += usize::from(set.symmetric);
+        }
+        assert_eq!(symmetric > 0, alike);
+    }
+}
