@@ -5,10 +5,10 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use super::CheckOptions;
 use super::alone::Alone;
 use super::course::{Around, Course};
+use super::levers::{Levers, common};
 use super::near::{Look, Near, Pair};
 use super::scene::{Holder, Rule, Scene};
-use super::travel::{Gearing, Levers, common};
-use crate::cell::Cell;
+use super::travel::Gearing;
 use crate::memory::{Key, Run, each};
 use crate::motion::Motion;
 use crate::program::{Phase, Step};
@@ -135,14 +135,18 @@ impl Start {
 
 impl<'a> Steps<'a> {
     /// Of a motion, with what each step by itself depends on.
+    ///
+    /// # Arguments
+    /// * `scene` – at its start
     pub(super) fn new(
-        cell: &'a Cell,
+        scene: Scene<'a>,
         motion: &'a Motion,
         options: &'a CheckOptions,
         solids: &mut Solids,
         run: Run<'_>,
     ) -> (Self, Vec<Start>) {
-        let mut scenes = vec![Scene::new(cell, solids)];
+        let cell = scene.cell;
+        let mut scenes = vec![scene];
         let mut scene_of = Vec::with_capacity(motion.steps.len());
         for step in &motion.steps {
             let last = scenes.len() - 1;
@@ -184,9 +188,19 @@ impl<'a> Steps<'a> {
         self.take(index, course);
         let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
         let mut alone = Alone::new(scene, &self.motion.steps[index], (course, &self.gearing));
-        let around =
-            |(&item, levers)| course.around(scene, item, (&self.gearing, levers), &alone.runs);
-        alone.around = cast.movers.iter().zip(&cast.levers).map(around).collect();
+        let mut around = Vec::with_capacity(cast.movers.len());
+        for (&item, levers) in cast.movers.iter().zip(&cast.levers) {
+            match course.around(scene, item, (&self.gearing, levers), &alone.runs) {
+                Ok(found) => around.push(found),
+                Err(lost) => {
+                    // Nothing is known of the distances in this step, which is a violation.
+                    alone.lost(lost);
+                    around = cast.movers.iter().map(|_| None).collect();
+                    break;
+                }
+            }
+        }
+        alone.around = around;
         alone
     }
 
