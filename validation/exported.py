@@ -2,6 +2,7 @@
 
 Exports the example cell's motion with the `jointplay` command, and reads it back by the glTF validator, the MCAP
 reader with its decoder for ROS 2, and Arrow's reader of Parquet; what they read is compared with the CSV.
+In the same environment it runs `distances.py`, which compares the collision check with another library.
 Everything that it makes and downloads is in `target/cell`.
 
 Run by `cargo xtask cell`; with `--prepare` it only fetches those readers.
@@ -20,7 +21,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 HOME = ROOT / "target" / "cell"
-PACKAGES = ["mcap==1.6.0", "mcap-ros2-support==0.6.0", "pyarrow==26.0.1"]
+PACKAGES = ["coal==3.0.3", "mcap==1.6.0", "mcap-ros2-support==0.6.0", "numpy==2.2.6", "pyarrow==26.0.1"]
 VALIDATOR = "gltf-validator@2.0.0-dev.3.10"
 RATE = 50
 
@@ -173,6 +174,7 @@ def main() -> None:
         same("the end of the controller text", float(end.split()[1]), duration, 5e-7)
         print(check_gltf(folder / "example.glb", duration))
     print(f"all of them last {duration} s")
+    print(run([python, Path(__file__).with_name("distances.py"), command]), end="")
 
 
 if __name__ == "__main__":

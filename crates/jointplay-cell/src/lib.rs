@@ -21,12 +21,16 @@
 //!
 //! Pure mathematics in SI: no files, no clock, no threads.
 
+#[cfg(test)]
+extern crate self as jointplay_cell;
+
 pub mod cell;
 pub mod check;
 mod error;
 pub mod jog;
 mod memory;
 pub mod motion;
+mod placement;
 pub mod program;
 pub mod robot;
 mod solid;

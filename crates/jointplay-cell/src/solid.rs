@@ -120,6 +120,11 @@ impl Solid {
         self.center.norm() + self.radius
     }
 
+    /// Largest distance of its points from a point of the carrier's frame [m].
+    pub(super) fn reach_from(&self, point: &Vector3<f64>) -> f64 {
+        (self.center - point).norm() + self.radius
+    }
+
     /// Along a direction of its own frame, from a point there.
     fn span(&self, d: &Vector3<f64>, origin: f64) -> Span {
         let (middle, half) = match self.extent {

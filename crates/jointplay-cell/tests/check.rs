@@ -610,3 +610,150 @@ fn a_slot_is_reached_into_with_the_clearance_of_slots() {
     assert!(names.contains("wafer of port 2") && names.contains("blade"), "{names:?}");
     assert!(report.violations[0].to_string().contains("the slots ask for 0.001000 m"));
 }
+
+/// A blade on the last link, and a bar under it that reaches so deep into it where the loaded arm deflects [m].
+fn blade_and_bar(cell: &mut Cell, positions: &[f64], deep: f64) {
+    cell.robot.arms[0].droop = Droop::Cantilever { stiffness: 500.0, mass_per_length: 2.5 };
+    cell.clearance = 1e-4;
+    let half = [0.1, 0.02, 0.001];
+    // Under the wafer, which rests on its upper face.
+    let center = cell.robot.arms[0].effectors[0].wafer_center;
+    let blade = at(center[0], center[1], center[2] - half[2]);
+    cell.bodies.push(Body {
+        name: "blade".into(),
+        carrier: Carrier::Link { arm: 0, link: 2 },
+        carrier_from_shape: blade,
+        shape: Shape::Box { half },
+        station: None,
+    });
+    // The droop by its formulas, about the horizontal across the reach; the platform is level.
+    let rigid = cell.robot.forward(positions).unwrap();
+    let wafer = rigid.base_from_wafer[0][0];
+    let mount = cell.robot.arms[0].mount;
+    let joint = (rigid.platform.base_from_platform * nalgebra::Point3::from(mount)).coords;
+    let out = (wafer.translation.vector - joint).xy();
+    let (l, own, tip) = (out.norm(), 2.5 * GRAVITY, cell.wafer.mass() * GRAVITY);
+    let drop = (own * l.powi(4) / 8.0 + tip * l.powi(3) / 3.0) / 500.0;
+    let slope = (own * l.powi(3) / 6.0 + tip * l.powi(2) / 2.0) / 500.0;
+    assert!(drop > 2.0 * deep, "{drop}");
+    // Its underside is at 2 mm below the wafer's centre, the bar across the reach there.
+    let along = Rotation3::from_axis_angle(&Vector3::z_axis(), out.y.atan2(out.x));
+    let turn = along * Rotation3::from_axis_angle(&Vector3::y_axis(), slope);
+    let below = wafer.translation.vector - Vector3::z() * drop;
+    let thick = 0.004;
+    let center = below + turn * Vector3::new(0.0, 0.0, -2.0 * half[2] + deep - thick);
+    cell.bodies.push(Body {
+        name: "bar".into(),
+        carrier: Carrier::World,
+        carrier_from_shape: Pose::from_parts(center.into(), turn),
+        shape: Shape::Box { half: [0.005, 0.3, thick] },
+        station: None,
+    });
+}
+
+#[test]
+fn a_body_on_the_last_link_deflects_with_its_arm() {
+    let positions = [0.5, 0.5, 0.5, 0.4, 0.9];
+    for (deep, kind) in [(3e-4, Some(Kind::Collision)), (-3e-4, None)] {
+        let mut cell = cell();
+        blade_and_bar(&mut cell, &positions, deep);
+        let mut wait = step(0, &positions, &positions);
+        wait.path = Path::Still(0.1);
+        let motion = timed(&cell, vec![wait], &MotionOptions::default()).unwrap();
+        let report = check(&cell, &motion, &CheckOptions::default());
+        assert_eq!(kinds(&report), kind.into_iter().collect(), "{:#?}", report.violations);
+        let found = report.distances.iter().find(|row| row.names.contains(&"blade".to_owned()));
+        let expected = (-deep).max(0.0);
+        assert!((found.unwrap().distance - expected).abs() < 1e-6, "{found:?}");
+    }
+}
+
+#[test]
+fn a_distance_is_compared_with_a_resolution() {
+    let positions = [0.5, 0.5, 0.5, 0.4, 0.9];
+    let of = |missing: f64| {
+        let mut cell = cell();
+        cell.clearance = 3e-3;
+        let wafer = cell.wafer_pose(A, &positions, true).unwrap().translation.vector;
+        let above = 775e-6 + 3e-3 - missing + 0.01;
+        cell.bodies.push(Body {
+            name: "lamp".into(),
+            carrier: Carrier::World,
+            carrier_from_shape: at(wafer.x, wafer.y, wafer.z + above),
+            shape: Shape::Box { half: [0.02, 0.02, 0.01] },
+            station: None,
+        });
+        let mut wait = step(0, &positions, &positions);
+        wait.path = Path::Still(0.1);
+        let motion = timed(&cell, vec![wait], &MotionOptions::default()).unwrap();
+        check(&cell, &motion, &CheckOptions::default())
+    };
+    for missing in [-1e-7, 0.0, 1e-10, 5e-9] {
+        let report = of(missing);
+        assert_eq!(report.verdict, Verdict::Sound, "{missing}: {:#?}", report.violations);
+    }
+    for missing in [2e-8, 1e-7, 1e-5] {
+        let report = of(missing);
+        let [violation] = &report.violations[..] else { panic!("{missing}: {report:#?}") };
+        assert_eq!(violation.kind, Kind::Clearance);
+        // The two numbers of the message differ.
+        let message = violation.message();
+        let numbers: Vec<&str> =
+            message.split(' ').filter(|word| word.starts_with("0.00")).collect();
+        assert!(numbers.len() == 2 && numbers[0] != numbers[1], "{message}");
+    }
+}
+
+#[test]
+fn a_pose_that_is_lost_between_two_samples_is_reported() {
+    let mut cell = cell();
+    cell.clearance = 1e-3;
+    let half = std::f64::consts::FRAC_PI_2;
+    let from = [0.5, 0.5, 0.5, 0.0, half - 0.031];
+    let to = [0.5, 0.5, 0.5, 0.0, half + 0.05];
+    let motion = timed(&cell, vec![step(0, &from, &to)], &MotionOptions::default()).unwrap();
+    let mount = cell.robot.arms[0].mount;
+    let wafer = |positions: &[f64]| {
+        let pose = cell.robot.forward(positions).unwrap();
+        let joint = pose.platform.base_from_platform * nalgebra::Point3::from(mount);
+        (joint.coords, pose.base_from_wafer[0][0].translation.vector)
+    };
+    let reach = |positions: &[f64]| {
+        let (joint, center) = wafer(positions);
+        (center - joint).xy().norm()
+    };
+    // A droop that is known for all samples, but not for the farthest reach between two of them.
+    let options = CheckOptions { rate: 100.0, near: 0.05 };
+    let known = motion.samples(options.rate).map(|sample| reach(&sample.positions));
+    let known = known.fold(0.0, f64::max);
+    let mut farthest = from;
+    farthest[4] = half;
+    let (joint, center) = wafer(&farthest);
+    assert!(reach(&farthest) > known + 5e-9, "{} {known}", reach(&farthest));
+    let row = |reach: f64| DroopRow {
+        reach,
+        empty_drop: 0.0,
+        empty_slope: 0.0,
+        loaded_drop: 0.0,
+        loaded_slope: 0.0,
+        load: 1.0,
+    };
+    // Ahead of the wafer by hardly more than is asked for.
+    let out = (center - joint).xy().normalize();
+    let wall = center + Vector3::new(out.x, out.y, 0.0) * (0.15 + cell.clearance + 1e-8 + 0.01);
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), out.y.atan2(out.x));
+    let mut cell = cell;
+    cell.bodies.push(Body {
+        name: "wall".into(),
+        carrier: Carrier::World,
+        carrier_from_shape: Pose::from_parts(wall.into(), turn),
+        shape: Shape::Box { half: [0.01, 0.2, 0.1] },
+        station: None,
+    });
+    let report = check(&cell, &motion, &options);
+    assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
+    cell.robot.arms[0].droop = Droop::Table { rows: vec![row(0.0), row(known)] };
+    let report = check(&cell, &motion, &options);
+    assert_eq!(kinds(&report), BTreeSet::from([Kind::Droop]), "{:#?}", report.violations);
+    assert!(report.violations[0].to_string().contains("droop at a reach of"));
+}

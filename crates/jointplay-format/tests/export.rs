@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_cell::cell::Cell;
+use jointplay_cell::check::{CheckOptions, Moment, check_pose};
 use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
 use jointplay_cell::robot::{
@@ -562,4 +563,108 @@ fn between_keys_a_3d_scene_is_where_the_motion_is() {
         turned = turned.max(2.0 * (turn - real).norm().min((turn + real).norm()));
     }
     assert!(off > 0.0 && off < 5e-6 && turned < 20e-6, "{off} m, {turned} rad");
+}
+
+#[test]
+fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
+    // Small balls: on every link and on the platform, and four beside the robot to measure from.
+    let mut text = cell::EXAMPLE.to_owned();
+    let mut balls: Vec<(String, String)> = Vec::new();
+    for (k, arm) in ["upper", "lower"].iter().enumerate() {
+        for link in 1..=4 {
+            let on = format!("on = {{ arm = \"{arm}\", link = {link} }}");
+            balls.push((format!("ball-{k}{link}"), on));
+        }
+    }
+    balls.push(("ball-platform".to_owned(), "on = \"platform\"".to_owned()));
+    let place = |k: usize| [70.0 + 9.0 * k as f64, 11.0 * k as f64 - 40.0, 5.0 - 2.0 * k as f64];
+    let ball = |name: &str, on: &str, at: [f64; 3]| {
+        let shape = "capsule = { from_mm = [0, 0, 0], to_mm = [0, 0, 0.0001], radius_mm = 1.0 }";
+        format!("[[body]]\nname = \"{name}\"\n{on}\nposition_mm = {at:?}\n{shape}\n")
+    };
+    let markers =
+        [[900.0, 0.0, 900.0], [-500.0, 700.0, 300.0], [0.0, -900.0, 1100.0], [100.0, 90.0, 1300.0]];
+    for (k, (name, on)) in balls.iter().enumerate() {
+        text += &ball(name, on, place(k));
+    }
+    for (k, at) in markers.iter().enumerate() {
+        text += &ball(&format!("marker-{k}"), "", *at);
+    }
+    let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
+    let program = "TRANSFER LP1 SLOT 25 TO PM1 WITH B\nTRANSFER PM1 TO LP2 SLOT 25 WITH A\n";
+    let program = program::parse(program).unwrap();
+    let motion = timed(&cell, expand(&cell, &program).unwrap(), &MotionOptions::default()).unwrap();
+    let recording = Recording { cell: &cell, motion: &motion, program: "", flaws: &[] };
+    let rate = 64.0;
+    let (root, bytes) = parts(&gltf(&recording, rate).unwrap());
+    let scene = Animated::new(&root, &bytes);
+    let nodes = root["nodes"].as_array().unwrap();
+    let mut parents = vec![0; nodes.len()];
+    for (k, node) in nodes.iter().enumerate() {
+        for child in node["children"].as_array().into_iter().flatten() {
+            parents[usize::try_from(child.as_u64().unwrap()).unwrap()] = k;
+        }
+    }
+    // Where a node's origin is in the frame of the first one, which is the base.
+    let origin = |name: &str, time: f64| {
+        let mut node = nodes.iter().position(|node| node["name"] == name).unwrap();
+        let mut at = SVector::<f64, 3>::zeros();
+        while node != 0 {
+            let has = |path: &str| {
+                scene.channels.contains_key(&(node, path)) || nodes[node].get(path).is_some()
+            };
+            if has("rotation") {
+                let [x, y, z, w] = scene.value::<4>(node, "rotation", time).into();
+                let turn = nalgebra::Quaternion::new(w, x, y, z);
+                at = nalgebra::Unit::new_normalize(turn) * at;
+            }
+            if has("translation") {
+                at += scene.value::<3>(node, "translation", time);
+            }
+            node = parents[node];
+        }
+        at
+    };
+    let handed: Vec<f64> = motion
+        .steps
+        .iter()
+        .zip(&motion.times[1..])
+        .filter_map(|(step, &time)| step.handover.map(|_| time))
+        .collect();
+    let options = CheckOptions { near: 10.0, ..CheckOptions::default() };
+    let (mut state, mut compared, mut lowest) = (7_u64, 0, 0.0_f64);
+    while compared < 24 {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let keys = (motion.duration() * rate) as u64;
+        // At a key, so that nothing is interpolated.
+        let time = (state >> 33) as f64 % keys as f64 / rate;
+        if handed.iter().any(|at| (at - time).abs() < 2.0 / rate) {
+            continue;
+        }
+        compared += 1;
+        let positions = motion.at(time).positions;
+        let moment = Moment { motion: &motion, time, reaches: None };
+        let report = check_pose(&cell, &moment, &positions, &options).unwrap();
+        for (name, _) in &balls {
+            let shown = origin(name, time);
+            for (k, at) in markers.iter().enumerate() {
+                let marker = SVector::from(at.map(|mm| 1e-3 * mm));
+                let expected = (shown - marker).norm() - 2e-3;
+                let pair = [name.clone(), format!("marker-{k}")];
+                let row = report.distances.iter().find(|row| {
+                    row.names == pair || row.names == [pair[1].clone(), pair[0].clone()]
+                });
+                let found = row.unwrap().distance;
+                assert!(
+                    (found - expected).abs() < 1e-6,
+                    "{name} to marker {k} at {time} s: {found} by the check, {expected} shown"
+                );
+            }
+        }
+        let rigid = cell.robot.forward(&positions).unwrap();
+        let tip = rigid.base_from_link[0][3] * nalgebra::Point3::from(place(3).map(|mm| 1e-3 * mm));
+        lowest = lowest.max(tip.z - origin("ball-04", time).z);
+    }
+    // Some of them are where the arm deflects by much.
+    assert!(lowest > 2e-4, "{lowest}");
 }

@@ -5,12 +5,13 @@ use std::ops::Range;
 use jointplay_core::bulk::{Quantity, Status};
 use jointplay_core::spatial::Pose;
 
-use super::course::{Around, Course};
+use super::course::{Around, Course, Lost};
 use super::found::{Found, Hit, Stretch, When};
+use super::levers::Levers;
 use super::report::{Kind, Share, Unit};
-use super::scene::Scene;
+use super::scene::{Scene, Unplaced};
 use super::slip::Carried;
-use super::travel::{Gearing, Levers};
+use super::travel::Gearing;
 use crate::CellError;
 use crate::cell::Cell;
 use crate::motion::{State, limits_of};
@@ -117,6 +118,15 @@ impl Alone {
         alone
     }
 
+    /// Reports a pose that is unknown though the step was found to have all of them; its distances are not followed then.
+    pub(super) fn lost(&mut self, lost: Lost) {
+        let mut found = Found::default();
+        lost.report(&mut found);
+        self.found.extend(found.finished());
+        self.found.sort_by_key(|stretch| stretch.first);
+        self.runs.clear();
+    }
+
     /// Looks at an axis at all samples.
     fn axis(
         &mut self,
@@ -185,17 +195,14 @@ impl Alone {
             match standings.at(sample, || course.positions(sample)) {
                 Ok(standing) => self.leans(cell, standing, when, found),
                 Err(error) => {
-                    found.add(when, nowhere(Kind::Platform), || error.to_string());
+                    Lost { when, why: Unplaced::from(error) }.report(found);
                     continue;
                 }
             }
             let mut is_known = true;
             for &id in &tables {
-                let positions = course.positions(sample);
-                let platform = cell.robot.platform(&positions).map_err(|error| error.to_string());
-                let wafer = platform.and_then(|now| scene.wafer(&now, id, &positions));
-                if let Err(why) = wafer {
-                    found.add(when, nowhere(Kind::Droop), || why);
+                if let Err(why) = scene.wafer(id, &course.positions(sample)) {
+                    Lost { when, why }.report(found);
                     is_known = false;
                 }
             }
@@ -269,12 +276,17 @@ impl Alone {
         for run in &self.runs {
             let (mut sample, mut stride) = (run.start, 1);
             while sample < run.end {
-                let positions = course.positions(sample);
-                let now = scene.cell.robot.platform(&positions).map_err(|error| error.to_string());
-                let pose = now.and_then(|now| scene.wafer(&now, id, &positions));
+                let pose = match scene.wafer(id, &course.positions(sample)) {
+                    Ok(pose) => pose,
+                    Err(why) => {
+                        let when = When { time: course.times()[sample], sample };
+                        Lost { when, why }.report(found);
+                        (sample, stride) = (sample + 1, 1);
+                        continue;
+                    }
+                };
                 let mut room = f64::INFINITY;
                 for (zone, solid) in &scene.safe {
-                    let Ok(pose) = &pose else { continue };
                     let placed = Placed { solid, base_from_carrier: &Pose::identity() };
                     let off = solid::outside(placed, &pose.translation.vector);
                     room = room.min(-off);
@@ -346,8 +358,4 @@ fn beyond(axis: &Axis, position: f64) -> Option<f64> {
     } else {
         None
     }
-}
-
-fn nowhere(kind: Kind) -> Hit {
-    Hit { about: (kind, 0, 0), kind, severity: 0.0, value: 0.0, limit: 0.0, unit: Unit::None }
 }

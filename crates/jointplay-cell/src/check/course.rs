@@ -5,8 +5,11 @@ use std::ops::Range;
 use jointplay_core::bulk::Column;
 use jointplay_core::spatial::Pose;
 
-use super::scene::{Places, Scene};
-use super::travel::{Gearing, Levers, Moved, Odometer};
+use super::found::{Found, Hit, When};
+use super::levers::Levers;
+use super::report::{Kind, Unit};
+use super::scene::{Places, Scene, Unplaced};
+use super::travel::{Gearing, Moved, Odometer};
 use crate::motion::{Motion, State, Track};
 use crate::robot::{Positions, RODS};
 use crate::solid::Span;
@@ -27,8 +30,8 @@ pub(super) struct Course {
     from: Vec<f64>,
     track: Track,
     odometer: Odometer,
-    /// Where everything is, as far as that was asked for; `None` within where it is not known.
-    places: Vec<Option<Option<Places>>>,
+    /// Poses of all that moves by sample, or why they are unknown, as far as that was asked for.
+    places: Vec<Option<Result<Places, Unplaced>>>,
     /// Room of places that are no longer needed.
     rooms: Vec<Vec<Pose>>,
 }
@@ -48,8 +51,8 @@ impl Course {
         self.times.clear();
         self.times.extend((0..whole).map(|k| k as f64 / rate).chain([length]));
         self.track.take(motion, step, &self.times);
-        self.odometer.take(gearing, &self.times, &self.track);
-        let left = self.places.drain(..).flatten().flatten();
+        self.odometer.take(gearing, (&self.times, &self.from), &self.track);
+        let left = self.places.drain(..).flatten().filter_map(Result::ok);
         self.rooms.extend(left.map(Places::into_room));
         self.places.resize_with(self.times.len(), || None);
     }
@@ -121,45 +124,80 @@ impl Course {
         self.odometer.moved(&self.track, between)
     }
 
-    /// Finds where everything is at a sample.
-    pub(super) fn place(&mut self, scene: &Scene<'_>, sample: usize) {
+    /// Finds the poses of all that moves at a sample.
+    ///
+    /// # Errors
+    /// [`Lost`], where they are unknown.
+    pub(super) fn place(&mut self, scene: &Scene<'_>, sample: usize) -> Result<(), Lost> {
         if self.places[sample].is_none() {
             let room = self.rooms.pop().unwrap_or_default();
-            self.places[sample] = Some(scene.places(&self.positions(sample), room).ok());
+            self.places[sample] = Some(scene.places(&self.positions(sample), room));
+        }
+        self.placed(sample).map(|_| ())
+    }
+
+    /// Poses of all that moves at a sample that was placed.
+    ///
+    /// # Errors
+    /// [`Lost`], where they are unknown.
+    pub(super) fn placed(&self, sample: usize) -> Result<&Places, Lost> {
+        let lost = |why: Unplaced| Lost { when: When { time: self.times[sample], sample }, why };
+        match &self.places[sample] {
+            Some(Ok(places)) => Ok(places),
+            Some(Err(why)) => Err(lost(why.clone())),
+            None => {
+                let why = "this sample was not placed before it was asked for".to_owned();
+                Err(lost(Unplaced { kind: Kind::Platform, why }))
+            }
         }
     }
 
-    /// Where everything is at a sample that was placed; `None` where that is not known.
-    pub(super) fn placed(&self, sample: usize) -> Option<&Places> {
-        self.places[sample].as_ref()?.as_ref()
-    }
-
-    /// The room that an item takes during runs of samples; `None` where it comes to no place.
+    /// The room that an item takes during runs of samples; `None` where there are none.
+    ///
+    /// # Errors
+    /// [`Lost`], where a pose is unknown.
     pub(super) fn around(
         &mut self,
         scene: &Scene<'_>,
         item: usize,
         (gearing, levers): (&Gearing, &Levers),
         runs: &[Range<usize>],
-    ) -> Option<Around> {
+    ) -> Result<Option<Around>, Lost> {
         let count = runs.iter().map(|run| run.len().div_ceil(STRIDE)).sum();
         let mut parts: Vec<[Span; 3]> = Vec::with_capacity(count);
         for run in runs {
             let ends = run.clone().step_by(STRIDE).skip(1).chain([run.end - 1]);
             let mut from = run.start;
             for to in ends {
-                let [first, second] = [from, to].map(|sample| {
-                    self.place(scene, sample);
-                    Some(scene.placed(item, self.placed(sample)?).around())
-                });
-                let (first, second) = (first?, second?);
+                let mut at = |sample: usize| -> Result<[Span; 3], Lost> {
+                    self.place(scene, sample)?;
+                    Ok(scene.placed(item, self.placed(sample)?).around())
+                };
+                let (first, second) = (at(from)?, at(to)?);
                 // Between two places it is nearer to one of them than half of the way.
                 let slack = 0.5 * gearing.travel(levers, &self.moved(&(from..to))).total();
                 parts.push(std::array::from_fn(|k| first[k].with(second[k]).wider(slack)));
                 from = to;
             }
         }
-        Some(Around { whole: parts.iter().copied().reduce(with)?, parts })
+        Ok(parts.iter().copied().reduce(with).map(|whole| Around { whole, parts }))
+    }
+}
+
+/// A time at which the poses of all that moves are unknown.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Lost {
+    pub(super) when: When,
+    pub(super) why: Unplaced,
+}
+
+impl Lost {
+    /// Reports it.
+    pub(super) fn report(self, found: &mut Found) {
+        let Self { when, why: Unplaced { kind, why } } = self;
+        let (about, unit) = ((kind, 0, 0), Unit::None);
+        let hit = Hit { about, kind, severity: 0.0, value: 0.0, limit: 0.0, unit };
+        found.add(when, hit, || why);
     }
 }
 

@@ -35,7 +35,7 @@ pub(super) struct Stretch {
 }
 
 /// When something was found: since the start of the step [s], and at or before which of its samples.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct When {
     pub(super) time: f64,
     pub(super) sample: usize,

@@ -6,16 +6,22 @@
 //! | `scene` | bodies, wafers and zones, and where they are |
 //! | `solid` | shapes, and distances between them |
 //! | `steps` | what each step depends on, and how it is looked at |
-//! | `course`, `travel` | a step sample by sample, and how far things can have gone between samples |
+//! | `course`, `travel`, `levers`, `drift` | a step sample by sample, and how far things can have gone between samples: by all axes, by each, and of the platform within its plane |
 //! | `alone`, `slip` | a step by itself: axes, tilt, play and slip against their limits |
 //! | `near` | a step among all bodies: distances, looked at only as often as they can matter |
+//! | `pose` | one pose by itself, and a straight path until something touches |
 //! | `found` | what is broken in a step, merged from sample to sample |
 //! | `summary` | all steps together |
 
 mod alone;
+#[cfg(test)]
+mod bounds;
 mod course;
+mod drift;
 mod found;
+mod levers;
 mod near;
+mod pose;
 mod report;
 mod scene;
 mod slip;
@@ -23,6 +29,7 @@ mod steps;
 mod summary;
 mod travel;
 
+pub use pose::{Moment, Straight, check_pose, straight_until_contact};
 pub use report::{InstructionRow, Kind, PairDistance, Report, Share, Unit, Verdict, Violation};
 
 use std::collections::BTreeMap;
@@ -74,7 +81,10 @@ impl Default for CheckOptions {
 /// Least distances are exact at the samples looked at; those passed over may be nearer by `within` of each row.
 ///
 /// # Assumptions
-/// Links and wafers are rigid where distances are concerned; wafers lie as flat discs, lowered and turned by the droop of their arm.
+/// Bodies and wafers are rigid where distances are concerned; wafers are flat discs.
+/// The last link of an arm and the wafer on it are lowered and turned by the droop of the arm, as in pictures and exports; links before it are not.
+///
+/// A distance is compared with the one asked for to a resolution of 10⁻⁸ m, which is how exactly distances are tested to be found.
 #[must_use]
 pub fn check(cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
     whole(Checks::default().check(cell, motion, options, Run::one_by_one()))
@@ -189,6 +199,21 @@ impl Checks {
     pub(crate) fn reuse_of_distances(&self) -> Reuse {
         self.distances.reuse()
     }
+}
+
+/// Checks all steps once, nothing being remembered.
+fn examine(cell: &Cell, motion: &Motion, steps: Steps<'_>, starts: &[Start]) -> Report {
+    let mut summary = Summary::new(cell, motion);
+    for (index, start) in starts.iter().enumerate() {
+        let (alone, among, near) = steps.with_course(|course| {
+            let alone = steps.alone(start, index, course);
+            let among = steps.among(start, index, &alone);
+            let near = steps.near(start, index, (&alone, &among), course);
+            (alone, among, near)
+        });
+        summary.add(steps.scene(start), index, &alone, &near, &among.items);
+    }
+    summary.finished(&steps.into_last())
 }
 
 /// What every step depends on: numbers are printed so that no two of them look alike.

@@ -4,11 +4,12 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::course::Course;
+use super::course::{Course, Lost};
 use super::found::{Found, Hit, Stretch, When};
+use super::levers::Levers;
 use super::report::{Kind, Unit};
 use super::scene::{Holder, Places, Rule, Scene};
-use super::travel::{Gearing, Levers, Travel};
+use super::travel::{Gearing, Travel};
 use crate::motion::{Motion, Sample};
 use crate::solid::{Placed, apart, between_balls, depth, distance, gap_along};
 
@@ -18,6 +19,10 @@ const PASSED_SHARE: f64 = 0.02;
 const PASSED: f64 = 2e-5;
 /// Travel between two looks below which nothing is looked for between them [m].
 const FINEST: f64 = 2e-6;
+/// Resolution of comparisons of distances with what is asked for: what distances are tested to be exact to [m].
+///
+/// A pair is too near where its distance is less than what is asked for by more than this; where it touches, it is so whatever is asked for.
+pub(super) const RESOLUTION: f64 = 1e-8;
 
 /// How much less than a least distance another one may have been that was passed over [m].
 pub(super) fn passed(distance: f64) -> f64 {
@@ -72,11 +77,13 @@ impl Look<'_> {
     /// as long as neither keeps a pair apart, the interval is halved, down to the samples, and between them where they do not rule out that the pair comes too near.
     pub(super) fn at(&mut self, pairs: &[Pair], runs: &[Range<usize>]) -> Near {
         let (mut least, mut found) = (Vec::new(), Found::default());
+        let mut lost: Vec<Lost> = Vec::new();
         for (place, pair) in pairs.iter().enumerate() {
-            let limit = match pair.rule {
+            let asked = match pair.rule {
                 Rule::Apart(limit) | Rule::Slots(limit) => limit,
                 Rule::Free | Rule::Out => 0.0,
             };
+            let limit = (asked - RESOLUTION).max(0.0);
             // What stands is no less than the world.
             let of_mover = || (self.levers[pair.items[0]], Holder::World);
             let (levers, common) = self.between.get(place).copied().unwrap_or_else(of_mover);
@@ -91,7 +98,9 @@ impl Look<'_> {
                 along: None,
             };
             for run in runs {
-                search.run(run);
+                if let Err(one) = search.run(run) {
+                    lost.push(one);
+                }
             }
             let Search { least: nearest, mut seen, .. } = search;
             if let Some((distance, time)) = nearest {
@@ -99,9 +108,12 @@ impl Look<'_> {
             }
             seen.sort_by(|one, other| one.when.time.total_cmp(&other.when.time));
             for Seen { when, apart, deep } in seen {
-                found.add(when, pair.hit(apart, deep, limit), String::new);
+                found.add(when, pair.hit(apart, deep, asked), String::new);
             }
         }
+        // Between two samples a pose may be unknown that is known at both: nothing is known of the pair there.
+        lost.sort_by(|one, other| one.when.time.total_cmp(&other.when.time));
+        lost.into_iter().for_each(|lost| lost.report(&mut found));
         Near { least, found: found.finished() }
     }
 
@@ -135,6 +147,7 @@ struct Seen {
 struct Search<'l, 'a> {
     look: &'l mut Look<'a>,
     pair: &'l Pair,
+    /// Distance at which it is too near: the one asked for, less the resolution [m].
     limit: f64,
     levers: Levers,
     /// What they move against.
@@ -201,116 +214,129 @@ impl Known {
 }
 
 impl Search<'_, '_> {
-    fn run(&mut self, run: &Range<usize>) {
+    fn run(&mut self, run: &Range<usize>) -> Result<(), Lost> {
         let last = run.end - 1;
-        let Some(mut left) = self.known(run.start) else { return };
+        let mut left = self.known(run.start)?;
         if last == run.start {
-            self.matters(run.start, &mut left);
-            return;
+            return self.matters(run.start, &mut left);
         }
-        let Some(mut right) = self.known(last) else { return };
-        self.search(run.start..last, &mut left, &mut right);
+        let mut right = self.known(last)?;
+        self.search(run.start..last, &mut left, &mut right)
     }
 
     /// Between two samples.
-    fn search(&mut self, between: Range<usize>, left: &mut Known, right: &mut Known) {
+    fn search(
+        &mut self,
+        between: Range<usize>,
+        left: &mut Known,
+        right: &mut Known,
+    ) -> Result<(), Lost> {
         let way = self.way(&between);
         if bound(left, right, way) > self.threshold() {
-            return;
+            return Ok(());
         }
-        self.tighten(between.start, left);
-        self.tighten(between.end, right);
-        if bound(left, right, way).max(self.beside(&between, way)) > self.threshold() {
-            return;
+        self.tighten(between.start, left)?;
+        self.tighten(between.end, right)?;
+        if bound(left, right, way).max(self.beside(&between, way)?) > self.threshold() {
+            return Ok(());
         }
         if between.len() == 1 {
-            self.matters(between.start, left);
-            self.matters(between.end, right);
-            if bound(left, right, way).max(self.beside(&between, way)) > self.limit {
-                return;
+            self.matters(between.start, left)?;
+            self.matters(between.end, right)?;
+            if bound(left, right, way).max(self.beside(&between, way)?) > self.limit {
+                return Ok(());
             }
-            self.exact(between.start, left);
-            self.exact(between.end, right);
+            self.exact(between.start, left)?;
+            self.exact(between.end, right)?;
             let times = [between.start, between.end].map(|k| self.look.course.times()[k]);
-            self.between(between.end, times, [*left, *right], way);
-            return;
+            self.between(between.end, times, [*left, *right], way)?;
+            return Ok(());
         }
         let middle = between.start.midpoint(between.end);
-        let Some(mut center) = self.known(middle) else { return };
+        let mut center = self.known(middle)?;
         // The nearer half first: what it comes to spares looks at the other.
         if left.apart <= right.apart {
-            self.search(between.start..middle, left, &mut center);
-            self.search(middle..between.end, &mut center, right);
+            self.search(between.start..middle, left, &mut center)?;
+            self.search(middle..between.end, &mut center, right)
         } else {
-            self.search(middle..between.end, &mut center, right);
-            self.search(between.start..middle, left, &mut center);
+            self.search(middle..between.end, &mut center, right)?;
+            self.search(between.start..middle, left, &mut center)
         }
     }
 
     /// Between two neighbouring samples, where they do not rule out that the pair comes too near; whether it was found to touch.
-    fn between(&mut self, sample: usize, times: [f64; 2], ends: [Known; 2], way: Way) -> bool {
+    fn between(
+        &mut self,
+        sample: usize,
+        times: [f64; 2],
+        ends: [Known; 2],
+        way: Way,
+    ) -> Result<bool, Lost> {
         let [left, right] = &ends;
         if left.apart == 0.0 || right.apart == 0.0 {
-            return false;
+            return Ok(false);
         }
         // Where it is too near already, only a contact is worse.
         let level = if left.apart.min(right.apart) <= self.limit { 0.0 } else { self.limit };
         if bound(left, right, way) > level || way.whole < FINEST {
-            return false;
+            return Ok(false);
         }
         let time = 0.5 * (times[0] + times[1]);
+        let when = When { time, sample };
         let look = &mut *self.look;
         let mut state = Sample::default();
         look.motion.fill_since(look.step, time, &mut state);
-        let Ok(places) = look.scene.places(&state.positions, Vec::new()) else { return false };
+        let places = look.scene.places(&state.positions, Vec::new());
+        let places = places.map_err(|why| Lost { when, why })?;
         let [a, b] = look.placed(&places, self.pair.items);
         let mut middle = Known::of(look, &places, self.pair.items);
         (middle.apart, middle.is_exact) = (distance(a, b), true);
         if middle.apart <= self.limit {
-            let when = When { time, sample };
             self.seen.push(Seen { when, apart: middle.apart, deep: 0.0 });
         }
         if middle.apart == 0.0 {
             self.note(0.0, time);
-            return true;
+            return Ok(true);
         }
         let half = way.half();
-        self.between(sample, [times[0], time], [*left, middle], half)
-            || self.between(sample, [time, times[1]], [middle, *right], half)
+        Ok(self.between(sample, [times[0], time], [*left, middle], half)?
+            || self.between(sample, [time, times[1]], [middle, *right], half)?)
     }
 
-    fn known(&mut self, sample: usize) -> Option<Known> {
+    fn known(&mut self, sample: usize) -> Result<Known, Lost> {
         let look = &mut *self.look;
-        look.course.place(look.scene, sample);
-        Some(Known::of(look, look.course.placed(sample)?, self.pair.items))
+        look.course.place(look.scene, sample)?;
+        Ok(Known::of(look, look.course.placed(sample)?, self.pair.items))
     }
 
     /// Raises the lower bound to the gap along what the two were apart when last looked at.
-    fn tighten(&mut self, sample: usize, known: &mut Known) {
-        let (false, Some(along)) = (known.is_exact, &self.along) else { return };
-        let Some(places) = self.look.course.placed(sample) else { return };
+    fn tighten(&mut self, sample: usize, known: &mut Known) -> Result<(), Lost> {
+        let (false, Some(along)) = (known.is_exact, &self.along) else { return Ok(()) };
+        let places = self.look.course.placed(sample)?;
         let [a, b] = self.look.placed(places, self.pair.items);
         let turned = self.look.scene.turned(self.common, places);
         known.apart = known.apart.max(gap_along(a, b, &(turned * along)));
+        Ok(())
     }
 
     /// Finds the distance at a sample, unless it is known not to matter.
-    fn matters(&mut self, sample: usize, known: &mut Known) {
+    fn matters(&mut self, sample: usize, known: &mut Known) -> Result<(), Lost> {
         if known.apart.max(known.gap) <= self.threshold() {
-            self.tighten(sample, known);
+            self.tighten(sample, known)?;
         }
         if known.apart.max(known.gap) <= self.threshold() {
-            self.exact(sample, known);
+            self.exact(sample, known)?;
         }
+        Ok(())
     }
 
     /// The distance itself.
-    fn exact(&mut self, sample: usize, known: &mut Known) {
+    fn exact(&mut self, sample: usize, known: &mut Known) -> Result<(), Lost> {
         if known.is_exact {
-            return;
+            return Ok(());
         }
         let look = &mut *self.look;
-        let Some(places) = look.course.placed(sample) else { return };
+        let places = look.course.placed(sample)?;
         let [a, b] = look.placed(places, self.pair.items);
         let turned = look.scene.turned(self.common, places);
         let guess = self.along.map(|along| turned * along);
@@ -324,6 +350,7 @@ impl Search<'_, '_> {
             self.seen.push(Seen { when: When { time, sample }, apart, deep });
         }
         self.note(apart, time);
+        Ok(())
     }
 
     fn note(&mut self, apart: f64, time: f64) {
@@ -363,13 +390,13 @@ impl Search<'_, '_> {
     /// A lower bound of the distance in an interval, by the gap along what the two were apart when last looked at.
     ///
     /// A point whose coordinate along it changes its speed by `bend` in all strays from the straight way between two times by `bend dt / 4` at most.
-    fn beside(&self, between: &Range<usize>, way: Way) -> f64 {
-        let Some(along) = &self.along else { return f64::NEG_INFINITY };
+    fn beside(&self, between: &Range<usize>, way: Way) -> Result<f64, Lost> {
+        let Some(along) = &self.along else { return Ok(f64::NEG_INFINITY) };
         let look = &*self.look;
         let mut least = f64::INFINITY;
         let mut upward = 0.0_f64;
         for sample in [between.start, between.end] {
-            let Some(places) = look.course.placed(sample) else { return f64::NEG_INFINITY };
+            let places = look.course.placed(sample)?;
             let [a, b] = look.placed(places, self.pair.items);
             let along = look.scene.turned(self.common, places) * along;
             // On the same side at both ends: what passes through something is apart from it before and after.
@@ -379,6 +406,6 @@ impl Search<'_, '_> {
         }
         // What droops goes down, and hardly aside.
         let droop = (upward + way.lean).min(1.0) * way.droop + way.aside;
-        least - way.bent - 2.0 * (way.plane + droop)
+        Ok(least - way.bent - 2.0 * (way.plane + droop))
     }
 }

@@ -257,16 +257,22 @@ impl Violation {
                 format!("{} and {} collide, {:.6} m deep", name(0), name(1), -worst)
             }
             Kind::Collision => format!("{} and {} touch", name(0), name(1)),
-            Kind::Clearance => format!(
-                "{} comes within {worst:.6} m of {}, {limit:.6} m are asked for",
-                name(0),
-                name(1)
-            ),
-            Kind::SlotClearance => format!(
-                "{} comes within {worst:.6} m of {}, the slots ask for {limit:.6} m",
-                name(0),
-                name(1)
-            ),
+            Kind::Clearance => {
+                let [worst, limit] = told_apart(worst, limit);
+                format!(
+                    "{} comes within {worst} m of {}, {limit} m are asked for",
+                    name(0),
+                    name(1)
+                )
+            }
+            Kind::SlotClearance => {
+                let [worst, limit] = told_apart(worst, limit);
+                format!(
+                    "{} comes within {worst} m of {}, the slots ask for {limit} m",
+                    name(0),
+                    name(1)
+                )
+            }
             Kind::KeepOut => format!("{} is in keep-out zone {}", name(0), name(1)),
             Kind::SafeZone => format!(
                 "the wafer centre of {} is {worst:.6} m outside safe zone {} while the robot turns",
@@ -275,6 +281,12 @@ impl Violation {
             ),
         }
     }
+}
+
+/// Two lengths in m with six decimals, or with as many more as they need to differ.
+fn told_apart(one: f64, other: f64) -> [String; 2] {
+    let with = |decimals: usize| [one, other].map(|length| format!("{length:.decimals$}"));
+    (6..12).map(with).find(|[one, other]| one != other).unwrap_or_else(|| with(12))
 }
 
 impl fmt::Display for Violation {

@@ -2,24 +2,30 @@
 
 use std::sync::Arc;
 
-use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Rotation3, Vector3};
 
+use super::report::Kind;
 use crate::cell::{Carrier, Cell, Shape, ZoneRule};
 use crate::memory::Key;
 use crate::program::{Handover, Path, Phase, Step};
-use crate::robot::{Arm, Effector, EffectorId, Planar};
+use crate::robot::{EffectorId, Planar};
 use crate::solid::{Placed, Solid, Solids, Span};
 use crate::station::SlotId;
-use crate::wafer::{Droop, drooped};
+use crate::wafer::DroopError;
 
 /// What holds an item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Holder {
     World,
     Platform,
-    Link { arm: usize, link: usize },
+    /// A link before the last one of its arm.
+    Link {
+        arm: usize,
+        link: usize,
+    },
+    /// The last link of an arm, deflected as at this effector.
+    Tip(EffectorId),
     Slot(SlotId),
     Effector(EffectorId),
 }
@@ -63,8 +69,28 @@ pub(super) struct Item {
 pub(super) struct Places {
     base_from_platform: Pose,
     pub(super) normal: Vector3<f64>,
-    /// Links of the first arm, the wafers of its effectors, drooping, and the same of the next.
+    /// Arm by arm, as [`Cell::place_arm`] adds them: links, then for each effector the last link deflected, and its wafer.
     poses: Vec<Pose>,
+}
+
+/// Why the poses of all that moves are unknown at one time.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Unplaced {
+    /// [`Kind::Platform`] or [`Kind::Droop`].
+    pub(super) kind: Kind,
+    pub(super) why: String,
+}
+
+impl From<crate::CellError> for Unplaced {
+    fn from(error: crate::CellError) -> Self {
+        Self { kind: Kind::Platform, why: error.to_string() }
+    }
+}
+
+impl From<DroopError> for Unplaced {
+    fn from(error: DroopError) -> Self {
+        Self { kind: Kind::Droop, why: error.to_string() }
+    }
 }
 
 impl Places {
@@ -86,26 +112,27 @@ pub(super) struct Scene<'a> {
     pub(super) safe: Vec<(usize, Solid)>,
     /// By arm and effector.
     arms: Vec<Vec<Planar>>,
-    /// By arm and effector: where its wafer is on the last link.
-    last_from_wafer: Vec<Vec<Pose>>,
 }
 
 impl<'a> Scene<'a> {
     pub(super) fn new(cell: &'a Cell, solids: &mut Solids) -> Self {
         let (mut items, mut carried) = (Vec::new(), Vec::new());
         for (index, body) in cell.bodies.iter().enumerate() {
-            let holder = match body.carrier {
-                Carrier::World => Holder::World,
-                Carrier::Platform => Holder::Platform,
-                Carrier::Link { arm, link } => Holder::Link { arm, link },
+            // A body on a link with several effectors is there once for each deflection.
+            let holders = match body.carrier {
+                Carrier::World => vec![Holder::World],
+                Carrier::Platform => vec![Holder::Platform],
+                Carrier::Link { arm, link } if link + 1 == cell.robot.arms[arm].joints.len() => {
+                    let effectors = 0..cell.robot.arms[arm].effectors.len();
+                    effectors.map(|effector| Holder::Tip(EffectorId { arm, effector })).collect()
+                }
+                Carrier::Link { arm, link } => vec![Holder::Link { arm, link }],
             };
-            if let Some(solid) = solids.get(&body.shape, &body.carrier_from_shape) {
-                items.push(Item::new(
-                    body.name.clone(),
-                    solid,
-                    (holder, Role::Body(index)),
-                    solids,
-                ));
+            for holder in holders {
+                if let Some(solid) = solids.get(&body.shape, &body.carrier_from_shape) {
+                    let what = (holder, Role::Body(index));
+                    items.push(Item::new(body.name.clone(), solid, what, solids));
+                }
             }
         }
         let mut safe = Vec::new();
@@ -146,29 +173,26 @@ impl<'a> Scene<'a> {
             effectors.map(move |effector| Planar::new(&cell.robot, EffectorId { arm, effector }))
         };
         let arms = (0..cell.robot.arms.len()).map(|arm| planar(arm).collect()).collect();
-        let on_last = |arm: &Arm| arm.effectors.iter().map(Effector::link_from_wafer).collect();
-        let last_from_wafer = cell.robot.arms.iter().map(on_last).collect();
         let items = items.into_iter().map(Arc::new).collect();
-        Self { cell, items, carried, safe, arms, last_from_wafer }
+        Self { cell, items, carried, safe, arms }
     }
 
-    /// Where all that moves is, in the room given.
+    /// Poses of all that moves, in the room given.
     ///
     /// # Errors
-    /// What the platform or the droop says.
-    pub(super) fn places(&self, positions: &[f64], mut room: Vec<Pose>) -> Result<Places, String> {
+    /// [`Unplaced`]
+    pub(super) fn places(
+        &self,
+        positions: &[f64],
+        mut room: Vec<Pose>,
+    ) -> Result<Places, Unplaced> {
         let robot = &self.cell.robot;
-        let platform = robot.platform(positions).map_err(|error| error.to_string())?;
+        let platform = robot.platform(positions)?;
         let base_from_platform = platform.base_from_platform;
-        for (arm, described) in robot.arms.iter().enumerate() {
-            let first = room.len();
-            described.links(&base_from_platform, positions, &mut room);
-            let last = room[first..].last().copied().unwrap_or(base_from_platform);
-            for (effector, last_from_wafer) in self.last_from_wafer[arm].iter().enumerate() {
-                let id = EffectorId { arm, effector };
-                let loaded = self.carried_by(id).is_some();
-                room.push(self.lowered(&platform, id, last * last_from_wafer, loaded)?);
-            }
+        let loaded = |id: EffectorId| self.carried_by(id).is_some();
+        for arm in 0..robot.arms.len() {
+            let placed = (arm, &base_from_platform);
+            self.cell.place_arm(placed, positions, loaded, |found| found, &mut room)?;
         }
         Ok(Places { base_from_platform, normal: platform.normal(), poses: room })
     }
@@ -176,7 +200,12 @@ impl<'a> Scene<'a> {
     /// The number of an arm's first pose among the places.
     fn first_of(&self, arm: usize) -> usize {
         let before = &self.cell.robot.arms[..arm];
-        before.iter().map(|arm| arm.joints.len() + arm.effectors.len()).sum()
+        before.iter().map(|arm| arm.joints.len() + 2 * arm.effectors.len()).sum()
+    }
+
+    /// The number of the pose of an effector's last link among the places; that of its wafer is the next.
+    fn tip_of(&self, EffectorId { arm, effector }: EffectorId) -> usize {
+        self.first_of(arm) + self.cell.robot.arms[arm].joints.len() + 2 * effector
     }
 
     /// The arm to an effector.
@@ -184,39 +213,14 @@ impl<'a> Scene<'a> {
         &self.arms[id.arm][id.effector]
     }
 
-    /// Where an effector's wafer is or would be, its arm drooping.
+    /// Pose of an effector's wafer, or of where it would be, its arm deflected.
     ///
     /// # Errors
-    /// What the droop says.
-    pub(super) fn wafer(
-        &self,
-        platform: &Forward,
-        id: EffectorId,
-        positions: &[f64],
-    ) -> Result<Pose, String> {
-        let rigid = platform.base_from_platform * self.planar(id).wafer(positions);
-        self.lowered(platform, id, rigid, self.carried_by(id).is_some())
-    }
-
-    /// A wafer frame, its arm drooping.
-    fn lowered(
-        &self,
-        platform: &Forward,
-        id: EffectorId,
-        rigid: Pose,
-        loaded: bool,
-    ) -> Result<Pose, String> {
-        let arm = &self.cell.robot.arms[id.arm];
-        if arm.droop == Droop::Rigid {
-            return Ok(rigid);
-        }
-        let joint = (platform.base_from_platform * Point3::from(arm.mount)).coords;
-        let out = rigid.translation.vector - joint;
-        let normal = rigid.rotation * Vector3::z();
-        let reach = (out - normal * out.dot(&normal)).norm();
-        let load = if loaded { self.cell.wafer.mass() } else { 0.0 };
-        let by = arm.droop.at(reach, load, self.cell.gravity).map_err(|error| error.to_string())?;
-        Ok(drooped(&rigid, &joint, by))
+    /// [`Unplaced`]
+    pub(super) fn wafer(&self, id: EffectorId, positions: &[f64]) -> Result<Pose, Unplaced> {
+        let platform = self.cell.robot.platform(positions)?.base_from_platform;
+        let (arm, loaded) = ((id, self.planar(id)), self.carried_by(id).is_some());
+        Ok(self.cell.wafer_over(&platform, arm, positions, loaded)?)
     }
 
     /// Where an item is.
@@ -226,21 +230,19 @@ impl<'a> Scene<'a> {
             Holder::World | Holder::Slot(_) => &item.standing,
             Holder::Platform => &places.base_from_platform,
             Holder::Link { arm, link } => &places.poses[self.first_of(arm) + link],
-            Holder::Effector(EffectorId { arm, effector }) => {
-                let links = self.cell.robot.arms[arm].joints.len();
-                &places.poses[self.first_of(arm) + links + effector]
-            }
+            Holder::Tip(id) => &places.poses[self.tip_of(id)],
+            Holder::Effector(id) => &places.poses[self.tip_of(id) + 1],
         };
         Placed { solid: &item.solid, base_from_carrier }
     }
 
-    /// How what holds things is turned against the base; the world, and slots, not at all.
+    /// Rotation of a carrier against the base, an arm taken as rigid; none for the world and for slots.
     pub(super) fn turned(&self, holder: Holder, places: &Places) -> Rotation3<f64> {
         match holder {
             Holder::World | Holder::Slot(_) => Rotation3::identity(),
             Holder::Platform => places.base_from_platform.rotation,
             Holder::Link { arm, link } => places.poses[self.first_of(arm) + link].rotation,
-            Holder::Effector(EffectorId { arm, .. }) => {
+            Holder::Tip(EffectorId { arm, .. }) | Holder::Effector(EffectorId { arm, .. }) => {
                 places.poses[self.first_of(arm) + self.last_link(arm)].rotation
             }
         }
@@ -302,6 +304,9 @@ impl Item {
             }
             Holder::Effector(EffectorId { arm, effector }) => {
                 key.extend([3, self.number, arm as u64, effector as u64]);
+            }
+            Holder::Tip(EffectorId { arm, effector }) => {
+                key.extend([4, self.number, arm as u64, effector as u64]);
             }
         }
     }
@@ -383,7 +388,7 @@ impl Scene<'_> {
             return general;
         };
         let [inside, other] = [mover, standing].map(|item| self.items[item].holder);
-        if inside != Holder::Effector(id) && !self.is_last_link(inside, id) {
+        if inside != Holder::Effector(id) && !carries(inside, id) {
             return general;
         }
         let nearer = self.cell.slot_clearance.min(self.cell.clearance);
@@ -399,10 +404,6 @@ impl Scene<'_> {
         }
     }
 
-    fn is_last_link(&self, holder: Holder, id: EffectorId) -> bool {
-        holder == Holder::Link { arm: id.arm, link: self.last_link(id.arm) }
-    }
-
     fn last_link(&self, arm: usize) -> usize {
         self.cell.robot.arms[arm].joints.len() - 1
     }
@@ -412,12 +413,22 @@ impl Scene<'_> {
         let (a, b) = (self.items[a].holder, self.items[b].holder);
         let linked = |x: Holder, y: Holder| match (x, y) {
             (Holder::Platform, Holder::Link { link: 0, .. }) => true,
+            (Holder::Platform, Holder::Tip(id)) => self.last_link(id.arm) == 0,
             (Holder::Link { arm, link }, Holder::Link { arm: other, link: next }) => {
                 arm == other && link + 1 == next
             }
-            (link, Holder::Effector(id)) => self.is_last_link(link, id),
+            (Holder::Link { arm, link }, Holder::Tip(id)) => {
+                arm == id.arm && link + 1 == self.last_link(arm)
+            }
+            (Holder::Tip(one), Holder::Tip(other)) => one.arm == other.arm,
+            (link, Holder::Effector(id)) => carries(link, id),
             _ => false,
         };
         a == b || linked(a, b) || linked(b, a)
     }
+}
+
+/// Whether a carrier is the link that an effector's wafer is on.
+fn carries(link: Holder, id: EffectorId) -> bool {
+    matches!(link, Holder::Tip(tip) if tip.arm == id.arm)
 }

@@ -3,8 +3,9 @@
 use std::ops::Range;
 
 use super::course::{Axes, Course};
+use super::levers::droop_bounds;
 use super::scene::Scene;
-use super::travel::{Gearing, droop_bounds};
+use super::travel::Gearing;
 use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
 use crate::wafer::{DroopBounds, SHORTEST, Slip};
 
@@ -179,8 +180,9 @@ fn changed(
             let unlike = |order: usize| -> [f64; RODS] {
                 std::array::from_fn(|rod| after[order][rod] - before[order][rod])
             };
-            let of = |order: usize| gearing.leaning(&after[order]);
-            let [lean, turning, spinning] = [0, 1, 2].map(|order| gearing.leaning(&unlike(order)));
+            let of = |order: usize| SLACK * gearing.leaning(&after[order]);
+            let [lean, turning, spinning] =
+                [0, 1, 2].map(|order| SLACK * gearing.leaning(&unlike(order)));
             all.upward += SLACK * gearing.lift(&unlike(2));
             change += spinning * far
                 + of(2) * (way + turn * far)

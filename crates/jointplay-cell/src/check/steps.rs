@@ -6,9 +6,10 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use super::CheckOptions;
 use super::alone::Alone;
 use super::course::{Around, Course};
+use super::levers::{Levers, common};
 use super::near::{Look, Near, Pair};
 use super::scene::{Holder, Rule, Scene};
-use super::travel::{Gearing, Levers, common};
+use super::travel::Gearing;
 use crate::memory::{Interrupted, Key, Run, each};
 use crate::motion::Motion;
 use crate::program::{Phase, Step};
@@ -145,7 +146,7 @@ impl<'a> Steps<'a> {
         solids: &mut Solids,
         run: Run<'_>,
     ) -> Result<(Self, Vec<Start>), Interrupted> {
-        let robot = &scene.cell.robot;
+        let cell = scene.cell;
         let mut scenes = vec![scene];
         let mut scene_of = Vec::with_capacity(range.len());
         for step in &motion.steps[range.clone()] {
@@ -162,7 +163,7 @@ impl<'a> Steps<'a> {
         let of = |index: usize| (scene_of[index], &casts[scene_of[index]]);
         let start = |place: usize| Start::new(motion, range.start + place, of(place));
         let starts = each(range.len(), run, start)?;
-        let (gearing, courses) = (Gearing::new(robot), Mutex::default());
+        let (gearing, courses) = (Gearing::new(&cell.robot), Mutex::default());
         Ok((Self { motion, options, gearing, scenes, casts, courses }, starts))
     }
 
@@ -190,9 +191,19 @@ impl<'a> Steps<'a> {
         self.take(index, course);
         let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
         let mut alone = Alone::new(scene, &self.motion.steps[index], (course, &self.gearing));
-        let around =
-            |(&item, levers)| course.around(scene, item, (&self.gearing, levers), &alone.runs);
-        alone.around = cast.movers.iter().zip(&cast.levers).map(around).collect();
+        let mut around = Vec::with_capacity(cast.movers.len());
+        for (&item, levers) in cast.movers.iter().zip(&cast.levers) {
+            match course.around(scene, item, (&self.gearing, levers), &alone.runs) {
+                Ok(found) => around.push(found),
+                Err(lost) => {
+                    // Nothing is known of the distances in this step, which is a violation.
+                    alone.lost(lost);
+                    around = cast.movers.iter().map(|_| None).collect();
+                    break;
+                }
+            }
+        }
+        alone.around = around;
         alone
     }
 

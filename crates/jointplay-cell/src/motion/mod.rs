@@ -20,8 +20,8 @@ mod track;
 pub use blend::Blend;
 pub(crate) use cubic::State;
 pub use limits::{dynamics, limits_of, moves};
-pub(crate) use plan::Ways;
 pub use plan::{MotionError, MotionOptions, StepProblem, timed};
+pub(crate) use plan::{Ways, straight};
 pub(crate) use track::Track;
 
 use std::sync::Arc;

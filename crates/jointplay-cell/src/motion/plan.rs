@@ -5,9 +5,11 @@ use std::sync::Arc;
 
 use super::axes::together;
 use super::blend::{Blend, Blends};
+use super::cubic::Curve;
 use super::limits::{dynamics, moves};
-use super::line::Task;
+use super::line::{Line, Task};
 use super::pace::Pace;
+use super::spline::Spline;
 use super::{Motion, Way};
 use crate::cell::Cell;
 use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
@@ -59,6 +61,29 @@ pub fn timed(
     options: &MotionOptions,
 ) -> Result<Motion, MotionError> {
     whole(Ways::default().timed(cell, steps, options, Run::one_by_one()))
+}
+
+/// Mean duration of a straight path of all axes by its longest coordinate [s/m or s/rad].
+const STRAIGHT_PACE: f64 = 2.0;
+/// Shortest and longest duration of a straight path of all axes [s].
+const STRAIGHT_DURATION: [f64; 2] = [0.02, 20.0];
+
+/// One step whose axes go straight from its start to its end, all in proportion, from rest to rest; for what depends on the path and not on its time.
+pub(crate) fn straight(step: Step) -> Motion {
+    let way = |(from, to): (&f64, &f64)| (to - from).abs();
+    let longest = step.from.iter().zip(&step.to).map(way).fold(0.0, f64::max);
+    let way = if longest == 0.0 {
+        Way::Still { duration: 0.0 }
+    } else {
+        let [least, most] = STRAIGHT_DURATION;
+        let quarter = 0.25 * (STRAIGHT_PACE * longest).clamp(least, most);
+        let stretches = [(quarter, 1.0), (2.0 * quarter, -1.0), (quarter, 1.0)];
+        let spline = Spline::straight(&step.from, &step.to);
+        let line = Arc::new(Line { spline, length: 0.0, deviation: 0.0, plane: 0.0 });
+        Way::Line { line, pace: Curve::through(0.0, 1.0, &stretches) }
+    };
+    let times = vec![0.0, way.duration()];
+    Motion { steps: vec![step], times, ways: vec![Arc::new(way)], blends: vec![None] }
 }
 
 /// The ways of the last motion, by what they depend on.

@@ -41,6 +41,12 @@ impl Spline {
         Self { knots: knots.to_vec(), jets }
     }
 
+    /// Straight from one position of all axes to another.
+    pub(crate) fn straight(from: &[f64], to: &[f64]) -> Self {
+        let jet = |(from, to): (&f64, &f64)| [*from, to - from, 0.0, 0.0];
+        Self { knots: vec![0.0, 1.0], jets: vec![from.iter().zip(to).map(jet).collect()] }
+    }
+
     /// The interval that holds `s`.
     pub(crate) fn interval(&self, s: f64) -> usize {
         self.knots.partition_point(|&knot| knot <= s).clamp(1, self.jets.len()) - 1

@@ -34,6 +34,8 @@ pub struct Carried {
     pub left_tilt: f64,
     /// What no platform removes: root of the mean square of its distance from its own mean plane [m].
     pub bent: f64,
+    /// Distance by which the effector moves as the arm takes the wafer's weight or gives it up, at once as far as poses are concerned [m].
+    pub jump: f64,
 }
 
 /// All wafers of a program as they change hands, in order; those of arms whose droop is not known there are left out.
@@ -53,6 +55,9 @@ pub fn carried(cell: &Cell, steps: &[Step]) -> Vec<Carried> {
         let (rest, deflection) = cell.drooping_wafer(effector, at, true).ok()?;
         let slot_frame = cell.stations[slot.station].slot_frame(slot.slot);
         let (normal, wanted) = (rest.rotation * Vector3::z(), slot_frame.rotation * Vector3::z());
+        let [loaded, empty] =
+            [true, false].map(|loaded| cell.wafer_pose(effector, &it.to, loaded).ok());
+        let jump = loaded?.translation.vector - empty?.translation.vector;
         let center = rest.translation.vector + normal * sag.plane_height;
         let place = slot_frame.translation.vector + wanted * lift;
         Some(Carried {
@@ -64,6 +69,7 @@ pub fn carried(cell: &Cell, steps: &[Step]) -> Vec<Carried> {
             left: (center - place).norm(),
             left_tilt: normal.cross(&wanted).norm().atan2(normal.dot(&wanted)),
             bent: sag.deviation,
+            jump: jump.norm(),
         })
     };
     steps.iter().enumerate().filter_map(of).collect()

@@ -3,12 +3,10 @@
 use jointplay_core::spatial::{Pose, Tilt, leaning};
 use nalgebra::{Point3, Rotation3, Translation3, Unit, Vector3};
 
-use super::{Deflection, DroopError};
+use super::{Deflection, Droop, DroopError, SHORTEST};
 use crate::CellError;
 use crate::cell::Cell;
-use crate::robot::{
-    BrokenLimit, ChainPose, Configuration, EffectorId, OutOfReach, Planar, WaferTarget,
-};
+use crate::robot::{BrokenLimit, Configuration, EffectorId, OutOfReach, Planar, WaferTarget};
 
 /// Farther than this from its target, a wafer is not there [m].
 const RESIDUAL: f64 = 1e-12;
@@ -129,12 +127,12 @@ pub fn drooped(base_from_wafer: &Pose, joint: &Vector3<f64>, deflection: Deflect
     Pose::from_parts(Translation3::from(center), turn * base_from_wafer.rotation)
 }
 
-/// What the droop turns a wafer by.
+/// The rotation of a deflected wafer: about the horizontal across the reach, by an angle that falls to zero in proportion to the horizontal reach within [`SHORTEST`] of the joint.
+///
+/// So the direction of an arm that passes over its own joint does not matter, and the rotation is Lipschitz in the reach.
 pub(super) fn turn(base_from_wafer: &Pose, joint: &Vector3<f64>, slope: f64) -> Rotation3<f64> {
     let out = base_from_wafer.translation.vector - joint;
-    // Over its own joint an arm points where its wafer's heading does.
-    let heading = base_from_wafer.rotation * Vector3::x();
-    let out = if out.xy().norm() > 1e-9 { out } else { heading };
+    let slope = slope * (out.xy().norm() / SHORTEST).min(1.0);
     match Unit::try_new(Vector3::new(-out.y, out.x, 0.0), f64::MIN_POSITIVE) {
         Some(axis) => Rotation3::from_axis_angle(&axis, slope),
         None => Rotation3::identity(),
@@ -198,39 +196,25 @@ impl Cell {
         })
     }
 
-    /// Where everything of the robot is, its arms drooping: wafers as by [`Self::wafer_pose`], the last link of an arm with its effector, links before it rigid.
-    ///
-    /// Of several effectors on one link it goes with the one that droops most; where nothing is known of the droop, nothing droops.
-    ///
-    /// # Arguments
-    /// * `loaded` – effectors that carry a wafer
+    /// The wafer frame of an effector over a platform that is known.
     ///
     /// # Errors
-    /// As [`crate::robot::HybridRobot::forward`].
-    pub fn drooping(
+    /// [`DroopError`]
+    pub(crate) fn wafer_over(
         &self,
+        base_from_platform: &Pose,
+        (effector, planar): (EffectorId, &Planar),
         positions: &[f64],
-        loaded: &[EffectorId],
-    ) -> Result<ChainPose, CellError> {
-        let mut pose = self.robot.forward(positions)?;
-        let base_from_platform = pose.platform.base_from_platform;
-        let arms = pose.base_from_wafer.iter_mut().zip(&mut pose.base_from_link);
-        for (arm, (wafers, links)) in arms.enumerate() {
-            let joint = (base_from_platform * Point3::from(self.robot.arms[arm].mount)).coords;
-            let (mut most, mut moved) = (0.0, Pose::identity());
-            for (effector, wafer) in wafers.iter_mut().enumerate() {
-                let is_loaded = loaded.contains(&EffectorId { arm, effector });
-                let by = self.deflection(arm, wafer, &joint, is_loaded).unwrap_or_default();
-                let rigid = std::mem::replace(wafer, drooped(wafer, &joint, by));
-                if by.drop > most {
-                    (most, moved) = (by.drop, *wafer * rigid.inverse());
-                }
-            }
-            if let Some(last) = links.last_mut() {
-                *last = moved * *last;
-            }
+        loaded: bool,
+    ) -> Result<Pose, DroopError> {
+        let rigid = base_from_platform * planar.wafer(positions);
+        let arm = &self.robot.arms[effector.arm];
+        if arm.droop == Droop::Rigid {
+            return Ok(rigid);
         }
-        Ok(pose)
+        let joint = (base_from_platform * Point3::from(arm.mount)).coords;
+        let deflection = self.deflection(effector.arm, &rigid, &joint, loaded)?;
+        Ok(drooped(&rigid, &joint, deflection))
     }
 
     /// Rigid wafer frame, first joint, and how the arm droops.
@@ -247,8 +231,8 @@ impl Cell {
         Ok((rigid, joint, deflection))
     }
 
-    /// How an arm droops whose rigid wafer frame is this.
-    fn deflection(
+    /// Deflection of an arm whose rigid wafer frame is this.
+    pub(crate) fn deflection(
         &self,
         arm: usize,
         rigid: &Pose,

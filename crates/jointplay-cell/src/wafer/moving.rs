@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::compensation::{Unreachable, drooped, turn};
 use super::droop::DroopError;
-use super::{Droop, Slip};
+use super::{Droop, SHORTEST, Slip};
 use crate::cell::Cell;
 use crate::robot::{AxesMotion, EffectorId, FrameMotion, Planar};
 
@@ -111,8 +111,14 @@ fn length([vector, velocity, acceleration]: [Vector2<f64>; 3]) -> [f64; 3] {
 /// A vector of a given length along the direction of another that lies level, with its derivatives.
 fn along(lengths: [f64; 3], of: [Vector2<f64>; 3]) -> [Vector3<f64>; 3] {
     let [h, growth, urge] = length(of);
-    if h <= POINTLESS {
-        return [Vector3::zeros(); 3];
+    if h < SHORTEST {
+        // As `turn`: there the angle grows in proportion to the horizontal reach.
+        let [l, speed, hurry] = lengths.map(|length| length / SHORTEST);
+        return [
+            (of[0] * l).push(0.0),
+            (of[0] * speed + of[1] * l).push(0.0),
+            (of[0] * hurry + of[1] * (2.0 * speed) + of[2] * l).push(0.0),
+        ];
     }
     let unit = of[0] / h;
     let turning = (of[1] - unit * growth) / h;

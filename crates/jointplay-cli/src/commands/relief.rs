@@ -3,7 +3,6 @@
 use std::fmt::Write as _;
 
 use jointplay::constraint::System as _;
-use jointplay::format::number::rounded;
 use jointplay::format::report::{self, ReliefReport};
 use jointplay::mechanism::MechanismSystem;
 use jointplay::mobility::RANK_THRESHOLD;

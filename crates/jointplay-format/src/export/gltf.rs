@@ -4,6 +4,7 @@ mod buffer;
 mod parts;
 
 use jointplay_cell::cell::Cell;
+use jointplay_cell::program::{Carried, carried};
 use jointplay_cell::station::SlotId;
 use serde_json::{Map, Value, json};
 
@@ -11,6 +12,7 @@ use self::buffer::Buffer;
 use self::parts::{Material, Parts, slot_name};
 use super::scene::{Lying, Scene, Track, is_key};
 use super::{Error, Recording};
+use crate::units::um;
 
 /// Node, channel and sampler lists in the making.
 #[derive(Default)]
@@ -82,6 +84,20 @@ fn standing(track: &Track, cell: &Cell) -> Value {
     node
 }
 
+/// Each handover of a wafer with its time, and the distance by which the effector jumps then, as its arm takes the weight or gives it up.
+fn hand_overs(recording: &Recording<'_>) -> Vec<Value> {
+    let Recording { cell, motion, .. } = *recording;
+    let told = |one: &Carried| {
+        json!({
+            "time_s": motion.times[one.step + 1],
+            "effector": recording.effector_name(one.effector),
+            "slot": slot_name(&cell.stations[one.slot.station], one.slot.slot),
+            "jump_um": um(one.jump),
+        })
+    };
+    carried(cell, &motion.steps).iter().map(told).collect()
+}
+
 /// A value at a time, and how fast it changes there.
 #[derive(Clone, Copy, PartialEq)]
 struct Key<const N: usize> {
@@ -150,6 +166,10 @@ impl Document {
             );
             told.insert("warning".to_owned(), json!(warning));
             told.insert("violations".to_owned(), all.collect());
+        }
+        let handovers = hand_overs(recording);
+        if !handovers.is_empty() {
+            told.insert("hand_overs".to_owned(), json!(handovers));
         }
         let (views, accessors, bytes) = self.buffer.finish();
         let mut root = json!({

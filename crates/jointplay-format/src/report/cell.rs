@@ -104,6 +104,8 @@ pub struct CompensatedReport {
     pub left_mrad: f64,
     /// What no platform removes: the largest root of the mean square of a wafer's distance from its mean plane.
     pub bent_um: f64,
+    /// Largest distance by which an effector moves as its arm takes a wafer's weight or gives it up; poses jump by it at the handover.
+    pub jump_um: f64,
 }
 
 /// An axis in a motion.
@@ -331,6 +333,7 @@ fn compensated(carried: &[Carried], steps: Range<usize>) -> Option<CompensatedRe
         left_um: um(most(carried, |one| one.left)),
         left_mrad: mm(most(carried, |one| one.left_tilt)),
         bent_um: um(most(carried, |one| one.bent)),
+        jump_um: um(most(carried, |one| one.jump)),
     })
 }
 
@@ -417,7 +420,17 @@ pub fn explain_violation(one: &Violation) -> String {
         let gap = if unit.starts_with('°') { "" } else { " " };
         format!("{}{gap}{unit}", short(value))
     };
-    let (worst, limit) = (number(one.worst), number(one.limit));
+    let (mut worst, mut limit) = (number(one.worst), number(one.limit));
+    if worst == limit {
+        // Two numbers that differ read as two.
+        let (unit, [value, allowed]) = (told(one, 0.0).0, [one.worst, one.limit]);
+        let with = |digits: usize| {
+            let text = |value: f64| format!("{:.digits$} {unit}", told(one, value).1);
+            (text(value), text(allowed))
+        };
+        let found = (6..12).map(with).find(|(worst, limit)| worst != limit);
+        (worst, limit) = found.unwrap_or_else(|| with(12));
+    }
     match one.kind {
         Kind::Position => format!("axis {} comes to {worst}, its limit is {limit}", name(0)),
         Kind::Velocity => format!("axis {} runs at {worst}, its limit is {limit}", name(0)),

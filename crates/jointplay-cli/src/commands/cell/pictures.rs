@@ -42,7 +42,9 @@ fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
         view.tracks.push(Track { effector, reach, points });
     }
     for one in &planned.report.violations {
-        let pose = robot.forward(&planned.motion.at(one.worst_time).positions)?;
+        let sample = planned.motion.at(one.worst_time);
+        let loaded = planned.motion.steps.get(sample.step).map_or(&[][..], |step| &step.loaded);
+        let pose = planned.cell().drooping(&sample.positions, loaded)?;
         for id in concerned(planned, one) {
             let at = pose.base_from_wafer[id.arm][id.effector].translation.vector;
             view.wrong.push([at.x, at.y]);

@@ -78,6 +78,11 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             fixed(made.left_mrad, 4),
             fixed(made.bent_um, 1)
         );
+        let _ = writeln!(
+            text,
+            "  at a handover        an effector moves by up to {} µm as the weight passes over, at once in poses and files",
+            fixed(made.jump_um, 1)
+        );
     }
     let _ = writeln!(text, "  looked at            {}", counted(report.samples, "sample"));
     if !report.assumed.is_empty() {
