@@ -69,8 +69,8 @@ pub(crate) enum Failure {
     )]
     NoParquet,
     #[cfg(feature = "parquet")]
-    #[error("the Parquet writer says: {0}")]
-    Parquet(String),
+    #[error("the table cannot be written as Parquet; write it as csv")]
+    Parquet,
     #[error(transparent)]
     Export(#[from] jointplay::format::export::Error),
     #[error(transparent)]
@@ -161,7 +161,7 @@ const NO: u8 = 1;
 /// The question is wrong.
 const BAD_INPUT: u8 = 2;
 /// Stopped by Ctrl-C, as shells number it.
-const INTERRUPTED: u8 = 130;
+pub(crate) const INTERRUPTED: u8 = 130;
 
 impl Failure {
     /// What is wrong at one place of a file.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -40,6 +41,114 @@ pub(crate) fn write(folder: &Path, files: &[(String, Vec<u8>)]) -> Result<(), Fa
         persist(file, &path)?;
     }
     Ok(())
+}
+
+/// Files on their way into a folder: written one after the other under temporary names, and renamed together.
+pub(crate) struct Staged {
+    folder: PathBuf,
+    /// Whether the folder was made for them.
+    made: bool,
+    ready: Vec<(PathBuf, NamedTempFile, u64)>,
+}
+
+impl Staged {
+    /// Into a folder, made if missing.
+    pub(crate) fn into(folder: &Path) -> Result<Self, Failure> {
+        let made = !folder.exists();
+        std::fs::create_dir_all(folder).map_err(failed(folder))?;
+        Ok(Self { folder: folder.to_owned(), made, ready: Vec::new() })
+    }
+
+    /// Writes the contents of one file.
+    pub(crate) fn add(
+        &mut self,
+        name: &str,
+        contents: impl FnOnce(&mut (dyn std::io::Write + Send)) -> Result<(), Contents>,
+    ) -> Result<(), Failure> {
+        let path = self.folder.join(name);
+        if path.is_dir() {
+            let kind = std::io::ErrorKind::IsADirectory;
+            let source = std::io::Error::new(kind, "a folder is in its place");
+            return Err(Failure::Write { path, source });
+        }
+        let plain = |error: std::io::Error| failed(&path)(error.kind().into());
+        let file = tempfile::Builder::new().prefix(PARTIAL).tempfile_in(&self.folder);
+        let file = file.map_err(plain)?;
+        pending(|paths| paths.push(file.path().to_owned()));
+        let mut writer = std::io::BufWriter::new(file);
+        match contents(&mut writer) {
+            Ok(()) => {}
+            Err(Contents::Write(error)) => return Err(plain(error)),
+            Err(Contents::Other(failure)) => return Err(failure),
+        }
+        let mut file = writer.into_inner().map_err(|error| plain(error.into_error()))?;
+        let length = file.as_file_mut().metadata().map_err(plain)?.len();
+        self.ready.push((path, file, length));
+        Ok(())
+    }
+
+    /// Gives all files their names; paths and lengths in bytes.
+    pub(crate) fn publish(mut self) -> Result<Vec<(PathBuf, u64)>, Failure> {
+        self.made = false;
+        pending(Vec::clear);
+        let mut written = Vec::with_capacity(self.ready.len());
+        for (path, file, length) in std::mem::take(&mut self.ready) {
+            persist(file, &path)?;
+            written.push((path, length));
+        }
+        Ok(written)
+    }
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        self.ready.clear();
+        pending(Vec::clear);
+        if self.made {
+            // Left as it was found; where something else was put into it, it stays.
+            let _ = std::fs::remove_dir(&self.folder);
+        }
+    }
+}
+
+/// Temporary files of [`Staged`], which an interrupted command removes.
+static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn pending<T>(change: impl FnOnce(&mut Vec<PathBuf>) -> T) -> T {
+    change(&mut PENDING.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Ends the command with the exit code of an interruption when Ctrl-C is pressed; files that are not complete are removed.
+pub(crate) fn listen() -> Result<(), Failure> {
+    ctrlc::set_handler(|| {
+        for path in pending(std::mem::take) {
+            // What cannot be removed bears a name by which the next run knows it.
+            let _ = std::fs::remove_file(path);
+        }
+        #[expect(clippy::exit, reason = "the work is interrupted, and nothing is left to do")]
+        std::process::exit(crate::failure::INTERRUPTED.into());
+    })
+    .map_err(|error| Failure::Misused(format!("cannot listen for Ctrl-C: {error}")))
+}
+
+/// Why the contents of a file are not written.
+pub(crate) enum Contents {
+    /// The disk or the folder.
+    Write(std::io::Error),
+    /// What they are made of.
+    Other(Failure),
+}
+
+impl From<std::io::Error> for Contents {
+    fn from(error: std::io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+impl From<jointplay::format::export::Error> for Contents {
+    fn from(error: jointplay::format::export::Error) -> Self {
+        Self::Other(error.into())
+    }
 }
 
 /// Writes one file; it replaces one of the same name.

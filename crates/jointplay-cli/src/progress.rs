@@ -1,5 +1,8 @@
 //! How far long work has come.
 
+use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
@@ -104,6 +107,95 @@ impl Drop for Progress {
     fn drop(&mut self) {
         if let Some(bar) = self.bar.take() {
             bar.finish_and_clear();
+        }
+    }
+}
+
+/// How often a bar is drawn.
+const TICK: Duration = Duration::from_millis(100);
+
+/// A bar as [`Progress`], drawn by a thread of its own: it shows that time passes where the work reports nothing for a while.
+pub(crate) struct Steady {
+    state: Arc<Mutex<State>>,
+    /// Dropped where the work ends.
+    end: Option<Sender<()>>,
+    drawing: Option<JoinHandle<()>>,
+}
+
+#[derive(Default)]
+struct State {
+    stage: String,
+    done: u64,
+    total: u64,
+}
+
+/// What reports to a [`Steady`] bar.
+#[derive(Clone)]
+pub(crate) struct Reporter(Arc<Mutex<State>>);
+
+impl Steady {
+    pub(crate) fn new() -> Self {
+        let state = Arc::new(Mutex::new(State::default()));
+        let (end, ended) = channel::<()>();
+        let shown = Reporter(Arc::clone(&state));
+        let draw = move || {
+            if ended.recv_timeout(Duration::from_secs(1)) != Err(RecvTimeoutError::Timeout) {
+                return;
+            }
+            let template = "{spinner} {msg:>10} {wide_bar} {pos} of {len}  {elapsed}";
+            let style =
+                ProgressStyle::with_template(template).expect("the template is well-formed");
+            let bar = ProgressBar::new(1).with_style(style);
+            loop {
+                shown.with(|state| {
+                    bar.set_length(state.total.max(1));
+                    bar.set_position(state.done);
+                    bar.set_message(state.stage.clone());
+                });
+                bar.tick();
+                if ended.recv_timeout(TICK) != Err(RecvTimeoutError::Timeout) {
+                    bar.finish_and_clear();
+                    return;
+                }
+            }
+        };
+        // Without a thread there is no bar, and the work is done all the same.
+        let drawing = std::thread::Builder::new().spawn(draw).ok();
+        Self { state, end: Some(end), drawing }
+    }
+
+    pub(crate) fn reporter(&self) -> Reporter {
+        Reporter(Arc::clone(&self.state))
+    }
+}
+
+impl Reporter {
+    fn with(&self, change: impl FnOnce(&mut State)) {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    /// Work of a name begins.
+    pub(crate) fn stage(&self, name: &str) {
+        self.with(|state| name.clone_into(&mut state.stage));
+    }
+
+    /// So many parts of it follow.
+    pub(crate) fn parts(&self, total: usize) {
+        self.with(|state| (state.done, state.total) = (0, total as u64));
+    }
+
+    /// A part is done.
+    pub(crate) fn part_done(&self) {
+        self.with(|state| state.done += 1);
+    }
+}
+
+impl Drop for Steady {
+    fn drop(&mut self) {
+        drop(self.end.take());
+        if let Some(drawing) = self.drawing.take() {
+            // It panics nowhere; if it did, that would be no fault of the work.
+            let _ = drawing.join();
         }
     }
 }

@@ -124,7 +124,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
     refuse(
         "robot = \"dual-arm\"",
         "robot = \"dual\"",
-        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, scara-3r, scara-4r, or a file ….toml",
+        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, or a file ….toml",
     );
     refuse("robot = \"dual-arm\"", "robot = \"mine.toml\"", "nobody has mine.toml");
     refuse("robot = \"dual-arm\"", "robot = \"../mine.toml\"", "within the cell file's folder");
@@ -380,6 +380,7 @@ fn an_edit_leaves_one_way_of_placing() {
             Vector3::new(0.6, 0.0, 0.62),
         ],
         threshold: 5e-5,
+        noise: None,
     };
     let drift = Change::Drift {
         first: Vector3::new(-0.495, 0.495, 0.5),

@@ -202,7 +202,7 @@ fn taught(off: f64, threshold: f64) -> Cell {
         Vector3::new(0.6 + x, 0.2 + y, 0.62 + 0.01 * x + height)
     };
     let points: Vec<Vector3<f64>> = (0..4).map(point).collect();
-    let fit = fit_plane(&points, threshold).unwrap();
+    let fit = fit_plane(&points, threshold, None).unwrap();
     cell.stations[0].base_from_station = fit.frame(&points[0], 0.0);
     cell.stations[0].origin = Origin::Taught(fit);
     cell
@@ -247,13 +247,18 @@ fn stations_as_they_were_taught() {
     assert!(matches!(Taught::new(&far).to_svg(), Err(Error::Extent { .. })));
 }
 
+fn labels(text: &str) -> Vec<String> {
+    let first = text.split_whitespace().next().unwrap_or_default();
+    vec![text.to_owned(), first.to_owned()]
+}
+
 fn gantt(duration: f64) -> Gantt {
     let span = |from: f64, to: f64, kind| Span { from, to, kind };
     Gantt {
         axes: vec!["q1".to_owned(), "T".to_owned()],
         spans: vec![
-            span(0.0, 0.5 * duration, SpanKind::Instruction("GET port SLOT 1 WITH A".to_owned())),
-            span(0.5 * duration, duration, SpanKind::Instruction("PUT aligner".to_owned())),
+            span(0.0, 0.5 * duration, SpanKind::Instruction(labels("GET port SLOT 1 WITH A"))),
+            span(0.5 * duration, duration, SpanKind::Instruction(labels("PUT aligner"))),
             span(0.0, 0.4 * duration, SpanKind::Empty(1)),
             span(0.5 * duration, duration, SpanKind::Loaded(0)),
             span(0.6 * duration, 0.6 * duration, SpanKind::Wrong),

@@ -176,6 +176,12 @@ impl Gearing {
         }
     }
 
+    /// Distance of the platform's origin from that of the base, at most [m].
+    pub(super) fn highest(&self, robot: &HybridRobot) -> f64 {
+        let rods = robot.axes[..RODS].iter().map(|rod| rod.min.abs().max(rod.max.abs()));
+        self.weights * rods.fold(0.0, f64::max) + self.radius
+    }
+
     /// Speed [m/s or rad/s] and acceleration [m/s² or rad/s²] of an axis between two samples, at most.
     fn most(&self, dt: f64, axis: usize, [from, to]: [&State; 2]) -> [f64; 2] {
         let jerk = self.jerks[axis].max(from[3].abs()).max(to[3].abs());
@@ -248,8 +254,16 @@ fn most(dt: f64, [first, last]: [f64; 2], rate: f64) -> f64 {
 
 impl Levers {
     /// Of an item that moves.
-    pub(super) fn new(cell: &Cell, item: &Item) -> Self {
-        Self::beyond(cell, (item.holder, item.solid.reach()), 0)
+    ///
+    /// # Arguments
+    /// * `reach` – distance from the origin of what holds it, up to which its points count: that of its farthest point, or less where no other item is farther out [m]
+    pub(super) fn new(cell: &Cell, item: &Item, reach: f64) -> Self {
+        Self::beyond(cell, (item.holder, reach), 0)
+    }
+
+    /// Largest distance of a point from the platform's origin [m].
+    pub(super) fn far(&self) -> f64 {
+        self.far
     }
 
     /// Of the centre of an effector's wafer.
@@ -258,10 +272,12 @@ impl Levers {
     }
 
     /// Of two items that move, against each other: what carries both alike counts for neither.
-    pub(super) fn between(cell: &Cell, one: &Item, other: &Item, common: Holder) -> Self {
+    ///
+    /// # Arguments
+    /// * `both` – with their reaches, as in [`Self::new`]
+    pub(super) fn between(cell: &Cell, both: [(&Item, f64); 2], common: Holder) -> Self {
         let common = if let Holder::Link { link, .. } = common { link + 1 } else { 0 };
-        let [one, other] =
-            [one, other].map(|it| Self::beyond(cell, (it.holder, it.solid.reach()), common));
+        let [one, other] = both.map(|(it, reach)| Self::beyond(cell, (it.holder, reach), common));
         let both = |one: [f64; MAX_AXES], other: [f64; MAX_AXES]| {
             std::array::from_fn(|axis| one[axis] + other[axis])
         };

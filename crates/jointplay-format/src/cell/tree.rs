@@ -91,21 +91,26 @@ pub(super) enum Span {
     Within(f64, f64),
 }
 
+/// Least positive number in the unit of a file: what is smaller is zero in SI, or divides into infinity.
+const LEAST: f64 = 1e-12;
+
 impl Span {
     fn holds(self, value: f64) -> bool {
         value.is_finite()
             && value.abs() <= 1e12
             && match self {
                 Self::Any => true,
-                Self::Positive => value > 0.0,
+                Self::Positive => value >= LEAST,
                 Self::NotNegative => value >= 0.0,
                 Self::Within(min, max) => (min..=max).contains(&value),
             }
     }
 
-    fn needed(self) -> String {
+    /// What a value has to be that is not.
+    fn needed(self, value: f64) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
+            Self::Positive if value > 0.0 => format!("at least {LEAST:e}"),
             Self::Positive => "positive".to_owned(),
             Self::NotNegative => "0 or more".to_owned(),
             Self::Within(min, max) => format!("from {min} to {max}"),
@@ -265,7 +270,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             return None;
         };
         if !span.holds(value) {
-            let (key, needed) = (self.key.to_owned(), span.needed());
+            let (key, needed) = (self.key.to_owned(), span.needed(value));
             self.wrong(reader, Fault::Beyond { key, value, needed });
             return None;
         }

@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, Unit, Vector3};
 
 use crate::draw::RIM;
 use crate::svg::{Anchor, INK, Svg, path_data, px};
-use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, wrap};
+use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
 /// Room about the picture and between stations [px].
@@ -61,6 +61,8 @@ struct Factors {
 struct Frame {
     middle: (f64, f64),
     scale: f64,
+    /// Half of the room for words beside it [px].
+    half: f64,
 }
 
 impl Frame {
@@ -97,7 +99,7 @@ impl<'a> Taught<'a> {
         let title = wrap(&self.title, TITLE, self.width - 2.0 * MARGIN);
         #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
         let (top, rows) =
-            (16.0 + title.len() as f64 * TITLE * LEADING, shown.len().div_ceil(columns) as f64);
+            (26.0 + title.len() as f64 * TITLE * LEADING, shown.len().div_ceil(columns) as f64);
         let factors = factors(&shown);
         let bottom = top + rows * (high + MARGIN);
         let about = if self.title.is_empty() { "stations" } else { &self.title };
@@ -154,7 +156,7 @@ impl<'a> Taught<'a> {
         let up = ELEVATION.cos() * (LEAN + OFF) + ELEVATION.sin();
         let scale = (0.46 * wide / radius).min(0.5 * drawn / (radius * up));
         let middle = (left + 0.5 * wide, top + WORDS + 0.5 * drawn);
-        let frame = Frame { middle, scale };
+        let frame = Frame { middle, scale, half: 0.5 * (wide + MARGIN) };
         let turn = leaned(&normal, factors.lean);
         let disc = |turn: &Rotation3<f64>| {
             let corner = |k: u32| {
@@ -197,9 +199,16 @@ fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, o
         svg.path(&dot(from, 1.6), &format!(" fill=\"{INK}\""));
         svg.path(&dot(to, 4.0), &format!(" fill=\"{colour}\""));
         let text = format!("{}: {:+.1} µm", k + 1, distance * 1e6);
-        // Beyond the point, seen from the plane: points on both sides of it keep out of each other's way.
-        let aside = if *distance < 0.0 { 16.0 } else { -8.0 };
-        svg.text((to.0, to.1 + aside), TICK, Anchor::Middle, &text, RIM);
+        // Beside its own point, away from the middle: there are no stems of others.
+        let (aside, anchor) =
+            if to.0 < frame.middle.0 - 1.0 { (-9.0, Anchor::End) } else { (9.0, Anchor::Start) };
+        let long = width(&text, TICK);
+        let x = (to.0 + aside).clamp(frame.middle.0 - frame.half, frame.middle.0 + frame.half);
+        let x = match anchor {
+            Anchor::End => x.max(frame.middle.0 - frame.half + long),
+            _ => x.min(frame.middle.0 + frame.half - long),
+        };
+        svg.text((x, to.1 + HALF_CAPITAL * TICK), TICK, anchor, &text, RIM);
     }
 }
 
@@ -234,11 +243,15 @@ fn words(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
         Origin::Taught(fit) => {
             let verdict = match fit.verdict {
                 Verdict::Fits => "fits",
-                Verdict::Unproven => "unproven: three points always fit",
+                Verdict::Unproven => "unproven",
                 Verdict::Scattered => "scattered",
             };
+            let known = fit.uncertainty.as_ref().map_or_else(
+                || "tilt ± unknown".to_owned(),
+                |known| format!("tilt ±{:.0} µrad", known.tilt_95 * 1e6),
+            );
             lines.push(format!(
-                "{} points, at most {:.1} µm off, allowed {:.1} µm: {verdict}",
+                "{} points within {:.1} µm (allowed {:.1}), {known} (95 %): {verdict}",
                 fit.distances.len(),
                 fit.worst * 1e6,
                 fit.threshold * 1e6
@@ -284,7 +297,7 @@ fn about_by(factor: f64) -> String {
 
 /// The directions of the base frame, as they are seen.
 fn axes(svg: &mut Svg, middle: (f64, f64)) {
-    let frame = Frame { middle, scale: AXES };
+    let frame = Frame { middle, scale: AXES, half: AXES };
     for (name, axis) in [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())] {
         let ends = [frame.at(&Vector3::zeros()), frame.at(&axis)];
         svg.path(&path_data(&ends), &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));

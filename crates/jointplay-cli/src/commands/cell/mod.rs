@@ -43,6 +43,7 @@ enum Action {
 
 impl CellCommand {
     pub(crate) fn run(&self) -> Result<(), Failure> {
+        crate::folder::listen()?;
         match &self.action {
             Action::Check(command) => command.run(),
             Action::Run(command) => command.run(),
