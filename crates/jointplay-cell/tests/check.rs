@@ -700,3 +700,47 @@ fn a_keep_out_zone_tells_how_deep() {
     assert!((found.worst + 3e-3).abs() < 2e-5, "{found:?}");
     assert!(found.message().ends_with("m deep"), "{}", found.message());
 }
+
+#[test]
+fn the_far_end_of_a_long_body_changes_no_distance() {
+    // A bar from a joint outward past a post: 100 m of it are as near to the post as 3 m.
+    let bar = |length: f64| {
+        let mut cell = cell();
+        let motion = turn(&cell);
+        cell.clearance = 0.002;
+        cell.bodies.push(Body {
+            name: "bar".into(),
+            carrier: Carrier::Link { arm: 0, link: 2 },
+            carrier_from_shape: at(0.5 * length, 0.0, 0.0),
+            shape: Shape::Box { half: [0.5 * length, 0.005, 0.005] },
+            station: None,
+        });
+        for (name, angle, z) in [("post", 0.6_f64, 0.0), ("low", 0.9, 0.03)] {
+            let pose = cell.robot.forward(&motion.steps[0].from).unwrap();
+            let height = pose.base_from_link[0][2].translation.vector.z;
+            cell.bodies.push(Body {
+                name: name.into(),
+                carrier: Carrier::World,
+                carrier_from_shape: at(1.2 * angle.cos(), 1.2 * angle.sin(), height - 0.1 - z),
+                shape: Shape::Box { half: [0.02, 0.02, 0.1] },
+                station: None,
+            });
+        }
+        check(&cell, &motion, &CheckOptions::default())
+    };
+    let [long, short] = [100.0, 3.0].map(bar);
+    assert!(!short.violations.is_empty() && !short.distances.is_empty());
+    let told = |report: &Report| -> Vec<(Kind, Vec<String>, usize)> {
+        let one = |v: &jointplay_cell::check::Violation| (v.kind, v.names.clone(), v.instruction);
+        report.violations.iter().map(one).collect()
+    };
+    assert_eq!(told(&long), told(&short));
+    for (one, other) in long.violations.iter().zip(&short.violations) {
+        assert!((one.start - other.start).abs() < 2e-3 && (one.end - other.end).abs() < 2e-3);
+        assert!((one.worst - other.worst).abs() < 1e-4, "{one:?} {other:?}");
+    }
+    for one in &short.distances {
+        let other = long.distances.iter().find(|other| other.names == one.names).unwrap();
+        assert!((one.distance - other.distance).abs() <= one.within + other.within + 1e-9);
+    }
+}

@@ -216,7 +216,7 @@ fn stations_as_they_were_taught() {
         "a cell: stations",
         "port",
         "leans 0.5729° toward 180.0°",
-        "4 points, at most 20.0 µm off, allowed 100.0 µm: fits",
+        "4 points up to 20.0 µm off (allowed 100.0), tilt ±5649 µrad: unproven",
         "1: +20.0 µm",
         "4: -20.0 µm",
         "aligner",
@@ -232,7 +232,7 @@ fn stations_as_they_were_taught() {
     assert!(!svg.contains(VERMILLION));
     let scattered = taught(2e-5, 1e-5);
     let svg = Taught::new(&scattered).to_svg().unwrap();
-    check(&svg, &["4 points, at most 20.0 µm off, allowed 10.0 µm: scattered"]);
+    check(&svg, &["4 points up to 20.0 µm off (allowed 10.0), tilt ±5649 µrad: scattered"]);
     assert_eq!(svg.matches(VERMILLION).count(), 8);
     let even = taught(0.0, 1e-5);
     let mut one = Taught::new(&even);

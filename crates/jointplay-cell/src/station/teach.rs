@@ -287,16 +287,14 @@ fn f_95(over: usize, freedom: usize) -> f64 {
         return 0.5 * freedom * (BEYOND.powf(-2.0 / freedom) - 1.0);
     }
     // The square of Student's t: by its distribution, integrated by the substitution t = √ν tan θ.
-    let within = |t: f64| {
-        const PARTS: usize = 2000;
-        let end = (t / freedom.sqrt()).atan();
+    let integral = |to: f64| {
+        const PARTS: usize = 400;
+        let step = to / PARTS as f64;
         let density = |theta: f64| theta.cos().powf(freedom - 1.0);
-        let integral = |to: f64| {
-            let step = to / PARTS as f64;
-            (0..PARTS).map(|k| density((k as f64 + 0.5) * step)).sum::<f64>() * step
-        };
-        integral(end) / integral(std::f64::consts::FRAC_PI_2)
+        (0..PARTS).map(|k| density((k as f64 + 0.5) * step)).sum::<f64>() * step
     };
+    let whole = integral(std::f64::consts::FRAC_PI_2);
+    let within = |t: f64| integral((t / freedom.sqrt()).atan()) / whole;
     let (mut low, mut high) = (0.0, 20.0);
     for _ in 0..40 {
         let middle = 0.5 * (low + high);
