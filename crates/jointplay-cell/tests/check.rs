@@ -668,6 +668,73 @@ fn a_body_on_the_last_link_deflects_with_its_arm() {
     }
 }
 
+/// The turn, so slowly that it takes many windows of samples.
+fn slow_turn(factor: f64) -> (Cell, Motion) {
+    let mut cell = cell();
+    for axis in &mut cell.robot.axes {
+        for limits in [&mut axis.empty, &mut axis.loaded] {
+            limits.velocity /= factor;
+            limits.acceleration /= factor * factor;
+            limits.jerk /= factor.powi(3);
+        }
+    }
+    let motion = turn(&cell);
+    (cell, motion)
+}
+
+#[test]
+fn windows_of_samples_change_nothing() {
+    // 44 s each way: three windows at 1000 samples a second, one at 100.
+    let (mut cell, motion) = slow_turn(50.0);
+    let length = motion.times[1];
+    assert!(length > 35.0 && length < 60.0, "{length}");
+    let wall = Shape::Box { half: [0.02, 0.02, 0.4] };
+    let turned = |angle: f64| at(0.45 * angle.cos(), 0.45 * angle.sin(), 0.5);
+    cell.bodies.push(Body {
+        name: "post".into(),
+        carrier: Carrier::World,
+        carrier_from_shape: turned(0.6),
+        shape: wall,
+        station: None,
+    });
+    cell.zones.push(Zone {
+        name: "zone".into(),
+        rule: ZoneRule::KeepOut,
+        base_from_shape: turned(0.5),
+        shape: Shape::Box { half: [0.01, 0.01, 0.4] },
+    });
+    let [fine, coarse] = [1000.0, 100.0]
+        .map(|rate| check(&cell, &motion, &CheckOptions { rate, ..CheckOptions::default() }));
+    let samples = motion.times[1..].windows(2).map(|pair| pair[1] - pair[0]).chain([length]);
+    let expected: usize = samples.map(|length| (1000.0 * length - 1e-3).ceil() as usize + 1).sum();
+    assert_eq!(fine.samples, expected);
+    assert!(!fine.violations.is_empty());
+    // None is cut in two where windows meet, and none is lost.
+    assert_eq!(fine.violations.len(), coarse.violations.len(), "{:#?}", fine.violations);
+    let closely = |a: f64, b: f64, by: f64| assert!((a - b).abs() <= by, "{a} {b}");
+    for (one, other) in fine.violations.iter().zip(&coarse.violations) {
+        assert_eq!(
+            (one.kind, &one.names, one.instruction),
+            (other.kind, &other.names, other.instruction)
+        );
+        closely(one.start, other.start, 0.011);
+        closely(one.end, other.end, 0.011);
+        closely(one.worst, other.worst, 1e-4);
+        assert!(one.worst < 0.0, "{one:?}");
+        // Longer than a window, so that it spans a border.
+    }
+    for (one, other) in fine.distances.iter().zip(&coarse.distances) {
+        closely(one.distance, other.distance, one.within + other.within + 1e-6);
+    }
+    let peaks = |report: &Report| {
+        let row = &report.by_instruction[0];
+        [row.velocity, row.acceleration, row.jerk].map(|share| share.unwrap().share)
+    };
+    for (one, other) in peaks(&fine).into_iter().zip(peaks(&coarse)) {
+        closely(one, other, 1e-4);
+    }
+}
+
 #[test]
 fn a_distance_is_compared_with_a_resolution() {
     let positions = [0.5, 0.5, 0.5, 0.4, 0.9];
@@ -756,4 +823,71 @@ fn a_pose_that_is_lost_between_two_samples_is_reported() {
     let report = check(&cell, &motion, &options);
     assert_eq!(kinds(&report), BTreeSet::from([Kind::Droop]), "{:#?}", report.violations);
     assert!(report.violations[0].to_string().contains("droop at a reach of"));
+}
+
+#[test]
+fn a_keep_out_zone_tells_how_deep() {
+    // The wafer's flat disc over a box that ends 3 mm above its lower face: up is the shortest way out.
+    let mut cell = cell();
+    cell.wafer.thickness = 1e-3;
+    let motion = turn(&cell);
+    let from = motion.steps[0].from.clone();
+    let pose = cell.wafer_pose(A, &from, true).unwrap();
+    let place = pose.translation.vector;
+    cell.zones.push(Zone {
+        name: "low".into(),
+        rule: ZoneRule::KeepOut,
+        base_from_shape: at(place.x, place.y, place.z + 3e-3 - 0.2),
+        shape: Shape::Box { half: [0.4, 0.4, 0.2] },
+    });
+    cell.carried = vec![A];
+    let report = check(&cell, &motion, &CheckOptions::default());
+    let found = report.violations.iter().find(|one| one.kind == Kind::KeepOut).unwrap();
+    // Its thickness adds to the way down, its tilt is none.
+    assert!((found.worst + 3e-3).abs() < 2e-5, "{found:?}");
+    assert!(found.message().ends_with("m deep"), "{}", found.message());
+}
+
+#[test]
+fn the_far_end_of_a_long_body_changes_no_distance() {
+    // A bar from a joint outward past a post: 100 m of it are as near to the post as 3 m.
+    let bar = |length: f64| {
+        let mut cell = cell();
+        let motion = turn(&cell);
+        cell.clearance = 0.002;
+        cell.bodies.push(Body {
+            name: "bar".into(),
+            carrier: Carrier::Link { arm: 0, link: 2 },
+            carrier_from_shape: at(0.5 * length, 0.0, 0.0),
+            shape: Shape::Box { half: [0.5 * length, 0.005, 0.005] },
+            station: None,
+        });
+        for (name, angle, z) in [("post", 0.6_f64, 0.0), ("low", 0.9, 0.03)] {
+            let pose = cell.robot.forward(&motion.steps[0].from).unwrap();
+            let height = pose.base_from_link[0][2].translation.vector.z;
+            cell.bodies.push(Body {
+                name: name.into(),
+                carrier: Carrier::World,
+                carrier_from_shape: at(1.2 * angle.cos(), 1.2 * angle.sin(), height - 0.1 - z),
+                shape: Shape::Box { half: [0.02, 0.02, 0.1] },
+                station: None,
+            });
+        }
+        check(&cell, &motion, &CheckOptions::default())
+    };
+    let [long, short] = [100.0, 3.0].map(bar);
+    assert!(!short.violations.is_empty() && !short.distances.is_empty());
+    let told = |report: &Report| -> Vec<(Kind, Vec<String>, usize)> {
+        let one = |v: &jointplay_cell::check::Violation| (v.kind, v.names.clone(), v.instruction);
+        report.violations.iter().map(one).collect()
+    };
+    assert_eq!(told(&long), told(&short));
+    for (one, other) in long.violations.iter().zip(&short.violations) {
+        assert!((one.start - other.start).abs() < 2e-3 && (one.end - other.end).abs() < 2e-3);
+        assert!((one.worst - other.worst).abs() < 1e-4, "{one:?} {other:?}");
+    }
+    for one in &short.distances {
+        let other = long.distances.iter().find(|other| other.names == one.names).unwrap();
+        assert!((one.distance - other.distance).abs() <= one.within + other.within + 1e-9);
+    }
 }

@@ -6,9 +6,9 @@ mod common;
 
 use common::A;
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::{Motion, MotionOptions, Sample, limits_of, timed};
+use jointplay_cell::motion::{MOST_DURATION, Motion, MotionOptions, Sample, limits_of, timed};
 use jointplay_cell::program::{Path, Phase, Place, Step};
-use jointplay_cell::robot::{RODS, WaferTarget};
+use jointplay_cell::robot::{Dynamics, RODS, WaferTarget};
 use jointplay_cell::wafer::Droop;
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::Tilt;
@@ -373,5 +373,34 @@ fn a_line_on_which_the_arm_would_have_to_jump_is_refused() {
     let to = cell.reach(A, &target, false, &from).unwrap().positions;
     let steps = vec![step(&from, &to, Path::Line(A), 1.0, false)];
     let error = timed(&cell, steps, &MotionOptions::default()).unwrap_err().to_string();
-    assert!(error.contains("25.0 % along the line: the axes jump there"), "{error}");
+    for words in ["25.0 % along the line, at x ", "the axes jump from one branch", "`retract_mm`"] {
+        assert!(error.contains(words), "{words}: {error}");
+    }
+}
+
+#[test]
+fn a_motion_ends_within_a_day() {
+    let mut cell = cell(0, Droop::Rigid);
+    let from = vec![0.5, 0.5, 0.5, 0.0, 0.9];
+    let to = vec![0.5, 0.5, 0.5, 1.2, 0.9];
+    let there_and_back =
+        || vec![step(&from, &to, Path::Axes, 1.0, false), step(&to, &from, Path::Axes, 1.0, false)];
+    // Triangles of speed: t = 2 √(d / a) where the jerk is no limit.
+    for (hours, problem) in [(11.0_f64, None), (13.0, Some(1)), (25.0, Some(0)), (1e3, Some(0))] {
+        let acceleration = 1.2 * (2.0 / (3600.0 * hours)).powi(2);
+        cell.robot.axes[3].empty = Dynamics { velocity: 1e3, acceleration, jerk: 1e3 };
+        let found = timed(&cell, there_and_back(), &MotionOptions::default());
+        match (found, problem) {
+            (Ok(motion), None) => {
+                let expected = 2.0 * 3600.0 * hours;
+                assert!((motion.duration() / expected - 1.0).abs() < 1e-3);
+                assert!(motion.duration() <= MOST_DURATION);
+            }
+            (Err(error), Some(step)) => {
+                assert_eq!((error.problems.len(), error.problems[0].step), (1, step), "{error}");
+                assert!(error.to_string().contains("a day"), "{error}");
+            }
+            (found, _) => panic!("{hours}: {found:?}"),
+        }
+    }
 }

@@ -75,8 +75,8 @@ pub(crate) enum Failure {
     )]
     NoParquet,
     #[cfg(feature = "parquet")]
-    #[error("the table cannot be written as Parquet: {0}")]
-    Parquet(String),
+    #[error("the table cannot be written as Parquet; write it as csv")]
+    Parquet,
     #[error(transparent)]
     Export(#[from] jointplay::format::export::Error),
     #[error(transparent)]

@@ -5,6 +5,7 @@
 use std::collections::BTreeSet;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use clap::Args;
 use tempfile::NamedTempFile;
@@ -66,27 +67,115 @@ pub(crate) fn write(
     files: &[(String, Vec<u8>)],
     force: ForceArgs,
 ) -> Result<(), Failure> {
-    std::fs::create_dir_all(folder).map_err(failed(folder))?;
-    let paths = files.iter().map(|(name, _)| folder.join(name));
-    for path in paths {
+    let mut staged = Staged::into(folder, force)?;
+    for (name, bytes) in files {
+        staged.add(name, |writer| Ok(writer.write_all(bytes)?))?;
+    }
+    staged.publish().map(drop)
+}
+
+/// Files on their way into a folder: written one after the other under temporary names, and renamed together.
+pub(crate) struct Staged {
+    folder: PathBuf,
+    /// Whether the folder was made for them.
+    made: bool,
+    force: ForceArgs,
+    ready: Vec<(PathBuf, NamedTempFile, u64)>,
+}
+
+impl Staged {
+    /// Into a folder, made if missing.
+    pub(crate) fn into(folder: &Path, force: ForceArgs) -> Result<Self, Failure> {
+        let made = !folder.exists();
+        std::fs::create_dir_all(folder).map_err(failed(folder))?;
+        Ok(Self { folder: folder.to_owned(), made, force, ready: Vec::new() })
+    }
+
+    /// Writes the contents of one file.
+    pub(crate) fn add(
+        &mut self,
+        name: &str,
+        contents: impl FnOnce(&mut (dyn std::io::Write + Send)) -> Result<(), Contents>,
+    ) -> Result<(), Failure> {
+        let path = self.folder.join(name);
         if path.is_dir() {
-            let source =
-                std::io::Error::new(std::io::ErrorKind::IsADirectory, "a folder has this name");
+            let kind = std::io::ErrorKind::IsADirectory;
+            let source = std::io::Error::new(kind, "a folder has this name");
             return Err(Failure::Write { path, source });
         }
-        check_file(&path, force)?;
+        check_file(&path, self.force)?;
+        let plain = |error: std::io::Error| failed(&path)(error.kind().into());
+        let file = tempfile::Builder::new().prefix(PARTIAL).tempfile_in(&self.folder);
+        let file = file.map_err(plain)?;
+        pending(|paths| paths.push(file.path().to_owned()));
+        let mut writer = std::io::BufWriter::new(file);
+        match contents(&mut writer) {
+            Ok(()) => {}
+            Err(Contents::Write(error)) => return Err(plain(error)),
+            Err(Contents::Other(failure)) => return Err(failure),
+        }
+        let mut file = writer.into_inner().map_err(|error| plain(error.into_error()))?;
+        let length = file.as_file_mut().metadata().map_err(plain)?.len();
+        self.ready.push((path, file, length));
+        Ok(())
     }
-    // All contents first: a full disk is found out before anything is replaced.
-    let mut ready = Vec::with_capacity(files.len());
-    for (name, bytes) in files {
-        let path = folder.join(name);
-        let file = partial(folder, &path, bytes)?;
-        ready.push((path, file));
+
+    /// Gives all files their names; paths and lengths in bytes.
+    pub(crate) fn publish(mut self) -> Result<Vec<(PathBuf, u64)>, Failure> {
+        self.made = false;
+        pending(Vec::clear);
+        let mut written = Vec::with_capacity(self.ready.len());
+        for (path, file, length) in std::mem::take(&mut self.ready) {
+            persist(file, &path, self.force)?;
+            written.push((path, length));
+        }
+        Ok(written)
     }
-    for (path, file) in ready {
-        persist(file, &path, force)?;
+}
+
+impl Drop for Staged {
+    fn drop(&mut self) {
+        self.ready.clear();
+        pending(Vec::clear);
+        if self.made {
+            // Left as it was found; where something else was put into it, it stays.
+            let _ = std::fs::remove_dir(&self.folder);
+        }
     }
-    Ok(())
+}
+
+/// Temporary files of [`Staged`], which an interrupted command removes.
+static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn pending<T>(change: impl FnOnce(&mut Vec<PathBuf>) -> T) -> T {
+    change(&mut PENDING.lock().unwrap_or_else(PoisonError::into_inner))
+}
+
+/// Removes files that are not complete; what cannot be removed bears a name by which the next run knows it.
+pub(crate) fn discard_pending() {
+    for path in pending(std::mem::take) {
+        drop(std::fs::remove_file(path));
+    }
+}
+
+/// Why the contents of a file are not written.
+pub(crate) enum Contents {
+    /// The disk or the folder.
+    Write(std::io::Error),
+    /// What they are made of.
+    Other(Failure),
+}
+
+impl From<std::io::Error> for Contents {
+    fn from(error: std::io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+impl From<jointplay::format::export::Error> for Contents {
+    fn from(error: jointplay::format::export::Error) -> Self {
+        Self::Other(error.into())
+    }
 }
 
 /// Writes one file.

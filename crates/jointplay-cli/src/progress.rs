@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::console;
+use crate::{console, folder};
 use crate::failure::INTERRUPTED;
 use crate::output::short;
 
@@ -82,6 +82,11 @@ impl Progress {
         Self { start, begun, done: begun, bar, working: Some(working), shows }
     }
 
+    /// Reports to it from wherever the work is done.
+    pub(crate) fn reporter(&self) -> Reporter {
+        Reporter(self.bar.clone())
+    }
+
     pub(crate) fn stage(&mut self, name: &str) {
         self.bar.set_message(name.to_owned());
     }
@@ -105,6 +110,28 @@ impl Progress {
     pub(crate) fn pace(&self) -> (f64, f64) {
         let time = self.start.elapsed().as_secs_f64();
         ((self.done - self.begun) as f64 / time, time)
+    }
+}
+
+/// Reports to a [`Progress`] from wherever the work is done.
+#[derive(Clone)]
+pub(crate) struct Reporter(ProgressBar);
+
+impl Reporter {
+    /// Work of a name begins.
+    pub(crate) fn stage(&self, name: &str) {
+        self.0.set_message(name.to_owned());
+    }
+
+    /// So many parts of it follow.
+    pub(crate) fn parts(&self, total: usize) {
+        self.0.set_length(total as u64);
+        self.0.set_position(0);
+    }
+
+    /// A part is done.
+    pub(crate) fn part_done(&self) {
+        self.0.inc(1);
     }
 }
 
@@ -144,6 +171,7 @@ fn end_on_interrupt() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let end = || {
+            folder::discard_pending();
             drop(writeln!(anstream::stderr(), "\ninterrupted"));
             #[expect(clippy::exit, reason = "the computation cannot be asked to stop")]
             std::process::exit(i32::from(INTERRUPTED));

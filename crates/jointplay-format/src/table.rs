@@ -72,19 +72,39 @@ pub fn columns(samples: &Samples) -> Vec<Column> {
 /// If the columns differ in length: an error of ours.
 #[must_use]
 pub fn csv(columns: &[Column]) -> String {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    let into_memory = "writing into memory does not fail";
-    writer.write_record(columns.iter().map(|column| &column.name)).expect(into_memory);
+    let mut bytes = Vec::new();
+    write_csv(columns, true, &mut bytes).expect("writing into memory does not fail");
+    String::from_utf8(bytes).expect("names and numbers are UTF-8")
+}
+
+/// Rows of comma-separated values as by [`csv`](fn@csv), to where they are kept.
+///
+/// # Arguments
+/// * `header` – whether the names of the columns come first
+///
+/// # Errors
+/// Those of the writer.
+///
+/// # Panics
+/// If the columns differ in length: an error of ours.
+pub fn write_csv(
+    columns: &[Column],
+    header: bool,
+    writer: &mut dyn std::io::Write,
+) -> std::io::Result<()> {
+    let mut writer = csv::Writer::from_writer(writer);
+    if header {
+        writer.write_record(columns.iter().map(|column| &column.name))?;
+    }
     let rows = columns.first().map_or(0, |column| column.values.len());
     for row in 0..rows {
         let cell = |column: &Column| match &column.values {
             Values::Real(values) => format!("{:?}", values[row]),
             Values::Count(values) => values[row].to_string(),
         };
-        writer.write_record(columns.iter().map(cell)).expect(into_memory);
+        writer.write_record(columns.iter().map(cell))?;
     }
-    let bytes = writer.into_inner().expect(into_memory);
-    String::from_utf8(bytes).expect("names and numbers are UTF-8")
+    writer.flush()
 }
 
 impl Values {
@@ -102,50 +122,89 @@ impl Values {
 /// What the Parquet writer says.
 #[cfg(feature = "parquet")]
 pub fn parquet(columns: &[Column]) -> Result<Vec<u8>, parquet::errors::ParquetError> {
-    use std::sync::Arc;
+    let mut table = ParquetTable::new(columns, Vec::new())?;
+    table.push(columns)?;
+    table.finish()
+}
 
-    use parquet::basic::{Compression, Repetition, Type};
-    use parquet::data_type::{DoubleType, Int32Type};
-    use parquet::file::properties::WriterProperties;
-    use parquet::file::writer::SerializedFileWriter;
-    use parquet::schema::types;
+#[cfg(feature = "parquet")]
+pub use ::parquet::errors::ParquetError;
 
-    let fields = columns
-        .iter()
-        .map(|column| {
-            let physical = match column.values {
-                Values::Real(_) => Type::DOUBLE,
-                Values::Count(_) => Type::INT32,
-            };
-            let field = types::Type::primitive_type_builder(&column.name, physical)
-                .with_repetition(Repetition::REQUIRED)
-                .build()?;
-            Ok(Arc::new(field))
-        })
-        .collect::<Result<Vec<_>, parquet::errors::ParquetError>>()?;
-    let schema = Arc::new(types::Type::group_type_builder("samples").with_fields(fields).build()?);
-    let properties =
-        Arc::new(WriterProperties::builder().set_compression(Compression::SNAPPY).build());
-    let mut bytes = Vec::new();
-    let mut writer = SerializedFileWriter::new(&mut bytes, schema, properties)?;
-    let mut group = writer.next_row_group()?;
-    for column in columns {
-        let Some(mut target) = group.next_column()? else { break };
-        match &column.values {
-            Values::Real(values) => {
-                target.typed::<DoubleType>().write_batch(values, None, None)?;
-            }
-            Values::Count(values) => {
-                let signed: Vec<i32> =
-                    values.iter().map(|&v| i32::try_from(v).unwrap_or(i32::MAX)).collect();
-                target.typed::<Int32Type>().write_batch(&signed, None, None)?;
-            }
-        }
-        target.close()?;
+/// A Parquet file that takes a table part by part, each a row group.
+#[cfg(feature = "parquet")]
+pub struct ParquetTable<W: std::io::Write + Send> {
+    writer: parquet::file::writer::SerializedFileWriter<W>,
+}
+
+#[cfg(feature = "parquet")]
+impl<W: std::io::Write + Send> ParquetTable<W> {
+    /// An empty file.
+    ///
+    /// # Arguments
+    /// * `columns` – of any part: their names and types
+    ///
+    /// # Errors
+    /// What the Parquet writer says.
+    pub fn new(columns: &[Column], writer: W) -> Result<Self, parquet::errors::ParquetError> {
+        use std::sync::Arc;
+
+        use parquet::basic::{Compression, Repetition, Type};
+        use parquet::file::properties::WriterProperties;
+        use parquet::file::writer::SerializedFileWriter;
+        use parquet::schema::types;
+
+        let fields = columns
+            .iter()
+            .map(|column| {
+                let physical = match column.values {
+                    Values::Real(_) => Type::DOUBLE,
+                    Values::Count(_) => Type::INT32,
+                };
+                let field = types::Type::primitive_type_builder(&column.name, physical)
+                    .with_repetition(Repetition::REQUIRED)
+                    .build()?;
+                Ok(Arc::new(field))
+            })
+            .collect::<Result<Vec<_>, parquet::errors::ParquetError>>()?;
+        let schema = types::Type::group_type_builder("samples").with_fields(fields).build()?;
+        let properties =
+            Arc::new(WriterProperties::builder().set_compression(Compression::SNAPPY).build());
+        Ok(Self { writer: SerializedFileWriter::new(writer, Arc::new(schema), properties)? })
     }
-    group.close()?;
-    writer.close()?;
-    Ok(bytes)
+
+    /// Adds rows.
+    ///
+    /// # Errors
+    /// What the Parquet writer says.
+    pub fn push(&mut self, columns: &[Column]) -> Result<(), parquet::errors::ParquetError> {
+        use parquet::data_type::{DoubleType, Int32Type};
+
+        let mut group = self.writer.next_row_group()?;
+        for column in columns {
+            let Some(mut target) = group.next_column()? else { break };
+            match &column.values {
+                Values::Real(values) => {
+                    target.typed::<DoubleType>().write_batch(values, None, None)?;
+                }
+                Values::Count(values) => {
+                    let signed: Vec<i32> =
+                        values.iter().map(|&v| i32::try_from(v).unwrap_or(i32::MAX)).collect();
+                    target.typed::<Int32Type>().write_batch(&signed, None, None)?;
+                }
+            }
+            target.close()?;
+        }
+        group.close()?;
+        Ok(())
+    }
+
+    /// The writer, the file complete.
+    ///
+    /// # Errors
+    /// What the Parquet writer says.
+    pub fn finish(self) -> Result<W, parquet::errors::ParquetError> {
+        self.writer.into_inner()
+    }
 }
 
 #[cfg(test)]

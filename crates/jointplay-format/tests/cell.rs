@@ -124,7 +124,7 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
     refuse(
         "robot = \"dual-arm\"",
         "robot = \"dual\"",
-        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, scara-3r, scara-4r, or a file ….toml",
+        "robot with arms \"dual\" is not known (did you mean `dual-arm`?); known: dual-arm, radial-arm, or a file ….toml",
     );
     refuse("robot = \"dual-arm\"", "robot = \"mine.toml\"", "nobody has mine.toml");
     refuse("robot = \"dual-arm\"", "robot = \"../mine.toml\"", "within the cell file's folder");
@@ -161,9 +161,13 @@ fn what_is_wrong_is_told_with_its_place_and_what_is_possible() {
     refuse(
         "pitch_deg = 0.8",
         "pitch_deg = 2.0",
-        "leans 2.000° toward 100.0°, but the robot tilts by at most 1.500°: level the station by at least 0.500°",
+        "tilts 2.000° toward 100.0°, but the robot tilts by at most 1.500°: level the station by at least 0.538°, 0.038° of which",
     );
-    refuse("threshold_um = 100.0", "threshold_um = 2.0", "a taught point lies");
+    refuse(
+        "threshold_um = 100.0",
+        "threshold_um = 2.0",
+        "taught point 3 lies 2.5 µm from the plane of them all",
+    );
     refuse("rule = \"safe\"", "rule = \"save\"", "did you mean `safe`?");
     refuse("on = \"platform\"", "on = \"plattform\"", "did you mean `platform`?");
     refuse("{ arm = \"upper\", link = 2 }", "{ arm = \"upper\", link = 5 }", "from 1 to 4");
@@ -248,7 +252,7 @@ fn stations_come_from_taught_points_and_from_drift() {
     let told = taught("[[0, 0, 500], [100, 0, 500], [200, 0, 500.001]]");
     assert!(told.contains("µm of one line"), "{told}");
     let told = taught("[[0, 0, 500], [100, 0, 500], [0, 100, 503]]");
-    assert!(told.contains("leans 1.718° toward -90.0°"), "{told}");
+    assert!(told.contains("tilts 1.718° toward -90.0°"), "{told}");
     let told = wrong(&format!(
         "{position}tilt = {{ yaw_deg = 0, pitch_deg = 1 }}\ntaught = {{ points_mm = [] }}"
     ));
@@ -380,6 +384,7 @@ fn an_edit_leaves_one_way_of_placing() {
             Vector3::new(0.6, 0.0, 0.62),
         ],
         threshold: 5e-5,
+        noise: None,
     };
     let drift = Change::Drift {
         first: Vector3::new(-0.495, 0.495, 0.5),

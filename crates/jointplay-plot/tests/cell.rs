@@ -202,7 +202,7 @@ fn taught(off: f64, threshold: f64) -> Cell {
         Vector3::new(0.6 + x, 0.2 + y, 0.62 + 0.01 * x + height)
     };
     let points: Vec<Vector3<f64>> = (0..4).map(point).collect();
-    let fit = fit_plane(&points, threshold).unwrap();
+    let fit = fit_plane(&points, threshold, None).unwrap();
     cell.stations[0].base_from_station = fit.frame(&points[0], 0.0);
     cell.stations[0].origin = Origin::Taught(fit);
     cell
@@ -216,7 +216,7 @@ fn stations_as_they_were_taught() {
         "a cell: stations",
         "port",
         "leans 0.5729° toward 180.0°",
-        "4 points, at most 20.0 µm off, allowed 100.0 µm: fits",
+        "4 points up to 20.0 µm off (allowed 100.0), tilt ±5649 µrad: unproven",
         "1: +20.0 µm",
         "4: -20.0 µm",
         "aligner",
@@ -232,7 +232,7 @@ fn stations_as_they_were_taught() {
     assert!(!svg.contains(VERMILLION));
     let scattered = taught(2e-5, 1e-5);
     let svg = Taught::new(&scattered).to_svg().unwrap();
-    check(&svg, &["4 points, at most 20.0 µm off, allowed 10.0 µm: scattered"]);
+    check(&svg, &["4 points up to 20.0 µm off (allowed 10.0), tilt ±5649 µrad: scattered"]);
     assert_eq!(svg.matches(VERMILLION).count(), 8);
     let even = taught(0.0, 1e-5);
     let mut one = Taught::new(&even);
@@ -247,13 +247,18 @@ fn stations_as_they_were_taught() {
     assert!(matches!(Taught::new(&far).to_svg(), Err(Error::Extent { .. })));
 }
 
+fn labels(text: &str) -> Vec<String> {
+    let first = text.split_whitespace().next().unwrap_or_default();
+    vec![text.to_owned(), first.to_owned()]
+}
+
 fn gantt(duration: f64) -> Gantt {
     let span = |from: f64, to: f64, kind| Span { from, to, kind };
     Gantt {
         axes: vec!["q1".to_owned(), "T".to_owned()],
         spans: vec![
-            span(0.0, 0.5 * duration, SpanKind::Instruction("GET port SLOT 1 WITH A".to_owned())),
-            span(0.5 * duration, duration, SpanKind::Instruction("PUT aligner".to_owned())),
+            span(0.0, 0.5 * duration, SpanKind::Instruction(labels("GET port SLOT 1 WITH A"))),
+            span(0.5 * duration, duration, SpanKind::Instruction(labels("PUT aligner"))),
             span(0.0, 0.4 * duration, SpanKind::Empty(1)),
             span(0.5 * duration, duration, SpanKind::Loaded(0)),
             span(0.6 * duration, 0.6 * duration, SpanKind::Wrong),

@@ -72,7 +72,48 @@ struct Standings<'a> {
 }
 
 impl Alone {
-    /// Looks at all samples of a step.
+    /// Adds what a later window of the step comes to.
+    ///
+    /// # Arguments
+    /// * `first` – number of its first sample in the step
+    pub(super) fn join(&mut self, next: Self, first: usize) {
+        let peaks = [
+            (&mut self.velocity, next.velocity),
+            (&mut self.acceleration, next.acceleration),
+            (&mut self.jerk, next.jerk),
+            (&mut self.slip, next.slip),
+        ];
+        for (most, share) in peaks {
+            if let Some(share) = share {
+                raise(most, share);
+            }
+        }
+        self.tilt = self.tilt.max(next.tilt);
+        self.play = self.play.max(next.play);
+        for (moved, also) in self.moved.iter_mut().zip(next.moved) {
+            *moved |= also;
+        }
+        self.samples = first + next.samples;
+        let mut found = Found::of(std::mem::take(&mut self.found));
+        found.join(next.found, first);
+        self.found = found.finished();
+        for run in next.runs {
+            let run = run.start + first..run.end + first;
+            match self.runs.last_mut() {
+                Some(last) if last.end >= run.start => last.end = run.end,
+                _ => self.runs.push(run),
+            }
+        }
+        for (around, next) in self.around.iter_mut().zip(next.around) {
+            match (around.as_mut(), next) {
+                (Some(around), Some(next)) => around.join(next),
+                (None, next) => *around = next,
+                (Some(_), None) => {}
+            }
+        }
+    }
+
+    /// Looks at all samples of a window.
     pub(super) fn new(
         scene: &Scene<'_>,
         step: &Step,

@@ -1,4 +1,4 @@
-//! One step, sample by sample.
+//! One step, sample by sample, a window at a time.
 
 use std::ops::Range;
 
@@ -17,13 +17,64 @@ use crate::solid::Span;
 /// Samples from one place that a box around a way is made of to the next.
 const STRIDE: usize = 16;
 
-/// The samples of a step, and how far what moves has come by each.
+/// Boxes around the way of one thing in a step, about, at most: those of long steps are made of more samples each.
+const MOST_BOXES: usize = 4096;
+
+/// Intervals between samples in one window: what is held at a time does not grow with the duration of a step.
+const WINDOW: usize = 1 << 14;
+
+/// Even times of a step, and its end; neighbouring windows share a sample.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Samples {
+    /// How many samples there are.
+    pub(super) count: usize,
+    /// Samples a second [Hz].
+    rate: f64,
+    /// Duration of the step [s].
+    length: f64,
+}
+
+impl Samples {
+    /// The start of a step, `rate` times a second, and its end.
+    pub(super) fn of(motion: &Motion, step: usize, rate: f64) -> Self {
+        let length = motion.length(step);
+        // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
+        let whole = if motion.stands(step) {
+            usize::from(length > 0.0)
+        } else {
+            (length * rate - 1e-3).ceil().max(0.0) as usize
+        };
+        Self { count: whole + 1, rate, length }
+    }
+
+    /// How many windows they are divided into.
+    pub(super) fn windows(&self) -> usize {
+        (self.count - 1).div_ceil(WINDOW).max(1)
+    }
+
+    /// The samples of a window.
+    pub(super) fn window(&self, window: usize) -> Range<usize> {
+        let first = window * WINDOW;
+        first..(first + WINDOW + 1).min(self.count)
+    }
+
+    /// Time of a sample since the start of the step [s].
+    fn time(&self, sample: usize) -> f64 {
+        if sample + 1 == self.count { self.length } else { sample as f64 / self.rate }
+    }
+}
+
+/// The samples of a window of a step, and how far what moves has come by each.
 ///
-/// It is used for one step after the other, so that its room is taken once.
+/// It is used for one window after the other, so that its room is taken once.
 #[derive(Default)]
 pub(super) struct Course {
-    /// Which, while it is looked at.
-    step: Option<usize>,
+    /// Which step and window, while it is looked at.
+    window: Option<(usize, usize)>,
+    /// Number of the window's first sample in the step.
+    first: usize,
+    /// Samples from one box around a way to the next.
+    stride: usize,
     /// Of the samples, since its start [s].
     times: Vec<f64>,
     /// Where all axes start.
@@ -37,19 +88,21 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// Takes up a step: its start, `rate` times a second, and its end.
-    pub(super) fn take(&mut self, motion: &Motion, step: usize, rate: f64, gearing: &Gearing) {
-        self.step = Some(step);
+    /// Takes up a window of a step.
+    pub(super) fn take(
+        &mut self,
+        motion: &Motion,
+        (step, window): (usize, usize),
+        samples: &Samples,
+        gearing: &Gearing,
+    ) {
+        self.window = Some((step, window));
         self.from.clone_from(&motion.steps[step].from);
-        let length = motion.length(step);
-        // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
-        let whole = if motion.stands(step) {
-            usize::from(length > 0.0)
-        } else {
-            (length * rate - 1e-3).ceil().max(0.0) as usize
-        };
+        let range = samples.window(window);
+        self.first = range.start;
+        self.stride = STRIDE.max(samples.count / MOST_BOXES);
         self.times.clear();
-        self.times.extend((0..whole).map(|k| k as f64 / rate).chain([length]));
+        self.times.extend(range.map(|sample| samples.time(sample)));
         self.track.take(motion, step, &self.times);
         self.odometer.take(gearing, (&self.times, &self.from), &self.track);
         let left = self.places.drain(..).flatten().filter_map(Result::ok);
@@ -57,14 +110,19 @@ impl Course {
         self.places.resize_with(self.times.len(), || None);
     }
 
-    /// Whether it has taken up a step.
-    pub(super) fn is_of(&self, step: usize) -> bool {
-        self.step == Some(step)
+    /// Whether it has taken up a window of a step.
+    pub(super) fn is_of(&self, step: usize, window: usize) -> bool {
+        self.window == Some((step, window))
     }
 
     /// Done with its step, for the next who needs the room.
     pub(super) fn leave(&mut self) {
-        self.step = None;
+        self.window = None;
+    }
+
+    /// Number of the window's first sample in the step.
+    pub(super) fn first(&self) -> usize {
+        self.first
     }
 
     /// Of the samples, since the start of the step [s].
@@ -163,10 +221,10 @@ impl Course {
         (gearing, levers): (&Gearing, &Levers),
         runs: &[Range<usize>],
     ) -> Result<Option<Around>, Lost> {
-        let count = runs.iter().map(|run| run.len().div_ceil(STRIDE)).sum();
+        let count = runs.iter().map(|run| run.len().div_ceil(self.stride)).sum();
         let mut parts: Vec<[Span; 3]> = Vec::with_capacity(count);
         for run in runs {
-            let ends = run.clone().step_by(STRIDE).skip(1).chain([run.end - 1]);
+            let ends = run.clone().step_by(self.stride).skip(1).chain([run.end - 1]);
             let mut from = run.start;
             for to in ends {
                 let mut at = |sample: usize| -> Result<[Span; 3], Lost> {
@@ -232,6 +290,12 @@ pub(super) struct Around {
 }
 
 impl Around {
+    /// Adds the boxes of a later window.
+    pub(super) fn join(&mut self, next: Self) {
+        self.whole = with(self.whole, next.whole);
+        self.parts.extend(next.parts);
+    }
+
     /// Around them all, in one box.
     pub(super) fn all<'a>(of: impl Iterator<Item = &'a Self>) -> Option<Self> {
         let whole = of.map(|around| around.whole).reduce(with)?;

@@ -46,6 +46,11 @@ pub(super) struct When {
 pub(super) struct Found(Vec<Stretch>);
 
 impl Found {
+    /// What was found so far.
+    pub(super) fn of(stretches: Vec<Stretch>) -> Self {
+        Self(stretches)
+    }
+
     /// Adds what is broken, to what was broken at the sample before where that is the same; times of one thing grow.
     pub(super) fn add(&mut self, when: When, hit: Hit, detail: impl FnOnce() -> String) {
         let When { time, sample } = when;
@@ -61,6 +66,26 @@ impl Found {
         let (first, last) = (sample, sample);
         let (worst, start, end) = (time, time, time);
         self.0.push(Stretch { hit, worst, start, end, first, last, detail: detail() });
+    }
+
+    /// Adds what was found in the next window, whose first sample is the last of the window before.
+    ///
+    /// # Arguments
+    /// * `first` – number of that sample in the step
+    pub(super) fn join(&mut self, next: Vec<Stretch>, first: usize) {
+        for mut stretch in next {
+            (stretch.first, stretch.last) = (stretch.first + first, stretch.last + first);
+            let open = self.0.iter_mut().rev().find(|open| open.hit.about == stretch.hit.about);
+            match open.filter(|open| open.last + 1 >= stretch.first) {
+                Some(open) => {
+                    (open.end, open.last) = (stretch.end, stretch.last);
+                    if stretch.hit.severity > open.hit.severity {
+                        (open.hit, open.worst) = (stretch.hit, stretch.worst);
+                    }
+                }
+                None => self.0.push(stretch),
+            }
+        }
     }
 
     /// All of it, what began first at the front.

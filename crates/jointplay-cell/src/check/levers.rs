@@ -25,6 +25,8 @@ pub(super) struct Levers {
     pub(super) hang: f64,
     /// Largest distance of a point of the rigid robot from the platform's origin [m].
     pub(super) far: f64,
+    /// Largest deflection of a point [m].
+    deflection: f64,
 }
 
 /// How far an item's points are from the places that it turns about.
@@ -38,12 +40,14 @@ struct Extent {
 }
 
 impl Extent {
-    fn new(cell: &Cell, item: &Item) -> Self {
-        let origin = item.solid.reach();
+    /// # Arguments
+    /// * `reach` – distance from the origin of what holds the item, up to which its points count [m]
+    fn new(cell: &Cell, item: &Item, reach: f64) -> Self {
+        let origin = reach.min(item.solid.reach());
         let center = match item.holder {
             Holder::Tip(EffectorId { arm, effector }) => {
-                let center = cell.robot.arms[arm].effectors[effector].wafer_center;
-                item.solid.reach_from(&Vector3::from(center))
+                let center = Vector3::from(cell.robot.arms[arm].effectors[effector].wafer_center);
+                item.solid.reach_from(&center).min(origin + center.norm())
             }
             _ => origin,
         };
@@ -53,8 +57,16 @@ impl Extent {
 
 impl Levers {
     /// Of an item that moves.
-    pub(super) fn new(cell: &Cell, item: &Item) -> Self {
-        Self::beyond(cell, Extent::new(cell, item), 0)
+    ///
+    /// # Arguments
+    /// * `reach` – distance from the origin of what holds it, up to which its points count: that of its farthest point, or less where no other item is farther out [m]
+    pub(super) fn new(cell: &Cell, item: &Item, reach: f64) -> Self {
+        Self::beyond(cell, Extent::new(cell, item, reach), 0)
+    }
+
+    /// Largest distance of a point from the platform's origin, the arm deflected [m].
+    pub(super) fn farthest(&self) -> f64 {
+        self.far + self.deflection
     }
 
     /// Of the centre of an effector's wafer.
@@ -64,10 +76,13 @@ impl Levers {
     }
 
     /// Of two items that move, against each other: what carries both alike counts for neither.
-    pub(super) fn between(cell: &Cell, one: &Item, other: &Item, common: Holder) -> Self {
+    ///
+    /// # Arguments
+    /// * `both` – with their reaches, as in [`Self::new`]
+    pub(super) fn between(cell: &Cell, both: [(&Item, f64); 2], common: Holder) -> Self {
         let common = if let Holder::Link { link, .. } = common { link + 1 } else { 0 };
         let [one, other] =
-            [one, other].map(|item| Self::beyond(cell, Extent::new(cell, item), common));
+            both.map(|(item, reach)| Self::beyond(cell, Extent::new(cell, item, reach), common));
         let both = |one: [f64; MAX_AXES], other: [f64; MAX_AXES]| {
             std::array::from_fn(|axis| one[axis] + other[axis])
         };
@@ -78,6 +93,7 @@ impl Levers {
             asides: both(one.asides, other.asides),
             hang: one.hang + other.hang,
             far: one.far + other.far,
+            deflection: one.deflection + other.deflection,
         }
     }
 
@@ -116,6 +132,7 @@ impl Levers {
         }
         let out = longest_reach(robot, id) + height;
         levers.hang = size + radius * (most.at.slope + swing * out);
+        levers.deflection = size;
         levers
     }
 
@@ -176,7 +193,7 @@ impl Levers {
 
     fn rigid(arms: [f64; MAX_AXES], turns: [f64; MAX_AXES], far: f64) -> Self {
         let (droops, asides) = ([0.0; MAX_AXES], [0.0; MAX_AXES]);
-        Self { arms, turns, droops, asides, hang: 0.0, far }
+        Self { arms, turns, droops, asides, hang: 0.0, far, deflection: 0.0 }
     }
 }
 

@@ -49,7 +49,32 @@ pub(super) struct Pair {
     pub(super) rule: Rule,
 }
 
-/// One step, and what is near its way.
+/// Pairs, and what is known of them from the windows of a step that were looked at.
+pub(super) struct Pairs<'p> {
+    pairs: &'p [Pair],
+    /// Of each: the least distance, and when.
+    least: Vec<Option<(f64, f64)>>,
+    /// Of each: along what the second was from the first where that was looked at last.
+    along: Vec<Option<Vector3<f64>>>,
+    found: Found,
+}
+
+impl<'p> Pairs<'p> {
+    pub(super) fn new(pairs: &'p [Pair]) -> Self {
+        let (least, along) = (vec![None; pairs.len()], vec![None; pairs.len()]);
+        Self { pairs, least, along, found: Found::default() }
+    }
+
+    pub(super) fn finished(self) -> Near {
+        let pairs = self.pairs.iter().zip(self.least);
+        let least = pairs.filter_map(|(pair, least)| {
+            least.map(|(distance, time)| Least { items: pair.items, distance, time })
+        });
+        Near { least: least.collect(), found: self.found.finished() }
+    }
+}
+
+/// A window of a step, and what is near its way.
 pub(super) struct Look<'a> {
     pub(super) scene: &'a Scene<'a>,
     pub(super) motion: &'a Motion,
@@ -67,7 +92,7 @@ pub(super) struct Look<'a> {
 }
 
 impl Look<'_> {
-    /// Looks at pairs during runs of samples.
+    /// Looks at pairs during runs of samples of the step, as far as they are in the window.
     ///
     /// ```text
     ///    min d  ≥  (d_0 + d_1 − way) / 2
@@ -75,10 +100,15 @@ impl Look<'_> {
     /// ```
     /// over an interval with the distances d_0 and d_1 at its ends, or lower bounds of them, where no point goes farther than the way, and with the gaps g_0 and g_1 along one direction, from which points that go straight beside what is there do not stray:
     /// as long as neither keeps a pair apart, the interval is halved, down to the samples, and between them where they do not rule out that the pair comes too near.
-    pub(super) fn at(&mut self, pairs: &[Pair], runs: &[Range<usize>]) -> Near {
-        let (mut least, mut found) = (Vec::new(), Found::default());
+    pub(super) fn at(&mut self, pairs: &mut Pairs<'_>, runs: &[Range<usize>]) {
+        let (first, count) = (self.course.first(), self.course.times().len());
+        let within = |run: &Range<usize>| {
+            let local = run.start.saturating_sub(first)..run.end.saturating_sub(first).min(count);
+            (!local.is_empty()).then_some(local)
+        };
+        let runs: Vec<Range<usize>> = runs.iter().filter_map(within).collect();
         let mut lost: Vec<Lost> = Vec::new();
-        for (place, pair) in pairs.iter().enumerate() {
+        for (place, pair) in pairs.pairs.iter().enumerate() {
             let asked = match pair.rule {
                 Rule::Apart(limit) | Rule::Slots(limit) => limit,
                 Rule::Free | Rule::Out => 0.0,
@@ -93,28 +123,29 @@ impl Look<'_> {
                 limit,
                 levers,
                 common,
-                least: None,
+                least: pairs.least[place],
                 seen: Vec::new(),
-                along: None,
+                along: pairs.along[place],
             };
-            for run in runs {
+            for run in &runs {
                 if let Err(one) = search.run(run) {
                     lost.push(one);
                 }
             }
-            let Search { least: nearest, mut seen, .. } = search;
-            if let Some((distance, time)) = nearest {
-                least.push(Least { items: pair.items, distance, time });
-            }
+            let Search { least, mut seen, along, .. } = search;
+            (pairs.least[place], pairs.along[place]) = (least, along);
             seen.sort_by(|one, other| one.when.time.total_cmp(&other.when.time));
-            for Seen { when, apart, deep } in seen {
-                found.add(when, pair.hit(apart, deep, asked), String::new);
+            for Seen { when: When { time, sample }, apart, deep } in seen {
+                let when = When { time, sample: first + sample };
+                pairs.found.add(when, pair.hit(apart, deep, asked), String::new);
             }
         }
         // Between two samples a pose may be unknown that is known at both: nothing is known of the pair there.
         lost.sort_by(|one, other| one.when.time.total_cmp(&other.when.time));
-        lost.into_iter().for_each(|lost| lost.report(&mut found));
-        Near { least, found: found.finished() }
+        for mut lost in lost {
+            lost.when.sample += first;
+            lost.report(&mut pairs.found);
+        }
     }
 
     fn placed<'b>(&'b self, places: &'b Places, [a, b]: [usize; 2]) -> [Placed<'b>; 2] {
@@ -125,7 +156,7 @@ impl Look<'_> {
 impl Pair {
     fn hit(&self, apart: f64, deep: f64, limit: f64) -> Hit {
         let (kind, value, limit) = match self.rule {
-            Rule::Out => (Kind::KeepOut, 0.0, 0.0),
+            Rule::Out => (Kind::KeepOut, 0.0 - deep, 0.0),
             _ if apart == 0.0 => (Kind::Collision, -deep, 0.0),
             Rule::Slots(_) => (Kind::SlotClearance, apart, limit),
             _ => (Kind::Clearance, apart, limit),
@@ -346,7 +377,7 @@ impl Search<'_, '_> {
         (known.apart, known.is_exact) = (apart, true);
         let time = look.course.times()[sample];
         if apart <= self.limit {
-            let deep = if apart == 0.0 && self.pair.rule != Rule::Out { depth(a, b) } else { 0.0 };
+            let deep = if apart == 0.0 { depth(a, b) } else { 0.0 };
             self.seen.push(Seen { when: When { time, sample }, apart, deep });
         }
         self.note(apart, time);

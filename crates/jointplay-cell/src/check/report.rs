@@ -273,7 +273,10 @@ impl Violation {
                     name(1)
                 )
             }
-            Kind::KeepOut => format!("{} is in keep-out zone {}", name(0), name(1)),
+            Kind::KeepOut if worst < 0.0 => {
+                format!("{} is in keep-out zone {}, {:.6} m deep", name(0), name(1), -worst)
+            }
+            Kind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
             Kind::SafeZone => format!(
                 "the wafer centre of {} is {worst:.6} m outside safe zone {} while the robot turns",
                 name(0),

@@ -5,9 +5,9 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::CheckOptions;
 use super::alone::Alone;
-use super::course::{Around, Course};
+use super::course::{Around, Course, Samples};
 use super::levers::{Levers, common};
-use super::near::{Look, Near, Pair};
+use super::near::{Look, Near, Pair, Pairs};
 use super::scene::{Holder, Rule, Scene};
 use super::travel::Gearing;
 use crate::memory::{Interrupted, Key, Run, each};
@@ -34,6 +34,8 @@ struct Cast {
     movers: Vec<usize>,
     /// And those that stand.
     others: Vec<usize>,
+    /// Of those that move: up to which distance from what holds them their points count [m].
+    reaches: Vec<f64>,
     /// Of those that move.
     levers: Vec<Levers>,
     /// Pairs of them that something is asked of, by their places among them.
@@ -59,13 +61,23 @@ pub(super) struct Among {
 }
 
 impl Cast {
-    fn new(scene: &Scene<'_>) -> Self {
+    /// # Arguments
+    /// * `near` – distance from which on none is followed [m]
+    fn new(scene: &Scene<'_>, gearing: &Gearing, near: f64) -> Self {
         let (movers, others): (Vec<usize>, Vec<usize>) =
             (0..scene.items.len()).partition(|&item| scene.items[item].holder.moves());
         let mut key = Key::new();
         movers.iter().for_each(|&item| scene.items[item].key(&mut key));
-        let lever = |&item: &usize| Levers::new(scene.cell, &scene.items[item]);
-        let levers = movers.iter().map(lever).collect();
+        let reaches = reaches(scene, (&movers, &others), gearing, near);
+        for (&item, &reach) in movers.iter().zip(&reaches) {
+            // What it is clipped to depends on the others.
+            if reach < scene.items[item].solid.reach() {
+                key.push(reach.to_bits());
+            }
+        }
+        let lever =
+            |(&item, &reach): (&usize, &f64)| Levers::new(scene.cell, &scene.items[item], reach);
+        let levers = movers.iter().zip(&reaches).map(lever).collect();
         let mut pairs = Vec::new();
         for a in 0..movers.len() {
             for b in a + 1..movers.len() {
@@ -75,14 +87,15 @@ impl Cast {
                 }
             }
         }
-        Self { movers, others, levers, pairs, between: OnceLock::new(), key }
+        Self { movers, others, reaches, levers, pairs, between: OnceLock::new(), key }
     }
 
     fn between(&self, scene: &Scene<'_>) -> &[(Levers, Holder)] {
         let of = |pair: &Pair| {
-            let [one, other] = pair.items.map(|place| &scene.items[self.movers[place]]);
-            let common = common(&scene.cell.robot, one, other);
-            (Levers::between(scene.cell, one, other, common), common)
+            let both =
+                pair.items.map(|place| (&*scene.items[self.movers[place]], self.reaches[place]));
+            let common = common(&scene.cell.robot, both[0].0, both[1].0);
+            (Levers::between(scene.cell, both, common), common)
         };
         self.between.get_or_init(|| self.pairs.iter().map(of).collect())
     }
@@ -122,6 +135,37 @@ impl Cast {
     }
 }
 
+/// Up to which distance from the origin of what holds them points of items that move count [m].
+///
+/// A point farther out than every other item is from there is not near to any of them, so that bounds of how far a long item moves need not count its far end:
+///
+/// ```text
+///    |a − o|  ≤  |a − b| + |b − O| + |O − o|        a, b: points of both that are nearest, o: origin of what holds a, O: that of the platform
+/// ```
+fn reaches(
+    scene: &Scene<'_>,
+    (movers, others): (&[usize], &[usize]),
+    gearing: &Gearing,
+    near: f64,
+) -> Vec<f64> {
+    let highest = gearing.highest(&scene.cell.robot);
+    let farthest = |&item: &usize| {
+        let corner = scene.items[item].around.map(|span| span.least.abs().max(span.most.abs()));
+        corner[0].hypot(corner[1]).hypot(corner[2]) + highest
+    };
+    let standing = others.iter().map(farthest).fold(0.0, f64::max);
+    let far = |&item: &usize, reach: f64| Levers::new(scene.cell, &scene.items[item], reach).farthest();
+    let radii: Vec<f64> =
+        movers.iter().map(|item| far(item, scene.items[*item].solid.reach())).collect();
+    let reach = |(place, item): (usize, &usize)| {
+        let moving = radii.iter().enumerate().filter(|(other, _)| *other != place);
+        let moving = moving.map(|(_, radius)| *radius).fold(0.0, f64::max);
+        let counts = far(item, 0.0) + standing.max(moving) + near;
+        counts.min(scene.items[*item].solid.reach())
+    };
+    movers.iter().enumerate().map(reach).collect()
+}
+
 impl Start {
     fn new(motion: &Motion, index: usize, (scene, cast): (usize, &Cast)) -> Self {
         let step = &motion.steps[index];
@@ -159,11 +203,13 @@ impl<'a> Steps<'a> {
                 scenes.push(next);
             }
         }
-        let casts = each(scenes.len(), run, |scene| Cast::new(&scenes[scene]))?;
+        let gearing = Gearing::new(&cell.robot);
+        let near = options.near.max(cell.clearance).max(cell.slot_clearance);
+        let casts = each(scenes.len(), run, |scene| Cast::new(&scenes[scene], &gearing, near))?;
         let of = |index: usize| (scene_of[index], &casts[scene_of[index]]);
         let start = |place: usize| Start::new(motion, range.start + place, of(place));
         let starts = each(range.len(), run, start)?;
-        let (gearing, courses) = (Gearing::new(&cell.robot), Mutex::default());
+        let courses = Mutex::default();
         Ok((Self { motion, options, gearing, scenes, casts, courses }, starts))
     }
 
@@ -188,28 +234,41 @@ impl<'a> Steps<'a> {
 
     /// Looks at a step by itself.
     pub(super) fn alone(&self, start: &Start, index: usize, course: &mut Course) -> Alone {
-        self.take(index, course);
         let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
-        let mut alone = Alone::new(scene, &self.motion.steps[index], (course, &self.gearing));
-        let mut around = Vec::with_capacity(cast.movers.len());
-        for (&item, levers) in cast.movers.iter().zip(&cast.levers) {
-            match course.around(scene, item, (&self.gearing, levers), &alone.runs) {
-                Ok(found) => around.push(found),
-                Err(lost) => {
-                    // Nothing is known of the distances in this step, which is a violation.
-                    alone.lost(lost);
-                    around = cast.movers.iter().map(|_| None).collect();
-                    break;
+        let mut window = |window: usize| {
+            self.take(index, window, course);
+            let step = &self.motion.steps[index];
+            let mut alone = Alone::new(scene, step, (&*course, &self.gearing));
+            let mut around = Vec::with_capacity(cast.movers.len());
+            for (&item, levers) in cast.movers.iter().zip(&cast.levers) {
+                match course.around(scene, item, (&self.gearing, levers), &alone.runs) {
+                    Ok(found) => around.push(found),
+                    Err(lost) => {
+                        // Nothing is known of the distances in this window, which is a violation.
+                        alone.lost(lost);
+                        around = cast.movers.iter().map(|_| None).collect();
+                        break;
+                    }
                 }
             }
+            alone.around = around;
+            (alone, course.first())
+        };
+        let (mut alone, _) = window(0);
+        for later in 1..self.samples(index).windows() {
+            let (next, first) = window(later);
+            alone.join(next, first);
         }
-        alone.around = around;
         alone
     }
 
-    fn take(&self, index: usize, course: &mut Course) {
-        if !course.is_of(index) {
-            course.take(self.motion, index, self.options.rate, &self.gearing);
+    fn samples(&self, index: usize) -> Samples {
+        Samples::of(self.motion, index, self.options.rate)
+    }
+
+    fn take(&self, index: usize, window: usize, course: &mut Course) {
+        if !course.is_of(index, window) {
+            course.take(self.motion, (index, window), &self.samples(index), &self.gearing);
         }
     }
 
@@ -236,19 +295,23 @@ impl<'a> Steps<'a> {
         (alone, among): (&Alone, &Among),
         course: &mut Course,
     ) -> Near {
-        self.take(index, course);
         let (scene, cast) = (self.scene(start), &self.casts[start.scene]);
-        let mut look = Look {
-            scene,
-            motion: self.motion,
-            step: index,
-            course,
-            items: &among.items,
-            gearing: &self.gearing,
-            levers: &cast.levers,
-            between: cast.between(scene),
-            near: self.options.near,
-        };
-        look.at(&among.pairs, &alone.runs)
+        let mut pairs = Pairs::new(&among.pairs);
+        for window in 0..self.samples(index).windows() {
+            self.take(index, window, course);
+            let mut look = Look {
+                scene,
+                motion: self.motion,
+                step: index,
+                course: &mut *course,
+                items: &among.items,
+                gearing: &self.gearing,
+                levers: &cast.levers,
+                between: cast.between(scene),
+                near: self.options.near,
+            };
+            look.at(&mut pairs, &alone.runs);
+        }
+        pairs.finished()
     }
 }

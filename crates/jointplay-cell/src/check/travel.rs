@@ -179,6 +179,12 @@ impl Gearing {
         }
     }
 
+    /// Distance of the platform's origin from that of the base, at most [m].
+    pub(super) fn highest(&self, robot: &HybridRobot) -> f64 {
+        let rods = robot.axes[..RODS].iter().map(|rod| rod.min.abs().max(rod.max.abs()));
+        self.weights * rods.fold(0.0, f64::max) + self.radius
+    }
+
     /// Speed [m/s or rad/s] and acceleration [m/s² or rad/s²] of an axis between two samples, at most.
     fn most(&self, dt: f64, axis: usize, [from, to]: [&State; 2]) -> [f64; 2] {
         let jerk = self.jerks[axis].max(from[3].abs()).max(to[3].abs());

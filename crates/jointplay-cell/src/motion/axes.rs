@@ -27,7 +27,7 @@ const LOWERED: [f64; 4] = [0.0, 1e-12, 1e-10, 1e-8];
 /// The fastest time-synchronised motion within jerk, acceleration and velocity limits.
 ///
 /// # Errors
-/// What the planner says.
+/// [`NoProfile`]
 ///
 /// # Source
 /// [Ruckig]
@@ -35,39 +35,33 @@ pub(crate) fn together(
     from: &[f64],
     to: &[f64],
     limits: impl Fn(usize) -> Dynamics,
-) -> Result<Together, String> {
+) -> Result<Together, NoProfile> {
     let moving: Vec<usize> = (0..from.len()).filter(|&axis| from[axis] != to[axis]).collect();
     let mut curves: Vec<Option<Curve>> = vec![None; from.len()];
     let (mut duration, mut slowest) = (0.0, None);
     if !moving.is_empty() {
         let count = moving.len();
-        let mut input = InputParameter::<0>::new(Some(count));
-        input.synchronization = Synchronization::Time;
-        for (place, &axis) in moving.iter().enumerate() {
-            let allowed = limits(axis);
-            input.current_position[place] = from[axis];
-            input.target_position[place] = to[axis];
-            input.max_velocity[place] = allowed.velocity;
-            input.max_acceleration[place] = allowed.acceleration;
-        }
-        let mut attempt = |lowered: f64| {
-            for (place, &axis) in moving.iter().enumerate() {
-                input.max_jerk[place] = (1.0 - lowered) * limits(axis).jerk;
-            }
-            planned(&input, count)
-        };
-        let mut found = attempt(LOWERED[0]);
-        for lowered in &LOWERED[1..] {
-            found = found.or_else(|why| attempt(*lowered).map_err(|_| why));
-        }
-        let planned = found?;
-        duration = planned.duration;
+        let allowed: Vec<Dynamics> = moving.iter().map(|&axis| limits(axis)).collect();
+        let mut attempts = LOWERED.iter().map(|&lowered| (Units::SI, lowered));
+        let found = attempts.find_map(|(units, lowered)| {
+            planned((&moving, from, to), &allowed, (units, lowered)).map(|found| (units, found))
+        });
+        let found = found.or_else(|| {
+            // Far from the order of 1 the planner's own tolerances decide.
+            let units = Units::of((&moving, from, to), &allowed)?;
+            planned((&moving, from, to), &allowed, (units, 0.0)).map(|found| (units, found))
+        });
+        let (units, planned) = found.ok_or_else(|| NoProfile::of((&moving, from, to), &allowed))?;
+        duration = planned.duration * units.time;
         let alone = &planned.independent_min_durations;
         slowest =
             (0..count).max_by(|&a, &b| alone[a].total_cmp(&alone[b])).map(|place| moving[place]);
         for (place, &axis) in moving.iter().enumerate() {
             let profile = &planned.profiles[0][place];
-            let stretches: Vec<(f64, f64)> = profile.t.into_iter().zip(profile.j).collect();
+            let jerk = units.length / units.time.powi(3);
+            let stretches = profile.t.into_iter().zip(profile.j);
+            let stretches: Vec<(f64, f64)> =
+                stretches.map(|(time, value)| (time * units.time, value * jerk)).collect();
             curves[axis] = Some(Curve::through(from[axis], to[axis], &stretches));
         }
     }
@@ -79,13 +73,85 @@ pub(crate) fn together(
     Ok(Together { curves, duration, slowest })
 }
 
-fn planned(input: &InputParameter<0>, count: usize) -> Result<Trajectory<0>, String> {
+/// Axes that move, by index, and where all of them start and end.
+type Move<'a> = (&'a [usize], &'a [f64], &'a [f64]);
+
+/// What lengths and times are counted in.
+#[derive(Debug, Clone, Copy)]
+struct Units {
+    /// [m or rad]
+    length: f64,
+    /// [s]
+    time: f64,
+}
+
+impl Units {
+    const SI: Self = Self { length: 1.0, time: 1.0 };
+
+    /// Units in which the longest displacement and the time that its jerk alone asks for are 1.
+    fn of((moving, from, to): Move<'_>, limits: &[Dynamics]) -> Option<Self> {
+        let far = |&axis: &usize| (to[axis] - from[axis]).abs();
+        let length = moving.iter().map(far).fold(0.0, f64::max);
+        let times = moving.iter().zip(limits).map(|(axis, allowed)| far(axis) / allowed.jerk);
+        let time = times.fold(0.0, f64::max).cbrt();
+        (length.is_normal() && time.is_normal()).then_some(Self { length, time })
+    }
+}
+
+/// No profile was found for a motion of axes from rest to rest.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error(
+    "no jerk-limited profile was found for axes that move by {least:.3e} to {most:.3e} (m or rad), with speeds up to {velocity:.3e}, accelerations up to {acceleration:.3e} and jerks up to {jerk:.3e} in the same unit and s; bring distance and limits closer to each other"
+)]
+pub(crate) struct NoProfile {
+    /// Least and largest displacement of an axis that moves [m or rad].
+    pub(crate) least: f64,
+    pub(crate) most: f64,
+    /// Largest limits among them [m/s or rad/s, and so on].
+    pub(crate) velocity: f64,
+    pub(crate) acceleration: f64,
+    pub(crate) jerk: f64,
+}
+
+impl NoProfile {
+    fn of((moving, from, to): Move<'_>, limits: &[Dynamics]) -> Self {
+        let far = || moving.iter().map(|&axis| (to[axis] - from[axis]).abs());
+        let most = |of: fn(&Dynamics) -> f64| limits.iter().map(of).fold(0.0, f64::max);
+        Self {
+            least: far().fold(f64::INFINITY, f64::min),
+            most: far().fold(0.0, f64::max),
+            velocity: most(|of| of.velocity),
+            acceleration: most(|of| of.acceleration),
+            jerk: most(|of| of.jerk),
+        }
+    }
+}
+
+/// A profile of each axis in the units given; `None` where the planner finds none.
+fn planned(
+    (moving, from, to): Move<'_>,
+    limits: &[Dynamics],
+    (units, lowered): (Units, f64),
+) -> Option<Trajectory<0>> {
+    let count = moving.len();
+    let mut input = InputParameter::<0>::new(Some(count));
+    input.synchronization = Synchronization::Time;
+    let Units { length, time } = units;
+    for (place, (&axis, allowed)) in moving.iter().zip(limits).enumerate() {
+        input.current_position[place] = from[axis] / length;
+        input.target_position[place] = to[axis] / length;
+        input.max_velocity[place] = allowed.velocity * time / length;
+        input.max_acceleration[place] = allowed.acceleration * time * time / length;
+        input.max_jerk[place] = (1.0 - lowered) * allowed.jerk * time.powi(3) / length;
+    }
     let mut planner = Ruckig::<0, ThrowErrorHandler>::new(Some(count), 1e-3);
     let mut planned = Trajectory::<0>::new(Some(count));
-    match planner.calculate(input, &mut planned) {
-        Ok(RuckigResult::Working | RuckigResult::Finished) => Ok(planned),
-        Ok(other) => Err(format!("the planner answers {other:?}")),
-        Err(error) => Err(error.to_string()),
+    match planner.calculate(&input, &mut planned) {
+        Ok(RuckigResult::Working | RuckigResult::Finished) => {
+            planned.duration.is_finite().then_some(planned)
+        }
+        // Its other answers and its errors print its own state, and say no more than this.
+        Ok(_) | Err(_) => None,
     }
 }
 
@@ -125,6 +191,28 @@ mod tests {
         assert_eq!(found.slowest, Some(0));
         assert_eq!(found.curves[1].at(1.0), [2.0, 0.0, 0.0, 0.0]);
         assert_eq!(found.curves[0].at(found.duration)[0], -1.5);
+    }
+
+    #[test]
+    fn displacements_and_limits_of_any_size_have_a_profile_or_an_error_in_own_words() {
+        // Jerk alone limits: t = 4 (d / 2 j)^(1/3); by an independent closed form.
+        for far in [1e-12, 1e-9, 1e-3, 1.0] {
+            for jerk in [1e-9, 1e-3, 1.0, 1e6, 1e15] {
+                let limits = Dynamics { velocity: 1e30, acceleration: 1e30, jerk };
+                let expected = 4.0 * (far / (2.0 * jerk)).cbrt();
+                match together(&[0.5], &[0.5 + far], |_| limits) {
+                    Ok(found) => {
+                        let off = (found.duration / expected - 1.0).abs();
+                        // The displacement itself is round-off of 0.5.
+                        assert!(off < 1e-6 + 1e-16 / far, "{far} {jerk}: {}", found.duration);
+                    }
+                    Err(error) => {
+                        let text = error.to_string();
+                        assert!(!text.contains("inp.") && !text.contains("dof"), "{text}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -4,7 +4,7 @@ use jointplay_core::spatial::{Pose, leaning};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::spline::Spline;
-use crate::robot::EffectorJacobian;
+use crate::robot::{EffectorJacobian, HybridRobot, MotionKind};
 
 /// Where the line leads, and which axes may follow it.
 pub(crate) struct Task<'a> {
@@ -42,8 +42,91 @@ pub(crate) struct Line {
 pub(crate) struct Stuck {
     /// Share of the way.
     pub(crate) at: f64,
+    /// Place of the wafer's centre there by the line, in the base frame; `None` where the line has none [m].
+    pub(crate) place: Option<Vector3<f64>>,
     /// What is the matter.
-    pub(crate) why: String,
+    pub(crate) why: Obstacle,
+}
+
+/// What keeps the axes from following a line.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Obstacle {
+    /// The robot cannot be computed there, for a reason in words.
+    Robot(String),
+    /// The effector cannot move in all directions.
+    Singular,
+    /// No positions of the axes hold the wafer there.
+    NotReached {
+        /// Distance that is missing [m].
+        distance: f64,
+        /// Angle of the plane that is missing [rad].
+        tilt: f64,
+        /// Turn about the normal that is missing, where the line asks for one [rad].
+        heading: Option<f64>,
+    },
+    /// The line leads to other positions than those of its end.
+    OtherBranch {
+        /// Axis that is off most, by index.
+        axis: usize,
+        /// By how much [m or rad].
+        off: f64,
+    },
+    /// The axes jump from one branch to another.
+    Jump,
+    /// The axes leave the line, however closely they are computed.
+    Leaves {
+        /// How far [m].
+        deviation: f64,
+        /// At how many points they were computed.
+        points: usize,
+    },
+}
+
+impl Stuck {
+    /// What is missing, where, and what can be changed.
+    pub(crate) fn told(&self, robot: &HybridRobot) -> String {
+        let share = 100.0 * self.at;
+        let place = self.place.map_or_else(String::new, |place| {
+            let [x, y, z] = [place.x, place.y, place.z].map(|value| value * 1e3);
+            format!(", at x {x:.1}, y {y:.1}, z {z:.1} mm")
+        });
+        let change = "change the radius of the station, `retract_mm`, the heading (`yaw_deg`, `approach`) or the posture in which the line starts, or move the axes instead";
+        let why = match &self.why {
+            Obstacle::Robot(why) => why.clone(),
+            Obstacle::Singular => format!(
+                "the arm is in a singular position, in which the effector cannot follow the line in all directions; {change}"
+            ),
+            Obstacle::NotReached { distance, tilt, heading } => {
+                let heading = heading.map_or_else(String::new, |heading| {
+                    format!(", {:.2}° of heading", heading.to_degrees())
+                });
+                format!(
+                    "the effector does not reach the line: {:.3} mm, {:.3} mrad of tilt{heading} are missing; {change}",
+                    distance * 1e3,
+                    tilt * 1e3
+                )
+            }
+            Obstacle::OtherBranch { axis, off } => {
+                let axis = &robot.axes[*axis];
+                let off = match axis.kind {
+                    MotionKind::Turn => format!("{:.3}°", off.to_degrees()),
+                    MotionKind::Slide => format!("{:.3} mm", off * 1e3),
+                };
+                format!(
+                    "the line leads to another posture than that of its end, axis {} is off by {off}: both ends are on different branches of the arm; {change}",
+                    axis.name
+                )
+            }
+            Obstacle::Jump => {
+                format!("the axes jump from one branch of the arm to another; {change}")
+            }
+            Obstacle::Leaves { deviation, points } => format!(
+                "the wafer is {:.3} mm off the line after {points} points: it passes too near a singular position; {change}",
+                deviation * 1e3
+            ),
+        };
+        format!("{share:.1} % along the line{place}: {why}")
+    }
 }
 
 /// Intervals that a line starts with; it is divided further where the spline strays.
@@ -75,8 +158,9 @@ impl Task<'_> {
     /// # Errors
     /// Where a point cannot be reached from the one before, by share of the way.
     pub(crate) fn follow(&self) -> Result<Line, Stuck> {
-        let start = (self.pose)(self.from).map_err(|why| Stuck { at: 0.0, why })?;
-        let end = (self.pose)(self.to).map_err(|why| Stuck { at: 1.0, why })?;
+        let nowhere = |at: f64| move |why| Stuck { at, place: None, why: Obstacle::Robot(why) };
+        let start = (self.pose)(self.from).map_err(nowhere(0.0))?;
+        let end = (self.pose)(self.to).map_err(nowhere(1.0))?;
         let target = Target::new(&start, &end, self.turn);
         let mut points = vec![(0.0, self.from.to_vec())];
         for interval in 1..FIRST_INTERVALS {
@@ -95,16 +179,15 @@ impl Task<'_> {
                 let mut strays = false;
                 for share in [0.25, 0.5, 0.75] {
                     let s = pair[0] + share * (pair[1] - pair[0]);
-                    let pose =
-                        (self.pose)(&spline.positions(s)).map_err(|why| Stuck { at: s, why })?;
+                    let pose = (self.pose)(&spline.positions(s))
+                        .map_err(|why| target.stuck(s, Obstacle::Robot(why)))?;
                     let (off, turned) = target.strays(&pose, s);
                     deviation = deviation.max(off);
                     plane = plane.max(turned);
                     strays |= off > self.deviation;
                 }
                 if strays && pair[1] - pair[0] < NARROWEST {
-                    let why = "the axes jump there from one way of holding the wafer to another: move the axes instead, or in two lines";
-                    return Err(Stuck { at: pair[0], why: why.into() });
+                    return Err(target.stuck(pair[0], Obstacle::Jump));
                 }
                 if strays {
                     let s = (pair[0] + pair[1]) / 2.0;
@@ -115,12 +198,8 @@ impl Task<'_> {
                 return Ok(Line { spline, length: target.way.norm(), deviation, plane });
             }
             if points.len() + finer.len() > MOST_INTERVALS {
-                let why = format!(
-                    "the axes still leave the line by {:.3e} m after {} points: it passes too near a singular position",
-                    deviation,
-                    points.len()
-                );
-                return Err(Stuck { at: finer[0].0, why });
+                let why = Obstacle::Leaves { deviation, points: points.len() };
+                return Err(target.stuck(finer[0].0, why));
             }
             points.extend(finer);
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -167,18 +246,13 @@ impl Task<'_> {
     fn arrived(&self, target: &Target, before: &(f64, Vec<f64>)) -> Result<(), Stuck> {
         let guess: Vec<f64> = before.1.clone();
         let found = self.solve(target, 1.0, guess)?;
-        let off = self
-            .variables
-            .iter()
-            .map(|&axis| (found[axis] - self.to[axis]).abs())
-            .fold(0.0, f64::max);
-        if off > 1e3 * SAME {
-            let why = format!(
-                "the line leads to another position of the axes than its end, {off:.3e} m or rad away: the ends lie on different branches of the arm; move the axes instead, or to the branch first"
-            );
-            return Err(Stuck { at: 1.0, why });
+        let off = self.variables.iter().map(|&axis| (axis, (found[axis] - self.to[axis]).abs()));
+        match off.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((axis, off)) if off > 1e3 * SAME => {
+                Err(target.stuck(1.0, Obstacle::OtherBranch { axis, off }))
+            }
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn even(&self, s: f64) -> impl Iterator<Item = f64> + '_ {
@@ -187,7 +261,7 @@ impl Task<'_> {
 
     /// The positions nearest to the even way that hold the wafer at `s`, from a guess.
     fn solve(&self, target: &Target, s: f64, guess: Vec<f64>) -> Result<Vec<f64>, Stuck> {
-        let stuck = |why: String| Stuck { at: s, why };
+        let stuck = |why: String| target.stuck(s, Obstacle::Robot(why));
         let even: Vec<f64> = self.even(s).collect();
         let mut q = even.clone();
         for &axis in &self.variables {
@@ -223,9 +297,7 @@ impl Task<'_> {
                     right[n + row] = -residual[row];
                 }
                 let Some(step) = factors.solve(&right) else {
-                    return Err(stuck(
-                        "the arm is in a singular position there: the effector cannot follow the line in all directions".into(),
-                    ));
+                    return Err(target.stuck(s, Obstacle::Singular));
                 };
                 let mut far = 0.0_f64;
                 for (row, &axis) in self.variables.iter().enumerate() {
@@ -233,7 +305,7 @@ impl Task<'_> {
                     far = far.max(step[row].abs());
                 }
                 if !far.is_finite() || far > 1e3 {
-                    return Err(stuck("the effector does not reach the line there".into()));
+                    return Err(target.stuck(s, target.missing(&residual)));
                 }
                 residual = target.residual(&(self.pose)(&q).map_err(stuck)?, s);
                 let now = residual[..m].iter().fold(far, |most, value| most.max(value.abs()));
@@ -250,9 +322,7 @@ impl Task<'_> {
         if off < SAME {
             return Ok(q);
         }
-        Err(stuck(format!(
-            "the effector does not reach the line there: {off:.3e} m or rad are left after {MOST_ITERATIONS} iterations"
-        )))
+        Err(target.stuck(s, target.missing(&residual)))
     }
 }
 
@@ -286,6 +356,21 @@ impl Target {
             across,
             angle: sine.atan2(from_normal.dot(&to_normal)),
             heading,
+        }
+    }
+
+    /// Why the axes do not follow the line at a share of the way.
+    fn stuck(&self, at: f64, why: Obstacle) -> Stuck {
+        Stuck { at, place: Some(self.start + self.way * at), why }
+    }
+
+    /// What a residual leaves missing.
+    fn missing(&self, residual: &[f64; 6]) -> Obstacle {
+        let [x, y, z, along, across, turn] = *residual;
+        Obstacle::NotReached {
+            distance: x.hypot(y).hypot(z),
+            tilt: along.hypot(across),
+            heading: self.heading.map(|_| turn.abs()),
         }
     }
 

@@ -20,7 +20,7 @@ mod track;
 pub use blend::Blend;
 pub(crate) use cubic::State;
 pub use limits::{dynamics, limits_of, moves};
-pub use plan::{MotionError, MotionOptions, StepProblem, timed};
+pub use plan::{MOST_DURATION, MotionError, MotionOptions, StepProblem, timed};
 pub(crate) use plan::{Ways, straight};
 pub(crate) use track::Track;
 

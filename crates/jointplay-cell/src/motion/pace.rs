@@ -1,6 +1,6 @@
 //! How fast a path is run through: one parameter in time, so that every axis stays within its limits.
 
-use super::axes::together;
+use super::axes::{NoProfile, together};
 use super::cubic::Curve;
 use super::spline::{self, Jet, Spline};
 use crate::robot::Dynamics;
@@ -57,11 +57,11 @@ impl<'a> Pace<'a> {
     /// Several windows are tried, and the shortest result is taken.
     ///
     /// # Errors
-    /// What the planner says.
+    /// [`NoProfile`]
     ///
     /// # Source
     /// [TOPPRA] for the stages; the window is own derivation: it keeps ends and rest, and its jerk is a difference of accelerations over its width
-    pub(crate) fn plan(&self) -> Result<Curve, String> {
+    pub(crate) fn plan(&self) -> Result<Curve, NoProfile> {
         let single = self.like_one_axis()?;
         if single.duration() == 0.0 || self.evenly_geared() {
             return Ok(self.slower_where_it_bends(single));
@@ -112,7 +112,7 @@ impl<'a> Pace<'a> {
     }
 
     /// Constant limits of the parameter from the steepest axis, as if the path were straight.
-    fn like_one_axis(&self) -> Result<Curve, String> {
+    fn like_one_axis(&self) -> Result<Curve, NoProfile> {
         let steepest: Vec<f64> =
             self.limits.iter().map(|&(axis, _)| self.spline.steepest(axis)).collect();
         let least = |of: &dyn Fn(&Dynamics) -> f64| {

@@ -16,6 +16,9 @@ use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
 use crate::program::{Path, Place, Step};
 use crate::robot::{Dynamics, EffectorId, MotionKind, Planar, RODS};
 
+/// The longest motion that is timed: a day [s].
+pub const MOST_DURATION: f64 = 86_400.0;
+
 /// What is left to choose of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MotionOptions {
@@ -54,7 +57,7 @@ pub struct StepProblem {
 /// Steps in time: as fast as the limits of the axes allow, from rest to rest or, where that is asked for, one into the next.
 ///
 /// # Errors
-/// Every step that cannot be timed, none hidden by the first: a share of speed out of range, a start that is not the end before, a line that cannot be followed.
+/// Every step that cannot be timed, none hidden by the first: a share of speed out of range, a start that is not the end before, a line that cannot be followed, an end after more than [`MOST_DURATION`].
 pub fn timed(
     cell: &Cell,
     steps: Vec<Step>,
@@ -129,7 +132,7 @@ impl Ways {
         let factors = self.blends.slow(cell, &steps, &mut ways, run)?;
         let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
         let mut times = Vec::with_capacity(steps.len() + 1);
-        let mut now = 0.0;
+        let (mut now, mut over) = (0.0, false);
         times.push(now);
         for (index, step) in steps.iter().enumerate() {
             run.poll()?;
@@ -157,6 +160,13 @@ impl Ways {
             }
             now += ways[index].duration();
             times.push(now);
+            // The first step that does not end in time; those after it end later still.
+            let is_too_long = now.is_nan() || now > MOST_DURATION;
+            if is_too_long && !over {
+                over = true;
+                let own = ways[index].duration();
+                ways[index] = failed(index, too_long(now, own));
+            }
         }
         self.ways.end();
         self.blends.end();
@@ -209,9 +219,9 @@ fn moving(step: &Step) -> Option<Key> {
 fn way(cell: &Cell, step: &Step, options: &MotionOptions) -> Result<Way, String> {
     match step.path {
         Path::Line(effector) => along(cell, step, effector, options),
-        _ => {
-            together(&step.from, &step.to, |axis| dynamics(&cell.robot, axis, step)).map(Way::Axes)
-        }
+        _ => together(&step.from, &step.to, |axis| dynamics(&cell.robot, axis, step))
+            .map(Way::Axes)
+            .map_err(|error| error.to_string()),
     }
 }
 
@@ -254,6 +264,20 @@ fn fits(cell: &Cell, steps: &[Step], index: usize) -> Option<String> {
         "axis {} starts at {}, but the step before ends at {}: steps have to join",
         cell.robot.axes[jump].name, step.from[jump], earlier[jump]
     ))
+}
+
+/// Why a step ends too late.
+fn too_long(end: f64, own: f64) -> String {
+    let allowed = MOST_DURATION;
+    if own > allowed {
+        format!(
+            "this motion alone takes {own:.0} s, but a program takes at most {allowed:.0} s, a day: raise the speed, acceleration and jerk limits of the axes that move, or SPEED"
+        )
+    } else {
+        format!(
+            "the program has run for {end:.0} s where this ends, but takes at most {allowed:.0} s, a day: raise limits or SPEED, wait for a shorter time, or divide the program"
+        )
+    }
 }
 
 fn still(duration: f64, step: &Step) -> Result<Way, String> {
@@ -305,15 +329,13 @@ fn along(
         jacobian: &jacobian,
         deviation: options.line_deviation,
     };
-    let line = task
-        .follow()
-        .map_err(|stuck| format!("{:.1} % along the line: {}", 100.0 * stuck.at, stuck.why))?;
+    let line = task.follow().map_err(|stuck| stuck.told(robot))?;
     let limits: Vec<Dynamics> =
         (0..robot.axes.len()).map(|axis| dynamics(robot, axis, step)).collect();
     let rate = match step.line_speed {
         Some(speed) if line.length > 0.0 => speed / line.length,
         _ => f64::INFINITY,
     };
-    let pace = Pace::new(&line.spline, &limits, rate).plan()?;
+    let pace = Pace::new(&line.spline, &limits, rate).plan().map_err(|error| error.to_string())?;
     Ok(Way::Line { line: Arc::new(line), pace })
 }

@@ -25,6 +25,9 @@ const TURNED_ENOUGH: f64 = 1e-6;
 /// Motors that are nearer to where their arm always is when retracted are there: the droop of a retracted arm moves them by less [m or rad].
 const RETRACTED_ENOUGH: f64 = 1e-6;
 
+/// A line shorter than this is a move of no duration: positions are solved to a tenth of it [m].
+const NO_DISPLACEMENT: f64 = 1e-11;
+
 /// The robot where it is, and the steps that brought it there.
 pub(super) struct Robot<'c> {
     pub(super) cell: &'c Cell,
@@ -122,6 +125,10 @@ impl<'c> Robot<'c> {
             source: Box::new(source),
         };
         let pose = self.cell.wafer_pose(effector, &self.positions, loaded).map_err(stopped)?;
+        if Vector3::from(by).norm() < NO_DISPLACEMENT {
+            self.push(Phase::Move, self.positions.clone(), Path::Line(effector));
+            return Ok(());
+        }
         let mut target = WaferTarget::of(&pose);
         target.center += Vector3::from(by);
         let reached = self.places.reach(self.cell, effector, &target, loaded, &self.positions);
@@ -250,8 +257,25 @@ impl<'c> Robot<'c> {
             target: format!("{what} {}", slot_name(self.cell, slot)),
             effector: effector_name(&self.cell.robot, effector).to_owned(),
             loaded,
-            why: why(&self.cell.robot, &source),
+            why: why(&self.cell.robot, &source) + &self.leveling(&source, slot),
             source: Box::new(source),
+        }
+    }
+
+    /// How to level a station that tilts too far.
+    fn leveling(&self, stopped: &Unreachable, slot: SlotId) -> String {
+        let station = &self.cell.stations[slot.station];
+        match stopped {
+            Unreachable::Tilt { .. } => {
+                self.cell.leveling(station).map_or_else(String::new, |by| {
+                    format!(
+                        "; level {} by at least {:.3}°",
+                        station.name,
+                        rounded_up(by.to_degrees())
+                    )
+                })
+            }
+            _ => String::new(),
         }
     }
 
@@ -414,6 +438,11 @@ impl<'c> Robot<'c> {
         let limits = broken.iter().map(|limit| limit_told(robot, limit)).collect();
         Err(ProgramProblem::Limits { what, limits })
     }
+}
+
+/// Up to the next thousandth.
+fn rounded_up(value: f64) -> f64 {
+    (value * 1e3).ceil() * 1e-3
 }
 
 /// Whether a motor turns whole arms about their first joints and does nothing else.

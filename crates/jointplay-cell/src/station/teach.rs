@@ -28,20 +28,80 @@ pub struct PlaneFit {
     pub spread: f64,
     /// What the largest distance may be [m].
     pub threshold: f64,
-    /// Whether the plane is to be trusted.
+    /// Standard deviation of each measured coordinate, where that is known [m].
+    pub noise: Option<f64>,
+    /// How well the points determine the plane; `None` for three points whose noise is not known.
+    pub uncertainty: Option<Uncertainty>,
+    /// Points beyond the three that a plane takes: degrees of freedom that test the noise.
+    pub freedom: usize,
+    /// Whether the points agree with one plane.
     pub verdict: Verdict,
 }
 
-/// Whether a fitted plane is to be trusted.
+/// How well taught points determine their plane: the covariance of tilt and height along the principal directions of their layout, where both slopes and the height at the center are uncorrelated.
+///
+/// ```text
+///    var(slope_k)  =  σ² / Σ u_k²        var(height)  =  σ² (1/n + Σ_k p_k² / Σ u_k²)        u_k: coordinates of the points from their center, p_k: those of the place asked about
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// Standard deviation of a measured coordinate, given or estimated from the distances [m].
+    pub noise: f64,
+    /// Whether that is estimated from the distances, with [`PlaneFit::freedom`] degrees of freedom.
+    pub is_estimated: bool,
+    /// Principal directions of the points in their plane, in the base frame.
+    pub directions: [Vector3<f64>; 2],
+    /// Standard deviation of the slope along each [rad].
+    pub slopes: [f64; 2],
+    /// Standard deviation of the height at the center of the points [m].
+    pub height: f64,
+    /// Angle within which the true normal lies with 95 % confidence [rad].
+    pub tilt_95: f64,
+    /// Factor on a standard deviation of a height that gives 95 % confidence.
+    factor: f64,
+    /// Middle of the points, in the base frame [m].
+    center: Vector3<f64>,
+}
+
+impl Uncertainty {
+    /// Root of the mean square of the angle between the fitted and the true normal [rad].
+    #[must_use]
+    pub fn tilt(&self) -> f64 {
+        self.slopes[0].hypot(self.slopes[1])
+    }
+
+    /// Height above and below the fitted plane within which the true one lies at a place with 95 % confidence [m].
+    ///
+    /// # Arguments
+    /// * `place` – in the base frame [m]
+    #[must_use]
+    pub fn height_95(&self, place: &Vector3<f64>) -> f64 {
+        let from_center = place - self.center;
+        let [first, second] = [0, 1].map(|k| from_center.dot(&self.directions[k]) * self.slopes[k]);
+        self.factor * self.height.hypot(first).hypot(second)
+    }
+}
+
+/// Whether taught points agree with one plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// All points lie within the threshold of it, and there are more than three.
+    /// All points lie within the threshold of the plane and as near to it as their noise lets expect.
     Fits,
-    /// Three points: they lie on their plane whatever is wrong with them; a fourth would tell.
+    /// There are too few points to test them: three of any noise, or fewer than [`ENOUGH`] of unknown noise.
     Unproven,
-    /// A point lies farther off than the threshold.
+    /// A point lies farther off than the threshold, or all of them farther than their noise explains.
     Scattered,
 }
+
+/// Points from which on their distances from the plane give an estimate of the noise that is better than a factor of about three (95 %).
+pub const ENOUGH: usize = 6;
+
+/// Share of teachings with the noise given that are taken as scattered by chance.
+const FALSE_ALARM_QUANTILE: f64 = 3.090_232;
+/// Share of confidence beyond the bounds that are reported.
+const BEYOND: f64 = 0.05;
+/// Standard deviations that hold 95 % of a normal distribution.
+const TWO_SIDED: f64 = 1.959_964;
 
 /// Why taught points give no frame.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -52,6 +112,12 @@ pub enum TeachError {
     TooFew {
         /// How many there are.
         found: usize,
+    },
+    /// Noise that is no positive number.
+    #[error("the noise of taught points is {:.3} µm, but has to be positive", found * 1e6)]
+    Noise {
+        /// What was given [m].
+        found: f64,
     },
     /// A number that is none.
     #[error("a taught point is not finite")]
@@ -87,18 +153,30 @@ pub enum TeachError {
     },
 }
 
-/// The plane through taught points.
+/// The plane through taught points, with its uncertainty.
 ///
 /// # Arguments
 /// * `points` – three or more, in the base frame [m]
 /// * `threshold` – how far from the plane a point may lie [m]
+/// * `noise` – standard deviation of each measured coordinate; `None` where it is not known, so that it is estimated from the distances [m]
 ///
 /// # Errors
-/// [`TeachError`] for too few points, points on a line, and a plane that stands upright.
+/// [`TeachError`] for too few points, points on a line, a plane that stands upright, and noise that is no positive number.
 ///
 /// # Numerics
 /// Singular values of the centred points: the last direction is the normal.
-pub fn fit_plane(points: &[Vector3<f64>], threshold: f64) -> Result<PlaneFit, TeachError> {
+/// The tilt of 95 % is exact for two independent normal slopes where the noise is given; where it is estimated, it is that of the F distribution of 2 and `freedom` for the worse of both slopes, which is no smaller.
+///
+/// # Assumptions
+/// The errors of the points are independent, normal and alike in all directions; those within the plane do not matter to first order.
+pub fn fit_plane(
+    points: &[Vector3<f64>],
+    threshold: f64,
+    noise: Option<f64>,
+) -> Result<PlaneFit, TeachError> {
+    if let Some(found) = noise.filter(|noise| !(*noise > 0.0 && noise.is_finite())) {
+        return Err(TeachError::Noise { found });
+    }
     let count = points.len();
     if count < 3 {
         return Err(TeachError::TooFew { found: count });
@@ -122,11 +200,39 @@ pub fn fit_plane(points: &[Vector3<f64>], threshold: f64) -> Result<PlaneFit, Te
     let distances: Vec<f64> = points.iter().map(|point| (point - center).dot(&normal)).collect();
     let worst = distances.iter().fold(0.0_f64, |worst, distance| worst.max(distance.abs()));
     let residual = mean(distances.iter().map(|d| d * d).sum::<f64>().sqrt());
-    let verdict = match count {
-        _ if worst > threshold => Verdict::Scattered,
-        3 => Verdict::Unproven,
-        _ => Verdict::Fits,
+    let freedom = count - 3;
+    let squares = distances.iter().map(|d| d * d).sum::<f64>();
+    let is_noisier = noise.is_some_and(|noise| {
+        freedom > 0 && squares > noise * noise * chi_square(freedom, FALSE_ALARM_QUANTILE)
+    });
+    let verdict = if worst > threshold || is_noisier {
+        Verdict::Scattered
+    } else if freedom == 0 || (noise.is_none() && count < ENOUGH) {
+        Verdict::Unproven
+    } else {
+        Verdict::Fits
     };
+    let estimated = (freedom > 0).then(|| (squares / freedom as f64).sqrt());
+    let uncertainty = noise.or(estimated).map(|sigma| {
+        let slopes = [0, 1].map(|k| sigma / found.singular_values[k]);
+        let [tilt_95, factor] = match noise {
+            Some(_) => [angle_95(slopes), TWO_SIDED],
+            None => {
+                let [normals, planes] = [1, 2].map(|over| f_95(over, freedom).sqrt());
+                [2.0_f64.sqrt() * planes * slopes[0].max(slopes[1]), normals]
+            }
+        };
+        Uncertainty {
+            noise: sigma,
+            is_estimated: noise.is_none(),
+            directions: [0, 1].map(|k| Vector3::from_fn(|row, _| found.v[(row, k)])),
+            slopes,
+            height: mean(sigma),
+            tilt_95,
+            factor,
+            center,
+        }
+    });
     let points = points.to_vec();
     Ok(PlaneFit {
         center,
@@ -138,11 +244,87 @@ pub fn fit_plane(points: &[Vector3<f64>], threshold: f64) -> Result<PlaneFit, Te
         points,
         spread,
         threshold,
+        noise,
+        uncertainty,
+        freedom,
         verdict,
     })
 }
 
+/// The angle that two independent normal slopes stay within with 95 % confidence [rad].
+///
+/// ```text
+///    P(angle > R)  =  mean over θ of exp(−R² / (2 (σ_1² cos² θ + σ_2² sin² θ)))
+/// ```
+fn angle_95(slopes: [f64; 2]) -> f64 {
+    const DIRECTIONS: usize = 256;
+    let [one, other] = slopes.map(|slope| slope * slope);
+    let largest = slopes[0].max(slopes[1]);
+    if largest == 0.0 {
+        return 0.0;
+    }
+    let beyond = |angle: f64| {
+        let share = |k: usize| {
+            // A quarter turn holds all there is, by symmetry.
+            let theta = std::f64::consts::FRAC_PI_2 * (k as f64 + 0.5) / DIRECTIONS as f64;
+            let variance = one * theta.cos().powi(2) + other * theta.sin().powi(2);
+            (-angle * angle / (2.0 * variance)).exp()
+        };
+        (0..DIRECTIONS).map(share).sum::<f64>() / DIRECTIONS as f64
+    };
+    let (mut low, mut high) = (0.0, 3.0 * largest);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if beyond(middle) > BEYOND { low = middle } else { high = middle }
+    }
+    high
+}
+
+/// The value that an F distribution of 1 or 2 and so many degrees of freedom is beyond in 5 % of all cases.
+fn f_95(over: usize, freedom: usize) -> f64 {
+    let freedom = freedom as f64;
+    if over == 2 {
+        return 0.5 * freedom * (BEYOND.powf(-2.0 / freedom) - 1.0);
+    }
+    // The square of Student's t: by its distribution, integrated by the substitution t = √ν tan θ.
+    let integral = |to: f64| {
+        const PARTS: usize = 400;
+        let step = to / PARTS as f64;
+        let density = |theta: f64| theta.cos().powf(freedom - 1.0);
+        (0..PARTS).map(|k| density((k as f64 + 0.5) * step)).sum::<f64>() * step
+    };
+    let whole = integral(std::f64::consts::FRAC_PI_2);
+    let within = |t: f64| integral((t / freedom.sqrt()).atan()) / whole;
+    let (mut low, mut high) = (0.0, 20.0);
+    for _ in 0..40 {
+        let middle = 0.5 * (low + high);
+        if within(middle) < 1.0 - BEYOND { low = middle } else { high = middle }
+    }
+    high * high
+}
+
+/// The quantile of a chi-square distribution, by the normal quantile of its share.
+///
+/// # Source
+/// [WilsonHilferty], within 4 % at 99.9 % from one degree of freedom on
+fn chi_square(freedom: usize, quantile: f64) -> f64 {
+    let freedom = freedom as f64;
+    let part = 2.0 / (9.0 * freedom);
+    freedom * (1.0 - part + quantile * part.sqrt()).powi(3)
+}
+
 impl PlaneFit {
+    /// Whether the plane's tilt is known too poorly: its bound of 95 % is beyond what is allowed, by points whose noise is given or enough to estimate it.
+    ///
+    /// # Arguments
+    /// * `allowed` – tilt by which the plane may be off [rad]
+    #[must_use]
+    pub fn is_uncertain(&self, allowed: f64) -> bool {
+        let is_tested = self.noise.is_some() || self.points.len() >= ENOUGH;
+        let tilt = self.uncertainty.as_ref().map_or(f64::INFINITY, |known| known.tilt_95);
+        self.verdict != Verdict::Scattered && is_tested && tilt > allowed
+    }
+
     /// The nominal frame laid into the plane: its origin moved up or down, its yaw kept.
     #[must_use]
     pub fn frame(&self, origin: &Vector3<f64>, yaw: f64) -> Pose {
@@ -222,31 +404,39 @@ mod tests {
     #[test]
     fn points_of_a_plane_give_it_back() {
         let tilt = Tilt { yaw: 2.0, pitch: 0.0139 };
-        let fit = fit_plane(&plane(tilt, &SQUARE), 1e-4).unwrap();
+        let fit = fit_plane(&plane(tilt, &SQUARE), 1e-4, Some(1e-6)).unwrap();
         assert_eq!(fit.verdict, Verdict::Fits);
         assert!((fit.normal - tilt.normal()).norm() < 1e-14 && fit.worst < 1e-15, "{fit:?}");
         let frame = fit.frame(&Vector3::new(0.7, -0.2, 0.0), 0.4);
         assert!((yaw(&frame) - 0.4).abs() < 1e-14);
         assert!((frame.translation.vector.z - 0.9).abs() < 1e-14);
         assert!((frame.rotation * Vector3::z() - tilt.normal()).norm() < 1e-14);
-        assert_eq!(fit_plane(&plane(tilt, &SQUARE[..3]), 1e-4).unwrap().verdict, Verdict::Unproven);
+        for (count, noise) in [(3, None), (3, Some(1e-6)), (4, None)] {
+            let fit = fit_plane(&plane(tilt, &SQUARE[..count]), 1e-4, noise).unwrap();
+            assert_eq!(fit.verdict, Verdict::Unproven);
+            assert_eq!(fit.uncertainty.is_some(), count > 3 || noise.is_some());
+        }
     }
 
     #[test]
     fn a_point_that_is_off_shows() {
         let mut points = plane(Tilt::LEVEL, &SQUARE);
         points[2].z += 4e-4;
-        let fit = fit_plane(&points, 5e-5).unwrap();
+        let fit = fit_plane(&points, 5e-5, None).unwrap();
         // The fit shares it out over all four: a quarter each.
         assert_eq!(fit.verdict, Verdict::Scattered);
         assert!((fit.worst - 1e-4).abs() < 1e-8 && (fit.residual - 1e-4).abs() < 1e-8, "{fit:?}");
-        assert_eq!(fit_plane(&points, 2e-4).unwrap().verdict, Verdict::Fits);
+        assert_eq!(fit_plane(&points, 2e-4, Some(1e-4)).unwrap().verdict, Verdict::Fits);
+        // Within the threshold, but not of points that are known to a micrometre.
+        let fit = fit_plane(&points, 2e-4, Some(1e-6)).unwrap();
+        assert_eq!(fit.verdict, Verdict::Scattered);
     }
 
     #[test]
     fn what_makes_no_plane_is_refused() {
         let tilt = Tilt { yaw: 0.3, pitch: 0.01 };
-        let refused = |places: &[(f64, f64)]| fit_plane(&plane(tilt, places), 1e-4).unwrap_err();
+        let refused =
+            |places: &[(f64, f64)]| fit_plane(&plane(tilt, places), 1e-4, None).unwrap_err();
         assert_eq!(refused(&SQUARE[..2]), TeachError::TooFew { found: 2 });
         assert!(matches!(refused(&[(0.0, 0.0); 3]), TeachError::Collinear { .. }));
         let line = [(0.0, 0.0), (0.1, 0.1), (0.2, 0.2), (0.3, 0.3)];
@@ -254,9 +444,25 @@ mod tests {
         let nearly = refused(&[(0.0, 0.0), (0.1, 1e-5), (0.2, 0.0)]);
         assert!(nearly.to_string().contains("of one line"), "{nearly}");
         let upright = [Vector3::zeros(), Vector3::z(), Vector3::x(), Vector3::new(1.0, 0.0, 1.0)];
-        assert!(matches!(fit_plane(&upright, 1e-4), Err(TeachError::Upright { .. })));
+        assert!(matches!(fit_plane(&upright, 1e-4, None), Err(TeachError::Upright { .. })));
         let nan = [Vector3::repeat(f64::NAN), Vector3::z(), Vector3::x()];
-        assert_eq!(fit_plane(&nan, 1e-4), Err(TeachError::NotFinite));
+        assert_eq!(fit_plane(&nan, 1e-4, None), Err(TeachError::NotFinite));
+    }
+
+    #[test]
+    fn quantiles_are_those_of_printed_tables() {
+        for (freedom, expected) in [(1, 161.45), (2, 18.513), (3, 10.128), (10, 4.965)] {
+            assert!((f_95(1, freedom) / expected - 1.0).abs() < 1e-3, "{}", f_95(1, freedom));
+        }
+        for (freedom, expected) in [(1, 199.5), (2, 19.0), (10, 4.103)] {
+            assert!((f_95(2, freedom) / expected - 1.0).abs() < 1e-3, "{}", f_95(2, freedom));
+        }
+        for (freedom, expected) in [(1, 10.828), (3, 16.266), (10, 29.588)] {
+            let found = chi_square(freedom, FALSE_ALARM_QUANTILE);
+            assert!((found / expected - 1.0).abs() < 0.035, "{found}");
+        }
+        assert!((angle_95([1.0, 1.0]) - 2.447_75).abs() < 1e-4);
+        assert!((angle_95([1.0, 0.0]) - TWO_SIDED).abs() < 1e-3, "{}", angle_95([1.0, 0.0]));
     }
 
     #[test]

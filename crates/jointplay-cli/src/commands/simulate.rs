@@ -240,8 +240,7 @@ impl Simulate {
             TableFormat::Csv => Ok((format!("{stem}.csv"), table::csv(&columns).into_bytes())),
             #[cfg(feature = "parquet")]
             TableFormat::Parquet => {
-                let bytes =
-                    table::parquet(&columns).map_err(|e| Failure::Parquet(e.to_string()))?;
+                let bytes = table::parquet(&columns).map_err(|_| Failure::Parquet)?;
                 Ok((format!("{stem}.parquet"), bytes))
             }
             #[cfg(not(feature = "parquet"))]

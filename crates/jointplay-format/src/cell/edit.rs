@@ -26,6 +26,8 @@ pub enum Change {
         points: Vec<Vector3<f64>>,
         /// The threshold [m].
         threshold: f64,
+        /// Standard deviation of a measured coordinate; `None` keeps what the file says [m].
+        noise: Option<f64>,
     },
     /// Where the wafers of the first and the last slot rest [m]; in place of position, tilt and taught points.
     Drift {
@@ -101,6 +103,12 @@ impl Station<'_> {
         for key in keys {
             self.table.remove(key);
         }
+    }
+
+    /// The noise of its taught points, as the file says [µm].
+    fn taught_noise(&self) -> Option<f64> {
+        let noise = self.table.get("taught")?.as_table_like()?.get("noise_um")?.as_value()?;
+        noise.as_float().or_else(|| noise.as_integer().map(|whole| whole as f64))
     }
 
     /// A station placed by its drift is placed by the first of its two places instead.
@@ -217,13 +225,18 @@ fn apply(station: &mut Station<'_>, change: &Change) {
             let values = [("yaw_deg", deg(tilt.yaw)), ("pitch_deg", deg(tilt.pitch))];
             station.set("tilt", inline(values.map(|(key, value)| (key, number(value)))));
         }
-        Change::Taught { points, threshold } => {
+        Change::Taught { points, threshold, noise } => {
             station.undrift();
             station.drop_keys(&["tilt"]);
             let points: Array = points.iter().map(point).collect();
             let threshold = number(shift(*threshold, 6));
+            let noise = noise.map(|noise| shift(noise, 6)).or_else(|| station.taught_noise());
             let values = [("points_mm", Value::Array(points)), ("threshold_um", threshold)];
-            station.set("taught", inline(values));
+            let mut taught = table(values);
+            if let Some(noise) = noise {
+                taught.insert("noise_um", number(noise));
+            }
+            station.set("taught", Value::InlineTable(taught));
         }
         Change::Drift { first, last } => {
             station.drop_keys(&["position_mm", "tilt", "taught"]);
@@ -262,9 +275,13 @@ fn point(point: &Vector3<f64>) -> Value {
 }
 
 fn inline<const N: usize>(values: [(&str, Value); N]) -> Value {
+    Value::InlineTable(table(values))
+}
+
+fn table<const N: usize>(values: [(&str, Value); N]) -> InlineTable {
     let mut table = InlineTable::new();
     for (key, value) in values {
         table.insert(key, value);
     }
-    Value::InlineTable(table)
+    table
 }

@@ -64,12 +64,6 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         |table| wafer(&table),
     );
     let effectors = robot.as_ref().map(effectors);
-    let read = stations::read(top, robot.as_ref(), effectors.as_ref());
-    let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) = read.into_iter().unzip();
-    let bodies = bodies::bodies(top, robot.as_ref(), &stations, files);
-    let allowed_pairs = bodies::pairs(top, &bodies);
-    let zones = bodies::zones(top, files);
-    let carried = carried(top, effectors.as_ref());
     let budgets = top.table("budgets", "`[budgets]`").map_or_else(
         || {
             top.missing("budgets");
@@ -77,6 +71,13 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         },
         |table| budgets(&table),
     );
+    let bare = bare(robot.as_ref(), wafer.as_ref(), budgets);
+    let read = stations::read(top, (robot.as_ref(), bare.as_ref()), effectors.as_ref());
+    let (stations, occupied): (Vec<_>, Vec<Vec<usize>>) = read.into_iter().unzip();
+    let bodies = bodies::bodies(top, robot.as_ref(), &stations, files);
+    let allowed_pairs = bodies::pairs(top, &bodies);
+    let zones = bodies::zones(top, files);
+    let carried = carried(top, effectors.as_ref());
     kind?;
     let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
     let occupied = occupied
@@ -99,6 +100,32 @@ fn whole(top: &Table, files: &mut Files) -> Option<Cell> {
         slot_clearance,
         gravity,
         plane_threshold,
+    })
+}
+
+/// Robot, wafer and budgets with nothing around them.
+fn bare(
+    robot: Option<&HybridRobot>,
+    wafer: Option<&Wafer>,
+    budgets: Option<[f64; 5]>,
+) -> Option<Cell> {
+    let [play_budget, clearance, slot_clearance, plane_threshold, gravity] = budgets?;
+    Some(Cell {
+        name: String::new(),
+        assumed: Vec::new(),
+        robot: robot?.clone(),
+        wafer: wafer?.clone(),
+        stations: Vec::new(),
+        occupied: Vec::new(),
+        carried: Vec::new(),
+        bodies: Vec::new(),
+        allowed_pairs: Vec::new(),
+        zones: Vec::new(),
+        play_budget,
+        clearance,
+        slot_clearance,
+        plane_threshold,
+        gravity,
     })
 }
 
@@ -155,7 +182,7 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
         named.wrong(reader, Fault::File { name: name.to_owned(), why });
         None
     };
-    let known = || robot::names().map(str::to_owned).collect::<Vec<_>>();
+    let known = || robot::names_for_programs().map(str::to_owned).collect::<Vec<_>>();
     let text = match catalogue::find(name) {
         Some(entry) if entry.kind().as_deref() == Some(robot::KIND) => entry.text.to_owned(),
         Some(_) => {
@@ -179,9 +206,9 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
     match robot::parse(&text) {
         Ok(robot) => Some(robot),
         Err(problems) => {
-            let others = problems.len().saturating_sub(1);
-            if let Some(inner) = problems.into_iter().next() {
-                let inner = Box::new(inner);
+            let mut problems = problems.into_iter();
+            if let Some(inner) = problems.next() {
+                let (inner, others) = (Box::new(inner), problems.collect());
                 named.wrong(reader, Fault::Within { name: name.to_owned(), inner, others });
             }
             None

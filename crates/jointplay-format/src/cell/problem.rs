@@ -102,14 +102,14 @@ pub enum Fault {
         why: String,
     },
     /// A file that is named and is wrong itself.
-    #[error("line {} of {name:?} is wrong: {}{}", .inner.place.line, .inner.problem, more(*.others))]
+    #[error("line {} of {name:?} is wrong: {}{}", .inner.place.line, .inner.problem, more(.others))]
     Within {
         /// How the file is named.
         name: String,
         /// The first that is wrong in it.
         inner: Box<Problem>,
-        /// How many more are.
-        others: usize,
+        /// The others, in order.
+        others: Vec<Problem>,
     },
     /// Further errors, which are not listed.
     #[error("{} from here on", counted(*.0, "more error"))]
@@ -119,9 +119,16 @@ pub enum Fault {
     Unfit(String),
 }
 
-fn more(others: usize) -> String {
-    match others {
-        0 => String::new(),
-        count => format!(" (and {count} more)"),
+/// Further problems of a file that are listed.
+const MOST_LISTED: usize = 8;
+
+fn more(others: &[Problem]) -> String {
+    let mut text = String::new();
+    for other in others.iter().take(MOST_LISTED) {
+        text += &format!("; line {}: {}", other.place.line, other.problem);
+    }
+    match others.len().saturating_sub(MOST_LISTED) {
+        0 => text,
+        count => text + &format!("; and {count} more"),
     }
 }

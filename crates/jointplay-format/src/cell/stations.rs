@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::station::teach::{self, Verdict};
 use jointplay_cell::station::{Approach, Origin, Station, Stroke};
@@ -29,7 +30,7 @@ const SLACK: f64 = 1e-9;
 /// All stations, each with its slots that hold a wafer.
 pub(super) fn read(
     top: &Table,
-    robot: Option<&HybridRobot>,
+    robot: (Option<&HybridRobot>, Option<&Cell>),
     effectors: Option<&Effectors>,
 ) -> Vec<(Station, Vec<usize>)> {
     let mut names = BTreeMap::new();
@@ -66,7 +67,7 @@ pub(super) fn unique(table: &Table, what: &str, name: &str, names: &mut BTreeMap
 fn station(
     table: &Table,
     name: Option<String>,
-    robot: Option<&HybridRobot>,
+    (robot, bare): (Option<&HybridRobot>, Option<&Cell>),
     effectors: Option<&Effectors>,
 ) -> Option<(Station, Vec<usize>)> {
     let reader = table.reader;
@@ -97,9 +98,6 @@ fn station(
     let process_time = table.number_or("process_s", Span::NotNegative, 0.0);
     let wafers = wafers(table, slots.unwrap_or(1));
     let (base_from_station, origin, pitch) = placed?;
-    if let Some(robot) = robot {
-        check_tilt(table, &base_from_station, robot.gpr.limits().tilt_max);
-    }
     let station = Station {
         name: name?,
         base_from_station,
@@ -114,6 +112,9 @@ fn station(
         effectors: may,
         process_time,
     };
+    if let Some(robot) = robot {
+        check_tilt(table, &station, robot.gpr.limits().tilt_max, bare);
+    }
     check_reach(table, &station);
     Some((station, wafers))
 }
@@ -180,17 +181,14 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
     if let Some(taught) = taught {
         let threshold = taught.number_or("threshold_um", Span::Positive, TAUGHT_THRESHOLD_UM);
         let threshold = shift(threshold, -6);
+        let noise = taught.entry("noise_um").and_then(|noise| noise.number(reader, Span::Positive));
         let points = taught.needed("points_mm").map(|entry| points(&entry, reader));
         taught.finish();
-        let fit = teach::fit_plane(&points??, threshold)
+        let fit = teach::fit_plane(&points??, threshold, noise.map(|noise| shift(noise, -6)))
             .map_err(|error| taught.wrong(Fault::Unfit(error.to_string())))
             .ok()?;
         if fit.verdict == Verdict::Scattered {
-            taught.wrong(Fault::Unfit(format!(
-                "a taught point lies {:.1} µm from the plane of them all, but {} µm are allowed: teach the points again, or allow more by `threshold_um`",
-                um(fit.worst),
-                um(threshold)
-            )));
+            taught.wrong(Fault::Unfit(scattered(&fit)));
         }
         return Some((fit.frame(&position?, yaw), Origin::Taught(fit), nominal_pitch()?));
     }
@@ -199,19 +197,49 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
     Some((teach::frame(position?, &normal, yaw), Origin::Nominal, pitch?))
 }
 
-fn check_tilt(table: &Table, base_from_station: &Pose, tilt_max: f64) {
-    let tilt = Tilt::from_normal(&(base_from_station.rotation * Vector3::z()));
+/// Why taught points do not agree with one plane.
+fn scattered(fit: &teach::PlaneFit) -> String {
+    let worst = fit.distances.iter().enumerate().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    let which = worst.map_or(1, |(index, _)| index + 1);
+    match fit.noise {
+        Some(noise) if fit.worst <= fit.threshold => format!(
+            "the taught points lie up to {:.1} µm from their plane (point {which}), which a noise of {} µm does not explain: teach them again, or give the noise that your measurement has by `noise_um`",
+            um(fit.worst),
+            um(noise)
+        ),
+        _ => format!(
+            "taught point {which} lies {:.1} µm from the plane of them all, but {} µm are allowed: teach the points again, or allow more by `threshold_um`",
+            um(fit.worst),
+            um(fit.threshold)
+        ),
+    }
+}
+
+/// That the platform can tilt as far as a station.
+///
+/// # Arguments
+/// * `bare` – the cell as far as it is known, which tells how much of the tilt compensates the deflection of the arms
+fn check_tilt(table: &Table, station: &Station, tilt_max: f64, bare: Option<&Cell>) {
+    let tilt = Tilt::from_normal(&(station.base_from_station.rotation * Vector3::z()));
     if tilt.pitch <= tilt_max * (1.0 + SLACK) {
         return;
     }
     let from = ["tilt", "taught", "drift"].into_iter().find_map(|key| table.entry(key));
     let span = from.map_or(table.span.clone(), |entry| entry.span());
     let (pitch, yaw) = (deg(tilt.pitch), deg(tilt.yaw));
+    let excess = pitch - deg(tilt_max);
+    let by = bare.and_then(|cell| cell.leveling(station)).map_or(excess, deg);
+    // Rounded up, so that the advice is enough.
+    let [by, for_arms] = [by.max(excess), by - excess].map(|angle| (angle * 1e3).ceil() * 1e-3);
+    let arms = if for_arms > 1e-3 {
+        format!(", {for_arms:.3}° of which compensate the deflection of the loaded arms")
+    } else {
+        String::new()
+    };
     table.reader.wrong(span, Fault::Unfit(format!(
-        "{} leans {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {:.3}°",
+        "{} tilts {pitch:.3}° toward {yaw:.1}°, but the robot tilts by at most {:.3}°: level the station by at least {by:.3}°{arms}",
         table.whose,
         deg(tilt_max),
-        pitch - deg(tilt_max)
     )));
 }
 

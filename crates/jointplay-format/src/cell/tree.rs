@@ -116,10 +116,12 @@ impl Span {
             }
     }
 
-    fn needed(self) -> String {
+    /// What a value has to be that is not.
+    fn needed(self, value: f64) -> String {
         match self {
             Self::Any => "a finite number".to_owned(),
-            Self::Positive => format!("positive, and at least {LEAST_POSITIVE:e}"),
+            Self::Positive if value > 0.0 => format!("at least {LEAST_POSITIVE:e}"),
+            Self::Positive => "positive".to_owned(),
             Self::NotNegative => "0 or more".to_owned(),
             Self::Within(min, max) => format!("from {} to {}", number(min), number(max)),
         }
@@ -285,7 +287,7 @@ impl<'r, 'a> Entry<'r, 'a> {
             return None;
         };
         if !span.holds(value) {
-            let (key, needed) = (self.key.to_owned(), span.needed());
+            let (key, needed) = (self.key.to_owned(), span.needed(value));
             self.wrong(reader, Fault::Beyond { key, value, needed });
             return None;
         }

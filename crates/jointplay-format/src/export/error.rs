@@ -34,8 +34,18 @@ pub enum Error {
         /// How many there would be.
         bytes: usize,
     },
-    /// What the MCAP writer says.
+    /// The messages do not fit the format.
     #[cfg(feature = "mcap")]
-    #[error("the MCAP writer says: {0}")]
-    Mcap(String),
+    #[error("the motion cannot be written as MCAP; take a lower rate, or csv")]
+    Mcap,
+    /// More than a format can be written with at once.
+    #[error(
+        "these are {found:.0} poses of frames, this format is written with at most {allowed:.0}; take a lower rate, or csv, text or solidworks, which are written in parts"
+    )]
+    TooManyPoses {
+        /// How many there would be.
+        found: f64,
+        /// How many there may be.
+        allowed: f64,
+    },
 }

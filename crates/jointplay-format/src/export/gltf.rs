@@ -35,7 +35,7 @@ struct Document {
 /// * `rate` – keys a second, between which viewers interpolate by cubics; the last key is the end of the motion [Hz]
 ///
 /// # Errors
-/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`], [`Error::TooLarge`]
+/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::TooLarge`]
 ///
 /// # Numerics
 /// Numbers are single precision, as glTF has them; keys that follow from their neighbours are left out.

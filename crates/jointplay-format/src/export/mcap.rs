@@ -58,8 +58,8 @@ const STRING: &str = "string data\n";
 const BASE: &str = "base";
 
 impl From<McapError> for Error {
-    fn from(error: McapError) -> Self {
-        Self::Mcap(error.to_string())
+    fn from(_: McapError) -> Self {
+        Self::Mcap
     }
 }
 
@@ -75,7 +75,7 @@ struct File {
 /// * `rate` – samples a second; the last one is the end of the motion [Hz]
 ///
 /// # Errors
-/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`], [`Error::Mcap`]
+/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::TooManyPoses`], [`Error::Placing`], [`Error::Mcap`]
 pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
     let scene = Scene::of(recording, rate, false)?;
     let samples: Vec<Sample> = recording.motion.samples(rate).collect();

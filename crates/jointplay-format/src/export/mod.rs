@@ -31,10 +31,10 @@ use jointplay_cell::robot::EffectorId;
 
 pub use error::Error;
 pub use gltf::gltf;
-pub use samples::{samples, samples_with_peaks, samples_within, tracks};
+pub use samples::{samples, samples_in_parts, samples_with_peaks, samples_within, tracks};
 pub use scene::{Frame, frames};
+pub use solidworks::{MACRO, loader, motor, motors, solidworks, solidworks_names};
 pub use timeline::{Envelope, HeldAt, Timeline, Window, wafers_at_start};
-pub use solidworks::{MACRO, solidworks, solidworks_names};
 
 /// The most samples that one export may have: a day at 1 kHz is less.
 pub const MOST_SAMPLES: f64 = 1e8;

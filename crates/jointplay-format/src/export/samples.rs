@@ -19,6 +19,30 @@ pub fn samples(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Erro
     table(recording, recording.motion.samples(rate))
 }
 
+/// Rows of a table that are held at a time.
+const PART: usize = 1 << 16;
+
+/// The table of [`samples`], a part after the other: what is held does not grow with the duration.
+///
+/// # Arguments
+/// * `rate` – rows a second; the last row is the end of the motion [Hz]
+/// * `take` – takes the next rows, as columns that are the same in all parts
+///
+/// # Errors
+/// As [`samples`], and those of `take`.
+pub fn samples_in_parts<E: From<Error>>(
+    recording: &Recording<'_>,
+    rate: f64,
+    mut take: impl FnMut(&[Column]) -> Result<(), E>,
+) -> Result<(), E> {
+    recording.check_rate(rate)?;
+    let mut samples = recording.motion.samples(rate).peekable();
+    while samples.peek().is_some() {
+        take(&table(recording, samples.by_ref().take(PART))?)?;
+    }
+    Ok(())
+}
+
 /// The same with rows between the even times, so that lines drawn from row to row are the motion: at the ends of steps, at peaks of speeds and where accelerations bend.
 ///
 /// # Arguments

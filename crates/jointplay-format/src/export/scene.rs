@@ -13,6 +13,9 @@ use super::{Error, Recording};
 /// How much before and after a sample it is looked where things are, to find how fast they go [s].
 const MOMENT: f64 = 1e-5;
 
+/// Most poses of frames that are held at once: 112 bytes each.
+const MOST_POSES: f64 = 2e7;
+
 /// A frame that may move.
 pub(super) struct Track {
     pub(super) name: String,
@@ -109,6 +112,10 @@ impl Scene {
         let mut scene = Self { times: Vec::new(), tracks: tracks(cell) };
         let mut wafers = Wafers::new(recording);
         scene.tracks.extend(wafers.tracks());
+        let found = motion.duration() * rate * scene.tracks.len() as f64;
+        if found > MOST_POSES {
+            return Err(Error::TooManyPoses { found, allowed: MOST_POSES });
+        }
         for sample in motion.samples(rate) {
             wafers.until(recording, sample.time)?;
             let carried = loaded(recording, sample.step);

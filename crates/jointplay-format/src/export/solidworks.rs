@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use jointplay_cell::cell::Cell;
+use jointplay_cell::motion::Sample;
 use jointplay_cell::robot::Axis;
 
 use super::samples::turns;
@@ -24,22 +25,52 @@ const MARK: &str = "NOT-SAFE-";
 /// # Errors
 /// [`Error::Rate`], [`Error::TooManySamples`]
 pub fn solidworks(recording: &Recording<'_>, rate: f64) -> Result<Vec<(String, String)>, Error> {
-    recording.check_rate(rate)?;
-    let axes = &recording.cell.robot.axes;
-    let mut texts = vec![String::new(); axes.len()];
-    for sample in recording.motion.samples(rate) {
-        for ((text, axis), &position) in texts.iter_mut().zip(axes).zip(&sample.positions) {
-            let value = if turns(axis.kind) { deg(position) } else { mm(position) };
-            // Every digit: the end of the last line is the end of the motion.
-            let _ = writeln!(text, "{},{value}", sample.time);
-        }
-    }
-    let mut names = names(recording.cell, if recording.flaws.is_empty() { "" } else { MARK });
-    let loader_name = names.pop().unwrap_or_default();
-    let mut files: Vec<(String, String)> = names.into_iter().zip(texts).collect();
-    let text = loader(recording, &files);
-    files.push((loader_name, text));
+    let motors = motors(recording).into_iter().enumerate();
+    let text = |(axis, name): (usize, String)| {
+        let mut bytes = Vec::new();
+        motor(recording, rate, axis, &mut bytes)?.expect("writing into memory does not fail");
+        Ok((name, String::from_utf8(bytes).expect("numbers are UTF-8")))
+    };
+    let mut files = motors.map(text).collect::<Result<Vec<_>, Error>>()?;
+    files.push(loader(recording));
     Ok(files)
+}
+
+/// Names of the motors' files, in the order of the axes.
+#[must_use]
+pub fn motors(recording: &Recording<'_>) -> Vec<String> {
+    let mut names = names(recording.cell, mark(recording));
+    names.pop();
+    names
+}
+
+/// The file of one motor, to where it is kept.
+///
+/// # Arguments
+/// * `axis` – which, by index
+/// * `rate` – lines a second; the last line is the end of the motion [Hz]
+///
+/// # Errors
+/// [`Error::Rate`], [`Error::TooManySamples`]; within, those of the writer
+///
+/// # Panics
+/// If the robot has no such axis.
+pub fn motor(
+    recording: &Recording<'_>,
+    rate: f64,
+    axis: usize,
+    writer: &mut dyn std::io::Write,
+) -> Result<std::io::Result<()>, Error> {
+    recording.check_rate(rate)?;
+    let unit: fn(f64) -> f64 = if turns(recording.cell.robot.axes[axis].kind) { deg } else { mm };
+    // Every digit: the end of the last line is the end of the motion.
+    let mut samples = recording.motion.samples(rate);
+    let mut line = |at: Sample| writeln!(writer, "{},{}", at.time, unit(at.positions[axis]));
+    Ok(samples.try_for_each(|sample| line(sample)))
+}
+
+fn mark(recording: &Recording<'_>) -> &'static str {
+    if recording.flaws.is_empty() { "" } else { MARK }
 }
 
 /// Names of all files that [`solidworks`] may make for a cell, of sound motions and of others.
@@ -68,10 +99,11 @@ fn quoted(text: &str) -> String {
     format!("\"{}\"", plain.replace('"', "\"\""))
 }
 
-/// The macro.
-fn loader(recording: &Recording<'_>, files: &[(String, String)]) -> String {
+/// Name and text of the macro.
+#[must_use]
+pub fn loader(recording: &Recording<'_>) -> (String, String) {
     let mut loads = String::new();
-    for (axis, (file, _)) in recording.cell.robot.axes.iter().zip(files) {
+    for (axis, file) in recording.cell.robot.axes.iter().zip(&motors(recording)) {
         let _ = writeln!(loads, "    Load {}, folder & {}", quoted(&axis.name), quoted(file));
     }
     let warning = recording.warning().map_or_else(String::new, |warning| {
@@ -131,5 +163,5 @@ End Sub
         duration = recording.motion.duration(),
     );
     // As the editor of Visual Basic writes them.
-    text.replace('\n', "\r\n")
+    (format!("{}{MACRO}", mark(recording)), text.replace('\n', "\r\n"))
 }

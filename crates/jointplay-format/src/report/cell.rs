@@ -7,6 +7,7 @@ use jointplay_cell::check::{Kind, PairDistance, Report, Share, Unit, Verdict, Vi
 use jointplay_cell::motion::{Blend, Motion, Straightness};
 use jointplay_cell::program::{Carried, Place, carried};
 use jointplay_cell::robot::MotionKind;
+use jointplay_cell::station::Origin;
 use jointplay_core::virtualization::Kernel;
 use serde::Serialize;
 
@@ -106,6 +107,12 @@ pub struct CompensatedReport {
     pub bent_um: f64,
     /// Largest distance by which an effector moves as its arm takes a wafer's weight or gives it up; poses jump by it at the handover.
     pub jump_um: f64,
+    /// Tilt by which the taught planes of these slots may be off with 95 % confidence, the largest; none where no such plane is taught.
+    pub taught_mrad: Option<f64>,
+    /// Height by which these slots may be off by that, with 95 % confidence, the largest.
+    pub taught_um: Option<f64>,
+    /// Stations among them whose taught planes have an unknown uncertainty: three points of unknown noise.
+    pub taught_unknown: Vec<String>,
 }
 
 /// An axis in a motion.
@@ -248,7 +255,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         steps: lasting(motion, row.steps.clone()),
         straight: straight(motion, row.steps.clone()),
         blended: blended(motion, row.steps.clone()),
-        compensated: compensated(&carried, row.steps.clone()),
+        compensated: compensated(cell, &carried, row.steps.clone()),
         moving_s: row.moving.clone(),
         speed: share(&row.velocity, &axes),
         acceleration: share(&row.acceleration, &axes),
@@ -289,7 +296,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
         steps: lasting(motion, 0..motion.steps.len()),
         straight: straight(motion, 0..motion.steps.len()),
         blended: blended(motion, 0..motion.steps.len()),
-        compensated: compensated(&carried, 0..motion.steps.len()),
+        compensated: compensated(cell, &carried, 0..motion.steps.len()),
         samples: report.samples,
         axes: moving.collect(),
         instructions: instructions.collect(),
@@ -321,10 +328,25 @@ fn blended(motion: &Motion, steps: Range<usize>) -> Option<BlendedReport> {
     })
 }
 
-fn compensated(carried: &[Carried], steps: Range<usize>) -> Option<CompensatedReport> {
+fn compensated(cell: &Cell, carried: &[Carried], steps: Range<usize>) -> Option<CompensatedReport> {
     // They come in order.
     let at = |step| carried.partition_point(|one| one.step < step);
     let carried = &carried[at(steps.start)..at(steps.end)];
+    let (mut tilt, mut height) = (None::<f64>, None::<f64>);
+    let mut unknown: Vec<String> = Vec::new();
+    for one in carried {
+        let station = &cell.stations[one.slot.station];
+        let Origin::Taught(fit) = &station.origin else { continue };
+        let Some(known) = &fit.uncertainty else {
+            if !unknown.contains(&station.name) {
+                unknown.push(station.name.clone());
+            }
+            continue;
+        };
+        let place = station.slot_frame(one.slot.slot).translation.vector;
+        tilt = Some(tilt.unwrap_or(0.0).max(known.tilt_95));
+        height = Some(height.unwrap_or(0.0).max(known.height_95(&place)));
+    }
     (!carried.is_empty()).then(|| CompensatedReport {
         handovers: carried.len(),
         drop_um: um(most(carried, |one| one.deflection.drop)),
@@ -334,6 +356,9 @@ fn compensated(carried: &[Carried], steps: Range<usize>) -> Option<CompensatedRe
         left_mrad: mm(most(carried, |one| one.left_tilt)),
         bent_um: um(most(carried, |one| one.bent)),
         jump_um: um(most(carried, |one| one.jump)),
+        taught_mrad: tilt.map(mm),
+        taught_um: height.map(um),
+        taught_unknown: unknown,
     })
 }
 
@@ -459,7 +484,10 @@ pub fn explain_violation(one: &Violation) -> String {
         Kind::SlotClearance => {
             format!("{} comes within {worst} of {}, the slots ask for {limit}", name(0), name(1))
         }
-        Kind::KeepOut => format!("{} is in keep-out zone {}", name(0), name(1)),
+        Kind::KeepOut if one.worst < 0.0 => {
+            format!("{} is in keep-out zone {}, {} deep", name(0), name(1), number(-one.worst))
+        }
+        Kind::KeepOut => format!("{} touches keep-out zone {}", name(0), name(1)),
         Kind::SafeZone => format!(
             "the wafer centre of {} is {worst} outside safe zone {} while the robot turns",
             name(0),

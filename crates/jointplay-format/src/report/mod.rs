@@ -39,7 +39,7 @@ pub use motion::{MotionReport, SingularReport, motion};
 pub use nearest::NearestReport;
 pub use relief::{ReliefReport, VirtualJointReport, relief};
 pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
-pub use station::{PlaneReport, StationReport, TeachReport, teach};
+pub use station::{PlaneReport, StationReport, TeachReport, UncertaintyReport, teach};
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
 pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};

@@ -58,8 +58,32 @@ pub struct PlaneReport {
     pub worst_um: f64,
     /// What that may be.
     pub threshold_um: f64,
-    /// `fits`, `unproven` (three points always lie in a plane) or `scattered`.
+    /// Points beyond the three that a plane takes.
+    pub freedom: usize,
+    /// Standard deviation of a measured coordinate, where it is given.
+    pub noise_um: Option<f64>,
+    /// How well the points determine the plane; none for three points of unknown noise.
+    pub uncertainty: Option<UncertaintyReport>,
+    /// Tilt by which the plane may be off, the budget `plane_urad` of the cell.
+    pub allowed_urad: f64,
+    /// `fits`, `unproven` (too few points to test their noise), `uncertain` (the tilt is known too poorly for `allowed_urad`) or `scattered`.
     pub verdict: &'static str,
+}
+
+/// How well taught points determine a plane.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct UncertaintyReport {
+    /// Standard deviation of a measured coordinate, given or estimated.
+    pub noise_um: f64,
+    /// Whether that is estimated from the distances of the points.
+    pub estimated: bool,
+    /// Root of the mean square of the tilt by which the plane is off.
+    pub tilt_rms_urad: f64,
+    /// Tilt by which the plane is off at most, with 95 % confidence.
+    pub tilt_95_urad: f64,
+    /// Height by which the lowest wafer's place is off at most, with 95 % confidence.
+    pub height_95_um: f64,
 }
 
 /// Tells where stations are.
@@ -73,11 +97,11 @@ pub fn teach(cell: &Cell, name: Option<&str>) -> TeachReport {
     TeachReport {
         cell: cell.name.clone(),
         tilt_limit_deg: deg(limit),
-        stations: asked.map(|one| station(one, limit)).collect(),
+        stations: asked.map(|one| station(one, limit, cell.plane_threshold)).collect(),
     }
 }
 
-fn station(station: &Station, limit: f64) -> StationReport {
+fn station(station: &Station, limit: f64, allowed: f64) -> StationReport {
     let normal = station.base_from_station.rotation * Vector3::z();
     let pitch = normal.x.hypot(normal.y).atan2(normal.z);
     let yaw = if pitch > 0.0 { normal.y.atan2(normal.x) } else { 0.0 };
@@ -89,7 +113,18 @@ fn station(station: &Station, limit: f64) -> StationReport {
                 residual_um: um(fit.residual),
                 worst_um: um(fit.worst),
                 threshold_um: um(fit.threshold),
+                freedom: fit.freedom,
+                noise_um: fit.noise.map(um),
+                uncertainty: fit.uncertainty.as_ref().map(|known| UncertaintyReport {
+                    noise_um: um(known.noise),
+                    estimated: known.is_estimated,
+                    tilt_rms_urad: um(known.tilt()),
+                    tilt_95_urad: um(known.tilt_95),
+                    height_95_um: um(known.height_95(&station.slot_frame(1).translation.vector)),
+                }),
+                allowed_urad: um(allowed),
                 verdict: match fit.verdict {
+                    _ if fit.is_uncertain(allowed) => "uncertain",
                     Verdict::Fits => "fits",
                     Verdict::Unproven => "unproven",
                     Verdict::Scattered => "scattered",

@@ -111,15 +111,16 @@ impl Marker {
     /// [`MarkerError`].
     pub fn parse(text: &str) -> Result<Self, MarkerError> {
         let malformed = |why: &str| MarkerError::Malformed(why.to_owned());
-        let version: serde_json::Value =
-            serde_json::from_str(text).map_err(|error| malformed(&error.to_string()))?;
+        let version: serde_json::Value = serde_json::from_str(text).map_err(|error| {
+            malformed(&format!("no JSON at line {}, column {}", error.line(), error.column()))
+        })?;
         if let Some(found) = version["jointplay"].as_str()
             && found != VERSION
         {
             return Err(MarkerError::Version { found: found.to_owned(), here: VERSION });
         }
-        let document: Document =
-            serde_json::from_value(version).map_err(|error| malformed(&error.to_string()))?;
+        let document: Document = serde_json::from_value(version)
+            .map_err(|_| malformed("a key is missing, or has a value of another kind"))?;
         let kind = [TableKind::Csv, TableKind::Parquet]
             .into_iter()
             .find(|kind| kind.ending() == document.format)
@@ -127,7 +128,8 @@ impl Marker {
         let columns = document.columns.iter().map(|(count, numbers)| {
             let number = |k: usize| {
                 let bits = u64::from_str_radix(&numbers[k], 16);
-                bits.map(f64::from_bits).map_err(|error| malformed(&error.to_string()))
+                bits.map(f64::from_bits)
+                    .map_err(|_| malformed("a number of a column is not 16 hexadecimal digits"))
             };
             Ok(Moments {
                 count: *count,

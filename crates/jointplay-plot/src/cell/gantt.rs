@@ -1,6 +1,10 @@
 //! A motion over time: which axis moves when, and for which instruction.
 
+use jointplay_cell::cell::Cell;
 use jointplay_cell::motion::Motion;
+use jointplay_cell::program::{Handover, Step};
+use jointplay_cell::robot::EffectorId;
+use jointplay_cell::station::SlotId;
 
 use crate::linear_ticks::linear_ticks;
 use crate::svg::{Anchor, INK, Svg, px};
@@ -36,8 +40,8 @@ pub enum SpanKind {
     Empty(usize),
     /// An axis moves while one does.
     Loaded(usize),
-    /// An instruction runs.
-    Instruction(String),
+    /// An instruction runs; what it is called, the longest first, of which the first that has room is shown.
+    Instruction(Vec<String>),
     /// Something is wrong.
     Wrong,
 }
@@ -61,17 +65,12 @@ impl Gantt {
     /// The axes of a motion.
     ///
     /// # Arguments
-    /// * `axes` – names of the axes
+    /// * `cell` – of the motion
     /// * `lines` – text of the program, of which lines are quoted
     /// * `wrong` – when something is wrong [s]
     #[must_use]
-    pub fn new(
-        title: &str,
-        axes: Vec<String>,
-        motion: &Motion,
-        lines: &str,
-        wrong: &[[f64; 2]],
-    ) -> Self {
+    pub fn new(title: &str, cell: &Cell, motion: &Motion, lines: &str, wrong: &[[f64; 2]]) -> Self {
+        let axes: Vec<String> = cell.robot.axes.iter().map(|axis| axis.name.clone()).collect();
         let quoted: Vec<&str> = lines.lines().map(str::trim).collect();
         let mut spans: Vec<Span> = Vec::new();
         let mut instruction = None;
@@ -87,8 +86,12 @@ impl Gantt {
                 }
             } else {
                 instruction = Some(step.instruction);
-                let text = quoted.get(step.place.line.wrapping_sub(1)).copied().unwrap_or_default();
-                spans.push(Span { from, to, kind: SpanKind::Instruction(text.to_owned()) });
+                let line = step.place.line;
+                let text = quoted.get(line.wrapping_sub(1)).copied().unwrap_or_default();
+                let of_it =
+                    motion.steps[k..].iter().take_while(|one| one.instruction == step.instruction);
+                let kind = SpanKind::Instruction(labels(cell, line, text, of_it));
+                spans.push(Span { from, to, kind });
             }
             // Within a line an axis may go and come back.
             let middle: Vec<_> =
@@ -208,8 +211,8 @@ impl Gantt {
                 px(wide),
                 px(high)
             ));
-            if let SpanKind::Instruction(text) = &span.kind {
-                let shown = fitting(text, x1 - x0 - 4.0);
+            if let SpanKind::Instruction(labels) = &span.kind {
+                let shown = fitting(labels, x1 - x0 - 8.0);
                 let at = (x0 + 2.0, row_top(0) + 0.5 * ROW + HALF_CAPITAL * (TICK - 2.0));
                 if !shown.is_empty() {
                     svg.text(at, TICK - 2.0, Anchor::Start, &shown, "");
@@ -275,12 +278,54 @@ impl Band {
     }
 }
 
-/// As much of a text as fits: all of it, its first word, or nothing.
-fn fitting(text: &str, room: f64) -> String {
-    let size = TICK - 2.0;
-    if width(text, size) <= room {
-        return text.to_owned();
+/// The first of some texts that fits, or nothing.
+fn fitting(texts: &[String], room: f64) -> &str {
+    let fits = texts.iter().find(|text| width(text, TICK - 2.0) <= room);
+    fits.map_or("", String::as_str)
+}
+
+/// What an instruction is called, the longest first: the number of its line with the text, or with the slots that wafers are moved between.
+fn labels<'s>(
+    cell: &Cell,
+    line: usize,
+    text: &str,
+    steps: impl Iterator<Item = &'s Step>,
+) -> Vec<String> {
+    let slot_name = |slot: SlotId| {
+        let station = &cell.stations[slot.station];
+        if station.slots > 1 {
+            format!("{} {}", station.name, slot.slot)
+        } else {
+            station.name.clone()
+        }
+    };
+    let effector_name = |id: EffectorId| &cell.robot.arms[id.arm].effectors[id.effector].name;
+    let mut carried: Vec<(EffectorId, String)> = Vec::new();
+    let mut moves: Vec<String> = Vec::new();
+    for handover in steps.filter_map(|step| step.handover) {
+        match handover {
+            Handover::Taken(id, slot) => carried.push((id, slot_name(slot))),
+            Handover::Left(id, slot) => {
+                let from = carried.iter().position(|(with, _)| *with == id);
+                let from = from.map(|place| carried.remove(place).1);
+                let from = from.unwrap_or_else(|| effector_name(id).clone());
+                moves.push(format!("{from}→{}", slot_name(slot)));
+            }
+        }
     }
-    let word = text.split_whitespace().next().unwrap_or_default();
-    if width(word, size) <= room { word.to_owned() } else { String::new() }
+    moves.extend(carried.iter().map(|(id, from)| format!("{from}→{}", effector_name(*id))));
+    let words = text.split('#').next().unwrap_or_default().trim();
+    let first = words.split_whitespace().next().unwrap_or_default();
+    let mut labels = Vec::new();
+    if moves.is_empty() {
+        labels.extend([format!("{line} {words}"), format!("{line} {first}")]);
+    } else {
+        let all = moves.join(", ");
+        labels.extend([format!("{line} {first} {all}"), format!("{line} {all}")]);
+        labels.push(format!("{line} {}", moves[0]));
+        let from = moves[0].split('→').next().unwrap_or_default();
+        labels.push(format!("{line} {from}"));
+    }
+    labels.push(line.to_string());
+    labels
 }

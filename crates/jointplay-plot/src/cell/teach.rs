@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, Unit, Vector3};
 
 use crate::draw::RIM;
 use crate::svg::{Anchor, INK, Svg, path_data, px};
-use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, wrap};
+use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
 /// Room about the picture and between stations [px].
@@ -61,6 +61,8 @@ struct Factors {
 struct Frame {
     middle: (f64, f64),
     scale: f64,
+    /// Half of the room for words beside it [px].
+    half: f64,
 }
 
 impl Frame {
@@ -97,7 +99,7 @@ impl<'a> Taught<'a> {
         let title = wrap(&self.title, TITLE, self.width - 2.0 * MARGIN);
         #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
         let (top, rows) =
-            (16.0 + title.len() as f64 * TITLE * LEADING, shown.len().div_ceil(columns) as f64);
+            (26.0 + title.len() as f64 * TITLE * LEADING, shown.len().div_ceil(columns) as f64);
         let factors = factors(&shown);
         let bottom = top + rows * (high + MARGIN);
         let about = if self.title.is_empty() { "stations" } else { &self.title };
@@ -154,7 +156,7 @@ impl<'a> Taught<'a> {
         let up = ELEVATION.cos() * (LEAN + OFF) + ELEVATION.sin();
         let scale = (0.46 * wide / radius).min(0.5 * drawn / (radius * up));
         let middle = (left + 0.5 * wide, top + WORDS + 0.5 * drawn);
-        let frame = Frame { middle, scale };
+        let frame = Frame { middle, scale, half: 0.5 * (wide + MARGIN) };
         let turn = leaned(&normal, factors.lean);
         let disc = |turn: &Rotation3<f64>| {
             let corner = |k: u32| {
@@ -187,19 +189,74 @@ impl<'a> Taught<'a> {
 /// Taught points with their stems, numbered as they were taught.
 fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, off: f64) {
     let normal = turn * Vector3::z();
-    for (k, (place, distance)) in places(Some(fit)).zip(&fit.distances).enumerate() {
-        let foot = turn * Vector3::new(place.x, place.y, 0.0);
-        let (from, to) = (frame.at(&foot), frame.at(&(foot + normal * (off * distance))));
+    let stems: Vec<[(f64, f64); 2]> = places(Some(fit))
+        .zip(&fit.distances)
+        .map(|(place, distance)| {
+            let foot = turn * Vector3::new(place.x, place.y, 0.0);
+            [frame.at(&foot), frame.at(&(foot + normal * (off * distance)))]
+        })
+        .collect();
+    for (&[from, to], distance) in stems.iter().zip(&fit.distances) {
         let beyond = distance.abs() > fit.threshold;
         let colour = if beyond { Colour::VERMILLION } else { Colour::GREEN }.hex();
         let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"");
         svg.path(&path_data(&[from, to]), &look);
         svg.path(&dot(from, 1.6), &format!(" fill=\"{INK}\""));
         svg.path(&dot(to, 4.0), &format!(" fill=\"{colour}\""));
+    }
+    // Nothing of a point is under the label of another, as far as there is room.
+    let mut taken: Vec<Box2> = stems.iter().map(|&[from, to]| Box2::around(from, to)).collect();
+    for (k, (&[_, to], distance)) in stems.iter().zip(&fit.distances).enumerate() {
         let text = format!("{}: {:+.1} µm", k + 1, distance * 1e6);
-        // Beyond the point, seen from the plane: points on both sides of it keep out of each other's way.
-        let aside = if *distance < 0.0 { 16.0 } else { -8.0 };
-        svg.text((to.0, to.1 + aside), TICK, Anchor::Middle, &text, RIM);
+        let (half, high) = (0.5 * width(&text, TICK), 0.5 * TICK);
+        let (beside, over) = (half + 9.0, high + 9.0);
+        let outward = if to.0 < frame.middle.0 { -1.0 } else { 1.0 };
+        let upward = if *distance < 0.0 { 1.0 } else { -1.0 };
+        let candidates = [
+            (outward * beside, 0.0),
+            (0.0, upward * over),
+            (-outward * beside, 0.0),
+            (outward * beside, upward * over),
+            (0.0, -upward * over),
+            (0.0, 2.0 * upward * over),
+        ];
+        let label = candidates.map(|(x, y)| {
+            let room = (frame.half - half).max(0.0);
+            let x = (to.0 + x).clamp(frame.middle.0 - room, frame.middle.0 + room);
+            Box2 { middle: (x, to.1 + y), half: (half, high) }
+        });
+        let overlaps = |label: &Box2| {
+            let others = taken.iter().enumerate().filter(|(other, _)| *other != k);
+            others.map(|(_, other)| label.overlap(other)).sum::<f64>()
+        };
+        let best = label.iter().min_by(|a, b| overlaps(a).total_cmp(&overlaps(b)));
+        let Some(&best) = best else { continue };
+        let (x, y) = best.middle;
+        svg.text((x, y + HALF_CAPITAL * TICK), TICK, Anchor::Middle, &text, RIM);
+        taken.push(best);
+    }
+}
+
+/// A box on the page [px].
+#[derive(Clone, Copy)]
+struct Box2 {
+    middle: (f64, f64),
+    half: (f64, f64),
+}
+
+impl Box2 {
+    /// Around a stem with its head.
+    fn around(from: (f64, f64), to: (f64, f64)) -> Self {
+        let middle = (0.5 * (from.0 + to.0), 0.5 * (from.1 + to.1));
+        let half = (0.5 * (from.0 - to.0).abs() + 4.0, 0.5 * (from.1 - to.1).abs() + 4.0);
+        Self { middle, half }
+    }
+
+    /// Area that it has in common with another [px²].
+    fn overlap(&self, other: &Self) -> f64 {
+        let x = self.half.0 + other.half.0 - (self.middle.0 - other.middle.0).abs();
+        let y = self.half.1 + other.half.1 - (self.middle.1 - other.middle.1).abs();
+        x.max(0.0) * y.max(0.0)
     }
 }
 
@@ -234,11 +291,15 @@ fn words(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
         Origin::Taught(fit) => {
             let verdict = match fit.verdict {
                 Verdict::Fits => "fits",
-                Verdict::Unproven => "unproven: three points always fit",
+                Verdict::Unproven => "unproven",
                 Verdict::Scattered => "scattered",
             };
+            let known = fit.uncertainty.as_ref().map_or_else(
+                || "tilt unknown".to_owned(),
+                |known| format!("tilt ±{:.0} µrad", known.tilt_95 * 1e6),
+            );
             lines.push(format!(
-                "{} points, at most {:.1} µm off, allowed {:.1} µm: {verdict}",
+                "{} points up to {:.1} µm off (allowed {:.1}), {known}: {verdict}",
                 fit.distances.len(),
                 fit.worst * 1e6,
                 fit.threshold * 1e6
@@ -284,7 +345,7 @@ fn about_by(factor: f64) -> String {
 
 /// The directions of the base frame, as they are seen.
 fn axes(svg: &mut Svg, middle: (f64, f64)) {
-    let frame = Frame { middle, scale: AXES };
+    let frame = Frame { middle, scale: AXES, half: AXES };
     for (name, axis) in [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())] {
         let ends = [frame.at(&Vector3::zeros()), frame.at(&axis)];
         svg.path(&path_data(&ends), &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));

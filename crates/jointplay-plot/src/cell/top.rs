@@ -230,12 +230,8 @@ impl<'a> TopView<'a> {
 
     fn ways(&self, svg: &mut Svg, camera: &Camera) {
         for (k, track) in self.tracks.iter().enumerate() {
-            let colour = effector_colour(k).hex();
             for reach in track.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
-                let dash = if k.is_multiple_of(2) { "2 4" } else { "4 3" };
-                let look =
-                    format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
-                svg.path(&circle(camera, [0.0; 2], reach), &look);
+                svg.path(&circle(camera, [0.0; 2], reach), &self.reach_look(k));
             }
             // Points that would fall on each other on the page are left out.
             let mut way: Vec<(f64, f64)> = Vec::new();
@@ -245,14 +241,28 @@ impl<'a> TopView<'a> {
                 }
             }
             if way.len() > 1 {
-                // Ways of several effectors into one station lie on each other.
-                let dash = if k.is_multiple_of(2) { "" } else { " stroke-dasharray=\"8 6\"" };
-                let look = format!(
-                    " stroke=\"{colour}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{dash}"
-                );
-                svg.path(&path_data(&way), &look);
+                svg.path(&path_data(&way), &self.way_look(k));
             }
         }
+    }
+
+    /// How the path of an effector is drawn: the first the widest, so that it shows on both sides of another that lies on it.
+    fn way_look(&self, k: usize) -> String {
+        let colour = effector_colour(k).hex();
+        #[expect(clippy::cast_precision_loss, reason = "a count of effectors")]
+        let wide = 1.4 + 2.6 * (self.tracks.len() - 1 - k).min(3) as f64;
+        format!(" stroke=\"{colour}\" stroke-width=\"{wide}\" stroke-linejoin=\"round\"")
+    }
+
+    /// How its reach is drawn: dashes in the gaps of the others, so that equal reaches show beside each other.
+    fn reach_look(&self, k: usize) -> String {
+        let colour = effector_colour(k).hex();
+        #[expect(clippy::cast_precision_loss, reason = "a count of effectors")]
+        let [count, place] = [self.tracks.len().max(1) as f64, k as f64];
+        let (gap, offset) = (7.0 * count - 4.0, -7.0 * place);
+        format!(
+            " stroke=\"{colour}\" stroke-width=\"1.2\" stroke-dasharray=\"4 {gap}\" stroke-dashoffset=\"{offset}\""
+        )
     }
 
     /// Stations as wafers.
@@ -302,15 +312,17 @@ impl<'a> TopView<'a> {
         for (k, track) in self.tracks.iter().enumerate() {
             let name =
                 &self.cell.robot.arms[track.effector.arm].effectors[track.effector.effector].name;
-            let colour = effector_colour(k).hex();
-            let gaps = if k.is_multiple_of(2) { "" } else { " stroke-dasharray=\"8 6\"" };
-            let look = format!(" stroke=\"{colour}\" stroke-width=\"1.6\"{gaps}");
-            let dash = if k.is_multiple_of(2) { "2 4" } else { "4 3" };
-            let reach =
-                format!(" stroke=\"{colour}\" stroke-width=\"1\" stroke-dasharray=\"{dash}\"");
-            entries.push((element("M0 0h20", &look), format!("wafer centre of {name}")));
+            let [way, reach] = [self.way_look(k), self.reach_look(k)];
+            entries.push((element("M0 0h20", &way), format!("wafer centre of {name}")));
             entries.push((element("M0 0h20", &reach), format!("reach of {name}")));
         }
+        if !self.cell.stations.is_empty() {
+            let arrow = element("M0 0h14", &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""))
+                + &element(&dot((14.0, 0.0), 2.6), &format!(" fill=\"{INK}\""));
+            entries.push((arrow, "entry of a station".to_owned()));
+        }
+        let rod = element(&dot((10.0, 0.0), 3.0), &format!(" fill=\"{INK}\""));
+        entries.push((rod, "rod".to_owned()));
         let swatch = |look: &str| element("M0 -5h20v10h-20z", look);
         if self.cell.zones.iter().any(|zone| zone.rule == ZoneRule::KeepOut) {
             entries.push((swatch(FORBIDDEN), "keep out".to_owned()));

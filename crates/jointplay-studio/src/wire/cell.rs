@@ -377,7 +377,7 @@ impl TaughtFields {
             let detail = format!("{threshold} m is not more than nothing");
             return Err(Problem::field("taught.threshold_m", detail));
         }
-        Ok(Change::Taught { points, threshold })
+        Ok(Change::Taught { points, threshold, noise: None })
     }
 }
 

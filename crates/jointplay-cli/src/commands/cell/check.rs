@@ -16,7 +16,7 @@ Examples:
   jointplay cell check
   jointplay cell check --format json
 
-Exit codes: 0 sound, 1 not safe to run or not reachable, 2 bad input or usage.")]
+Exit codes: 0 sound, 1 not safe to run or not reachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Check {
     #[command(flatten)]
     pub(super) input: InputArgs,

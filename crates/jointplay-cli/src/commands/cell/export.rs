@@ -13,7 +13,7 @@ use super::input::{InputArgs, Planned};
 use super::text::{counted, violations};
 use crate::arguments::finite;
 use crate::failure::Failure;
-use crate::folder::{self, ForceArgs};
+use crate::folder::{self, Contents, ForceArgs, Staged};
 use crate::output;
 use crate::progress::Progress;
 use crate::source::{STANDARD, label, read_text};
@@ -42,7 +42,7 @@ Examples:
   jointplay cell export --to gltf --rate 60 --out scene
   jointplay cell export --to text --dialect points --out controller
 
-Exit codes: 0 written, 1 not safe to run or not reachable, 2 bad input or usage.")]
+Exit codes: 0 written, 1 not safe to run or not reachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Export {
     #[command(flatten)]
     pub(super) input: InputArgs,
@@ -110,13 +110,12 @@ impl Export {
             )));
         }
         let files = self.files(&planned, &dialect)?;
-        folder::write(&self.out, &files, self.force)?;
         let written = Written {
             verdict: planned.document().verdict,
             violations: planned.report.violations.len(),
             duration_s: planned.motion.duration(),
             rate_hz: self.rate.0,
-            files: files.iter().map(|(name, _)| self.out.join(name)).collect(),
+            files: files.iter().map(|(path, _)| path.clone()).collect(),
         };
         if self.input.json() {
             output::json(&written)
@@ -125,53 +124,75 @@ impl Export {
         }
     }
 
-    /// Names and contents.
-    fn files(
-        &self,
-        planned: &Planned,
-        dialect: &Dialect,
-    ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    /// Paths and lengths of the files written.
+    fn files(&self, planned: &Planned, dialect: &Dialect) -> Result<Vec<(PathBuf, u64)>, Failure> {
         let recording = planned.recording();
         let mut kinds = self.to.clone();
         kinds.dedup();
         let mark = if recording.flaws.is_empty() { "" } else { MARK };
         let stem = format!("{}{mark}", planned.input.named.stem);
-        let mut progress = Progress::new(kinds.len());
-        let mut files = Vec::new();
+        let progress = Progress::new(kinds.len());
+        let reporter = progress.reporter();
+        reporter.stage("writing");
+        reporter.parts(kinds.len());
+        let mut staged = Staged::into(&self.out, self.force)?;
         for kind in kinds {
-            progress.stage("writing");
-            files.extend(self.file(kind, &recording, &stem, dialect)?);
-            progress.part_done(1);
+            self.file(kind, &recording, (&stem, dialect), &mut staged)?;
+            reporter.part_done();
         }
-        Ok(files)
+        staged.publish()
     }
 
     fn file(
         &self,
         kind: Kind,
         recording: &Recording<'_>,
-        stem: &str,
-        dialect: &Dialect,
-    ) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+        (stem, dialect): (&str, &Dialect),
+        staged: &mut Staged,
+    ) -> Result<(), Failure> {
         let Rate(rate) = self.rate;
-        Ok(match kind {
-            Kind::Csv => {
-                let columns = export::samples(recording, rate)?;
-                vec![(format!("{stem}.csv"), table::csv(&columns).into_bytes())]
-            }
-            Kind::Parquet => vec![(format!("{stem}.parquet"), parquet(recording, rate)?)],
-            Kind::Gltf => vec![(format!("{stem}.glb"), export::gltf(recording, rate)?)],
-            Kind::Mcap => vec![(format!("{stem}.mcap"), mcap(recording, rate)?)],
+        match kind {
+            Kind::Csv => csv(staged, &format!("{stem}.csv"), recording, rate),
+            Kind::Parquet => parquet(staged, &format!("{stem}.parquet"), recording, rate),
+            Kind::Gltf => staged.add(&format!("{stem}.glb"), |writer| {
+                Ok(writer.write_all(&export::gltf(recording, rate)?)?)
+            }),
+            Kind::Mcap => mcap(staged, &format!("{stem}.mcap"), recording, rate),
             Kind::Solidworks => {
-                let files = export::solidworks(recording, rate)?.into_iter();
-                files.map(|(name, text)| (name, text.into_bytes())).collect()
+                for (axis, name) in export::motors(recording).iter().enumerate() {
+                    staged.add(name, |mut writer| {
+                        Ok(export::motor(recording, rate, axis, &mut writer)??)
+                    })?;
+                }
+                let (name, text) = export::loader(recording);
+                staged.add(&name, |writer| Ok(writer.write_all(text.as_bytes())?))
             }
             Kind::Text => {
-                let text = dialect.write(recording, rate)?.into_bytes();
-                vec![(format!("{stem}-{}.{}", dialect.name, dialect.extension), text)]
+                let name = format!("{stem}-{}.{}", dialect.name, dialect.extension);
+                staged.add(&name, |writer| {
+                    dialect.write_in_parts(recording, rate, |part| {
+                        Ok::<_, Contents>(writer.write_all(part.as_bytes())?)
+                    })
+                })
             }
-        })
+        }
     }
+}
+
+/// The samples of a motion as comma-separated values.
+pub(super) fn csv(
+    staged: &mut Staged,
+    name: &str,
+    recording: &Recording<'_>,
+    rate: f64,
+) -> Result<(), Failure> {
+    staged.add(name, |mut writer| {
+        let mut header = true;
+        export::samples_in_parts(recording, rate, |columns| {
+            table::write_csv(columns, std::mem::take(&mut header), &mut writer)?;
+            Ok::<_, Contents>(())
+        })
+    })
 }
 
 /// A dialect that comes along, or that of a file.
@@ -190,28 +211,56 @@ fn dialect(path: &Path) -> Result<Dialect, Failure> {
 }
 
 #[cfg(feature = "parquet")]
-fn parquet(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Failure> {
-    let columns = export::samples(recording, rate)?;
-    table::parquet(&columns).map_err(|error| Failure::Parquet(error.to_string()))
+fn parquet(
+    staged: &mut Staged,
+    name: &str,
+    recording: &Recording<'_>,
+    rate: f64,
+) -> Result<(), Failure> {
+    let failed = |error: table::ParquetError| match error {
+        // The disk is told as such.
+        table::ParquetError::External(source) => match source.downcast::<std::io::Error>() {
+            Ok(source) => Contents::Write(*source),
+            Err(_) => Contents::Other(Failure::Parquet),
+        },
+        _ => Contents::Other(Failure::Parquet),
+    };
+    staged.add(name, |writer| {
+        // Its writer is known with the columns of the first part.
+        let mut file = None;
+        let mut writer = Some(writer);
+        export::samples_in_parts(recording, rate, |columns| {
+            if let Some(writer) = writer.take() {
+                file = Some(table::ParquetTable::new(columns, writer).map_err(failed)?);
+            }
+            file.as_mut().map_or(Ok(()), |file| file.push(columns)).map_err(failed)
+        })?;
+        file.map_or(Ok(()), |file| file.finish().map(drop)).map_err(failed)
+    })
 }
 
 #[cfg(not(feature = "parquet"))]
-fn parquet(_: &Recording<'_>, _: f64) -> Result<Vec<u8>, Failure> {
+fn parquet(_: &mut Staged, _: &str, _: &Recording<'_>, _: f64) -> Result<(), Failure> {
     Err(Failure::NoParquet)
 }
 
 #[cfg(feature = "mcap")]
-fn mcap(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Failure> {
-    Ok(export::mcap::write(recording, rate)?)
+fn mcap(
+    staged: &mut Staged,
+    name: &str,
+    recording: &Recording<'_>,
+    rate: f64,
+) -> Result<(), Failure> {
+    staged.add(name, |writer| Ok(writer.write_all(&export::mcap::write(recording, rate)?)?))
 }
 
 #[cfg(not(feature = "mcap"))]
-fn mcap(_: &Recording<'_>, _: f64) -> Result<Vec<u8>, Failure> {
+fn mcap(_: &mut Staged, _: &str, _: &Recording<'_>, _: f64) -> Result<(), Failure> {
     let text = "this jointplay was built without MCAP: build with --features mcap";
     Err(Failure::Misused(text.to_owned()))
 }
 
-fn told(written: &Written, files: &[(String, Vec<u8>)]) -> String {
+fn told(written: &Written, files: &[(PathBuf, u64)]) -> String {
     let mut text = format!(
         "{:.3} s of motion at {} samples a second\n",
         written.duration_s,
@@ -220,8 +269,8 @@ fn told(written: &Written, files: &[(String, Vec<u8>)]) -> String {
     if written.violations > 0 {
         text.push_str("NOT SAFE TO RUN, as every file says\n");
     }
-    for (path, (_, bytes)) in written.files.iter().zip(files) {
-        text.push_str(&format!("  {:<44} {:>12} bytes\n", path.display(), bytes.len()));
+    for (path, bytes) in files {
+        text.push_str(&format!("  {:<44} {bytes:>12} bytes\n", path.display()));
     }
     text
 }

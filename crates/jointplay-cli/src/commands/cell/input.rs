@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use jointplay::cell::Memory;
 use jointplay::cell::cell::Cell;
-use jointplay::cell::check::{CheckOptions, Report, Verdict, check};
-use jointplay::cell::motion::{Motion, MotionOptions, timed};
-use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, expand, wrong_lines};
+use jointplay::cell::check::{CheckOptions, Report, Verdict};
+use jointplay::cell::motion::{Motion, MotionOptions};
+use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, wrong_lines};
 use jointplay::cell::robot::EffectorId;
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
@@ -15,7 +16,7 @@ use jointplay::format::{cell, program, report};
 use super::text::counted;
 use crate::arguments::TextFormat;
 use crate::failure::{Failure, Wrong};
-use crate::progress::Progress;
+use crate::progress::{Progress, Reporter};
 use crate::source::{self, Kind, STANDARD, Source, read_text};
 
 /// What the example is called, in place of a file.
@@ -171,25 +172,25 @@ impl InputArgs {
     /// Expands, times and checks the program.
     pub(super) fn plan(&self) -> Result<Planned, Failure> {
         let input = self.load()?;
-        let mut progress = Progress::new(3);
-        progress.stage("expanding");
+        let progress = Progress::new(1);
+        let mut memory = counted_by(progress.reporter());
+        let reporter = progress.reporter();
+        reporter.stage("expanding");
         let cell = &input.named.cell;
-        let steps = expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
+        let steps = memory.expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
         if steps.is_empty() {
             return Err(Failure::Robot(format!(
                 "{}: nothing moves in this program: every axis starts at home, and no command takes one from there",
                 input.label
             )));
         }
-        progress.part_done(1);
-        progress.stage("timing");
-        let motion = timed(cell, steps, &MotionOptions::default()).map_err(|error| {
+        reporter.stage("timing");
+        let motion = memory.timed(cell, steps, &MotionOptions::default()).map_err(|error| {
             let problems = error.problems.iter();
             Failure::CannotDo(input.at(problems.map(|one| (one.place, one.message.clone()))))
         })?;
-        progress.part_done(1);
-        progress.stage("checking");
-        let report = check(cell, &motion, &CheckOptions::default());
+        reporter.stage("checking");
+        let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);
         let flaws = report::flaws(&report);
         Ok(Planned { input, motion, report, flaws })
@@ -265,6 +266,17 @@ impl Planned {
         let count = counted(self.report.violations.len(), "violation");
         Err(Failure::Unsolved(format!("{}: {count}, not safe to run", self.input.label)))
     }
+}
+
+/// Plans motion by motion, and reports how many are done.
+fn counted_by(reporter: Reporter) -> Memory {
+    Memory::run_by(move |count, job| {
+        reporter.parts(count);
+        for number in 0..count {
+            job(number);
+            reporter.part_done();
+        }
+    })
 }
 
 /// What is wrong with a file.

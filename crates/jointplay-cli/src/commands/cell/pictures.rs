@@ -12,8 +12,10 @@ use crate::failure::Failure;
 
 /// Width of a PNG figure [px].
 pub(super) const PNG_WIDTH: u32 = 1800;
-/// Points of the ways of wafer centres [Hz].
+/// Points of the paths of wafer centres [Hz].
 const POINTS: f64 = 50.0;
+/// And at most: a picture shows no more.
+const MOST_POINTS: f64 = 40_000.0;
 
 /// Names of the four pictures.
 pub(super) const PICTURES: [&str; 4] = ["top.svg", "top.png", "gantt.svg", "gantt.png"];
@@ -35,7 +37,8 @@ pub(super) fn pictures(planned: &Planned) -> Result<[(String, Vec<u8>); 4], Fail
 
 fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
     let robot = &planned.cell().robot;
-    let ways = export::tracks(&planned.recording(), POINTS)?;
+    let rate = POINTS.min(MOST_POINTS / planned.motion.duration().max(1.0));
+    let ways = export::tracks(&planned.recording(), rate)?;
     let mut view = TopView::new(planned.cell());
     for (effector, points) in planned.effectors().into_iter().zip(ways) {
         let reach = robot.reach(effector)?;
@@ -73,10 +76,8 @@ fn concerned(planned: &Planned, one: &Violation) -> Vec<EffectorId> {
 }
 
 fn gantt(planned: &Planned) -> Gantt {
-    let robot = &planned.cell().robot;
-    let axes = robot.axes.iter().map(|axis| axis.name.clone()).collect();
     let wrong: Vec<[f64; 2]> =
         planned.report.violations.iter().map(|one| [one.start, one.end]).collect();
     let title = format!("{}: axes over time", planned.cell().name);
-    Gantt::new(&title, axes, &planned.motion, &planned.input.text, &wrong)
+    Gantt::new(&title, planned.cell(), &planned.motion, &planned.input.text, &wrong)
 }

@@ -4,14 +4,13 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::Args;
-use jointplay::format::{export, table};
 
-use super::export::{Rate, rate};
+use super::export::{Rate, csv, rate};
 use super::input::InputArgs;
 use super::pictures::{PICTURES, pictures};
 use super::text;
 use crate::failure::Failure;
-use crate::folder::{self, ForceArgs};
+use crate::folder::{self, ForceArgs, Staged};
 use crate::output;
 
 const REPORT: &str = "report.json";
@@ -26,7 +25,7 @@ Examples:
   jointplay cell run
   jointplay cell run --rate 1000 --out fine-run --format json
 
-Exit codes: 0 sound, 1 not safe to run or not reachable, 2 bad input or usage.")]
+Exit codes: 0 sound, 1 not safe to run or not reachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Run {
     #[command(flatten)]
     pub(super) input: InputArgs,
@@ -51,12 +50,16 @@ impl Run {
         let planned = self.input.plan()?;
         let document = planned.document();
         let mut files = vec![(REPORT.to_owned(), (output::to_json(&document) + "\n").into_bytes())];
-        if planned.is_sound() || self.despite_errors {
-            let columns = export::samples(&planned.recording(), self.rate.0)?;
-            files.push((SAMPLES.to_owned(), table::csv(&columns).into_bytes()));
-        }
         files.extend(pictures(&planned)?);
-        folder::write(&self.out, &files, self.force)?;
+        let mut staged = Staged::into(&self.out, self.force)?;
+        for (name, bytes) in &files {
+            staged.add(name, |writer| Ok(writer.write_all(bytes)?))?;
+        }
+        if planned.is_sound() || self.despite_errors {
+            csv(&mut staged, SAMPLES, &planned.recording(), self.rate.0)?;
+            files.push((SAMPLES.to_owned(), Vec::new()));
+        }
+        staged.publish()?;
         folder::remove_stale(&self.out, &own, &files)?;
         if self.input.json() {
             output::json(&document)?;

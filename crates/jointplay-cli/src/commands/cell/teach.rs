@@ -22,7 +22,7 @@ use crate::output::{self, fixed};
 
 /// Place a station from taught points, or tell where stations are
 ///
-/// Three points or more on the resting plane give its tilt, how far they are from one plane, and a verdict; the place of the first and the last wafer gives the tilt by drift.
+/// Three points or more on the resting plane give its tilt with its uncertainty, their distances from the plane, and a verdict; the place of the first and the last wafer gives the tilt by drift.
 /// Without points it tells what the cell file says of its stations.
 #[derive(Args)]
 #[command(after_help = "\
@@ -31,7 +31,7 @@ Examples:
   jointplay cell teach --figure stations.png
   jointplay cell teach --station LP2 --first-mm -495,-495,500 --last-mm -492,-495,740
 
-Exit codes: 0 done, 1 the robot cannot tilt so far or the points are scattered, 2 bad input or usage.")]
+Exit codes: 0 done, 1 the robot cannot tilt so far, or the points are scattered or leave the plane too uncertain, 2 bad input or usage.")]
 pub(super) struct Teach {
     #[command(flatten)]
     pub(super) cell: CellArgs,
@@ -44,6 +44,9 @@ pub(super) struct Teach {
     /// How far from the plane a point may be
     #[arg(long, value_name = "UM", default_value = "100", value_parser = threshold)]
     threshold_um: f64,
+    /// Standard deviation of a measured coordinate; without it the noise is unknown and estimated from the points
+    #[arg(long, value_name = "UM", value_parser = threshold, requires = "point_mm")]
+    noise_um: Option<f64>,
     /// Where the wafer of the first slot rests, in the base frame
     #[arg(long, value_name = "X,Y,Z", value_parser = point, requires_all = ["station", "last_mm"])]
     first_mm: Option<Point>,
@@ -112,10 +115,21 @@ impl Teach {
         let scattered = document.stations.iter().find(|station| {
             station.plane.as_ref().is_some_and(|plane| plane.verdict == "scattered")
         });
-        scattered.map_or(Ok(()), |station| {
-            Err(Failure::Unsolved(format!(
+        if let Some(station) = scattered {
+            return Err(Failure::Unsolved(format!(
                 "the taught points of {} are scattered: teach them again, or allow more by --threshold-um",
                 station.name
+            )));
+        }
+        let uncertain = document.stations.iter().find_map(|station| {
+            let plane = station.plane.as_ref().filter(|plane| plane.verdict == "uncertain")?;
+            Some((&station.name, plane, plane.uncertainty.as_ref()?))
+        });
+        uncertain.map_or(Ok(()), |(name, plane, known)| {
+            Err(Failure::Unsolved(format!(
+                "the taught plane of {name} is known to ±{} µrad, allowed are {} µrad (`plane_urad`): teach points farther apart, more of them, or with less noise",
+                fixed(known.tilt_95_urad, 1),
+                fixed(plane.allowed_urad, 1)
             )))
         })
     }
@@ -137,6 +151,7 @@ impl Teach {
             _ => Some(Change::Taught {
                 points: self.point_mm.iter().map(|point| point.0).collect(),
                 threshold: m_from_mm(self.threshold_um / 1e3),
+                noise: self.noise_um.map(|noise| m_from_mm(noise / 1e3)),
             }),
         }
     }
@@ -200,7 +215,13 @@ fn one(text: &mut String, station: &StationReport, limit: f64) {
         let distances: Vec<String> = plane.distances_um.iter().map(|&one| fixed(one, 1)).collect();
         let verdict = match plane.verdict {
             "fits" => "fits",
-            "unproven" => "unproven: three points always lie in a plane, teach a fourth",
+            "uncertain" => "uncertain: the plane may be off by more than `plane_urad` allows",
+            "unproven" if plane.freedom == 0 => {
+                "unproven: three points always lie in a plane, teach a fourth"
+            }
+            "unproven" => {
+                "unproven: too few points to test their noise; give --noise-um, or teach 6 or more"
+            }
             _ => "scattered: teach them again",
         };
         let _ = writeln!(
@@ -210,6 +231,33 @@ fn one(text: &mut String, station: &StationReport, limit: f64) {
             fixed(plane.worst_um, 1),
             fixed(plane.threshold_um, 1)
         );
+        let freedom = match plane.freedom {
+            1 => "1 degree of freedom".to_owned(),
+            freedom => format!("{freedom} degrees of freedom"),
+        };
+        let noise = match (&plane.noise_um, &plane.uncertainty) {
+            (Some(noise), _) => format!("{} µm a coordinate, as given", fixed(*noise, 1)),
+            (None, Some(known)) => {
+                format!("not given; {} µm by the distances", fixed(known.noise_um, 1))
+            }
+            (None, None) => "not given, and three points do not show it".to_owned(),
+        };
+        let _ = writeln!(text, "  noise                {noise}, {freedom}");
+        match &plane.uncertainty {
+            Some(known) => {
+                let _ = writeln!(
+                    text,
+                    "  uncertainty          tilt ±{} µrad, height ±{} µm (95 %); tilt {} µrad rms, allowed {}",
+                    fixed(known.tilt_95_urad, 1),
+                    fixed(known.height_95_um, 1),
+                    fixed(known.tilt_rms_urad, 1),
+                    fixed(plane.allowed_urad, 1)
+                );
+            }
+            None => {
+                let _ = writeln!(text, "  uncertainty          unknown; --noise-um gives it");
+            }
+        }
         let _ = writeln!(text, "  verdict              {verdict}");
     }
 }

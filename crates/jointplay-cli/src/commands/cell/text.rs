@@ -1,5 +1,6 @@
 //! What a check finds, in words.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use jointplay::cell::check::{Kind, Violation};
@@ -11,6 +12,10 @@ use crate::output::fixed;
 
 /// Times that are listed of one violation that comes again and again.
 const TIMES: usize = 4;
+/// Groups of violations that are listed.
+const GROUPS: usize = 12;
+/// How names of wafers begin.
+const WAFER: &str = "wafer ";
 
 /// Verdict, what is wrong, and a table by line of the program.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
@@ -83,6 +88,21 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
             "  at a handover        an effector moves by up to {} µm as the weight passes over, at once in poses and files",
             fixed(made.jump_um, 1)
         );
+        if let (Some(mrad), Some(height)) = (made.taught_mrad, made.taught_um) {
+            let _ = writeln!(
+                text,
+                "  taught planes        known to ±{} mrad and ±{} µm (95 %), in addition",
+                fixed(mrad, 4),
+                fixed(height, 1)
+            );
+        }
+        if !made.taught_unknown.is_empty() {
+            let _ = writeln!(
+                text,
+                "  taught planes        uncertainty unknown for {}: `noise_um` or more points give it",
+                made.taught_unknown.join(", ")
+            );
+        }
     }
     let _ = writeln!(text, "  looked at            {}", counted(report.samples, "sample"));
     if !report.assumed.is_empty() {
@@ -118,28 +138,34 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     text
 }
 
-/// Every violation with its moment; those of one line and kind under one excerpt.
+/// What a group of violations has in common: command, kind, and the names of what takes part, all wafers alike.
+type About<'a> = (Place, Kind, Vec<&'a str>);
+
+/// Violations grouped by command and pair, worst first: the worst of each group under an excerpt, with times and number of the others.
 pub(super) fn violations(planned: &Planned) -> String {
-    let mut text = String::new();
-    type About<'a> = (Place, Kind, &'a [String]);
-    let mut told: Vec<(About<'_>, Vec<&Violation>)> = Vec::new();
+    let mut groups: BTreeMap<About<'_>, Vec<&Violation>> = BTreeMap::new();
     for one in &planned.report.violations {
-        let about = (one.place, one.kind, &one.names[..]);
-        match told.iter_mut().find(|(known, _)| *known == about) {
-            Some((_, all)) => all.push(one),
-            None => told.push((about, vec![one])),
-        }
+        let names = one.names.iter().map(|name| alike(name)).collect();
+        groups.entry((one.place, one.kind, names)).or_default().push(one);
     }
-    for ((place, kind, _), all) in told {
-        // The worst of them stands for all, and each is told its time.
-        let excess = |one: &&&Violation| (one.worst - one.limit).abs();
-        let worst = all.iter().max_by(|a, b| excess(a).total_cmp(&excess(b)));
-        let Some(worst) = worst else { continue };
-        let message = format!("{kind}: {}", explain_violation(worst));
-        for line in planned.input.excerpt(place, &message).lines() {
+    let mut groups: Vec<Vec<&Violation>> = groups.into_values().collect();
+    for group in &mut groups {
+        // The worst of them stands for all; of equal ones the first.
+        group.sort_by(|a, b| excess(b).total_cmp(&excess(a)).then(a.start.total_cmp(&b.start)));
+    }
+    groups.sort_by(|a, b| {
+        let [one, other] = [a[0], b[0]];
+        let by_kind = severity(one.kind).cmp(&severity(other.kind));
+        by_kind.then(excess(other).total_cmp(&excess(one))).then(one.start.total_cmp(&other.start))
+    });
+    let mut text = String::new();
+    for group in groups.iter().take(GROUPS) {
+        let worst = group[0];
+        let message = format!("{}: {}", worst.kind, explain_violation(worst));
+        for line in planned.input.excerpt(worst.place, &message).lines() {
             let _ = writeln!(text, "  {line}");
         }
-        let times: Vec<String> = all
+        let times: Vec<String> = group
             .iter()
             .take(TIMES)
             .map(|one| match (fixed(one.start, 3), fixed(one.end, 3)) {
@@ -147,15 +173,54 @@ pub(super) fn violations(planned: &Planned) -> String {
                 (start, end) => format!("{start} to {end}"),
             })
             .collect();
-        let more = match all.len().saturating_sub(TIMES) {
+        let more = match group.len().saturating_sub(TIMES) {
             0 => String::new(),
-            more => {
-                format!(", and {} more (--format json has them all)", counted(more, "time"))
-            }
+            more => format!(", and {} more", counted(more, "time")),
         };
-        let _ = writeln!(text, "    at {} s{more}", times.join(", "));
+        let wafers: BTreeSet<&String> = group
+            .iter()
+            .flat_map(|one| &one.names)
+            .filter(|name| name.starts_with(WAFER))
+            .collect();
+        let wafers = match wafers.len() {
+            0 | 1 => String::new(),
+            wafers => format!("; {wafers} wafers in all"),
+        };
+        let _ = writeln!(text, "    at {} s{more}{wafers}", times.join(", "));
+    }
+    let left = &groups[groups.len().min(GROUPS)..];
+    if !left.is_empty() {
+        let count: usize = left.iter().map(Vec::len).sum();
+        let _ = writeln!(
+            text,
+            "  and {} more in {} (--format json lists all)",
+            counted(count, "violation"),
+            counted(left.len(), "group")
+        );
     }
     text
+}
+
+/// A name by which violations are grouped: all wafers are alike.
+fn alike(name: &str) -> &str {
+    if name.starts_with(WAFER) { WAFER } else { name }
+}
+
+/// By how much a limit is broken, in SI; of no meaning between kinds.
+fn excess(one: &Violation) -> f64 {
+    (one.worst - one.limit).abs()
+}
+
+/// Which kinds come first: what breaks something, then what comes too near, then the limits of the axes.
+fn severity(kind: Kind) -> u8 {
+    match kind {
+        Kind::Platform | Kind::Droop => 0,
+        Kind::Collision => 1,
+        Kind::KeepOut => 2,
+        Kind::Clearance | Kind::SlotClearance | Kind::SafeZone => 3,
+        Kind::Slip => 4,
+        _ => 5,
+    }
 }
 
 /// A row for each line of the program, over all its runs.
@@ -221,6 +286,7 @@ pub(super) fn counted(count: usize, what: &str) -> String {
     format!("{count} {what}{}", if count == 1 { "" } else { "s" })
 }
 
+/// A share in %; what is beyond all bounds, such as of a limit of zero, is more than can be shown.
 fn percent(share: f64) -> String {
-    fixed(100.0 * share, 0)
+    if share.is_finite() && share < 99.995 { fixed(100.0 * share, 0) } else { ">9999".to_owned() }
 }

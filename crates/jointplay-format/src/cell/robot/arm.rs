@@ -8,6 +8,9 @@ use super::super::tree::{Entry, Reader, Span, Table};
 use super::MOTIONS;
 use crate::units::m_from_mm;
 
+/// Largest coefficient of friction: rubber on dry glass is below 4, and more is a mistake of the unit.
+const MOST_FRICTION: f64 = 10.0;
+
 pub(super) fn read_arm(table: &Table, axes: &[String]) -> Option<Arm> {
     let reader = table.reader;
     let name = table.name("name");
@@ -98,7 +101,7 @@ fn read_effector(reader: &Reader, table: &Table) -> Option<Effector> {
     let heading = table.number_or("heading_deg", Span::Any, 0.0).to_radians();
     let support = table.needed("support").and_then(|entry| entry.table(reader, "`support`"));
     let support = support.and_then(|support| read_support(&support));
-    let friction = table.number("friction", Span::NotNegative);
+    let friction = table.number("friction", Span::Within(0.0, MOST_FRICTION));
     table.finish();
     Some(Effector {
         name: name?,

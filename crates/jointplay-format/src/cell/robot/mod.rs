@@ -41,6 +41,16 @@ pub fn names() -> impl Iterator<Item = &'static str> {
     catalogue::entries().iter().filter(of_kind).map(|entry| entry.name)
 }
 
+/// Those of them that programs with stations run on.
+///
+/// The arms of the others have more motors than a straight line into a station determines, and their lines are followed by a local method that mostly gets stuck: they are jogged and posed, but not offered for programs.
+pub fn names_for_programs() -> impl Iterator<Item = &'static str> {
+    names().filter(|name| !POSED_ONLY.contains(name))
+}
+
+/// Robots of the catalogue that are posed and jogged only.
+const POSED_ONLY: [&str; 2] = ["scara-3r", "scara-4r"];
+
 /// Reads the file of a robot with arms.
 ///
 /// # Errors
@@ -353,7 +363,7 @@ mod tests {
             "known: edge, three-points, two-rails",
         );
         refuse("radius_mm = 120.0 }", "diameter_mm = 120.0 }", "diameter_mm", "unknown key");
-        refuse("friction = 0.5", "friction = -0.5", "-0.5", "0 or more");
+        refuse("friction = 0.5", "friction = -0.5", "-0.5", "from 0 to 10");
         refuse("arm = \"all", "arms = \"all", "arms", "did you mean `arm`?");
         refuse("\"cantilever\"", "\"beam\"", "\"beam\"", "known: rigid, table, cantilever");
         let idle = "[[axis]]\nname = \"W\"\nkind = \"slide\"\nrange_mm = [0, 1]\nhome_mm = 0\nempty = { velocity_mm_s = 1, acceleration_mm_s2 = 1, jerk_mm_s3 = 1 }\nloaded = { velocity_mm_s = 1, acceleration_mm_s2 = 1, jerk_mm_s3 = 1 }\n[[arm]]\nname = \"upper\"";

@@ -7,6 +7,9 @@ use super::template::Template;
 use super::{Dialect, Motions};
 use crate::export::{Error, Recording};
 
+/// Text that is held at a time [bytes].
+const PART: usize = 1 << 20;
+
 impl Dialect {
     /// A motion in this dialect.
     ///
@@ -18,7 +21,36 @@ impl Dialect {
     /// # Errors
     /// [`Error::Rate`], [`Error::TooManySamples`]
     pub fn write(&self, recording: &Recording<'_>, rate: f64) -> Result<String, Error> {
+        let mut whole = String::new();
+        self.write_in_parts(recording, rate, |part| {
+            whole.push_str(part);
+            Ok::<_, Error>(())
+        })?;
+        Ok(whole)
+    }
+
+    /// The text of [`Self::write`], a part after the other: what is held does not grow with the duration.
+    ///
+    /// # Arguments
+    /// * `rate` – points a second, where the dialect tells points [Hz]
+    /// * `take` – takes the next part
+    ///
+    /// # Errors
+    /// As [`Self::write`], and those of `take`.
+    pub fn write_in_parts<E: From<Error>>(
+        &self,
+        recording: &Recording<'_>,
+        rate: f64,
+        mut take: impl FnMut(&str) -> Result<(), E>,
+    ) -> Result<(), E> {
         recording.check_rate(rate)?;
+        let mut pass_on = |text: &mut String, least: usize| {
+            if text.len() > least {
+                take(text)?;
+                text.clear();
+            }
+            Ok::<_, E>(())
+        };
         let Recording { cell, motion, .. } = *recording;
         let mut text = String::new();
         if let Some(warning) = recording.warning() {
@@ -83,6 +115,7 @@ impl Dialect {
                             "positions" => self.values(recording, &point.positions),
                             _ => self.values(recording, &point.velocities),
                         });
+                        pass_on(&mut text, PART)?;
                     }
                 }
             }
@@ -102,7 +135,7 @@ impl Dialect {
         }
         let duration = motion.duration();
         push(&mut text, &self.end, ends(duration, &motion.at(duration).positions));
-        Ok(text)
+        pass_on(&mut text, 0)
     }
 
     fn push_comment(&self, text: &mut String, what: &str) {

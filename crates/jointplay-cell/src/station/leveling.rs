@@ -1,0 +1,59 @@
+//! By how much a station has to be leveled for the platform to follow it.
+
+use jointplay_core::spatial::Tilt;
+use nalgebra::Vector3;
+
+use super::{Station, teach};
+use crate::cell::Cell;
+use crate::robot::WaferTarget;
+use crate::wafer::Unreachable;
+
+/// Halvings by which the largest tilt that can be followed is found: to less than a nanoradian.
+const HALVINGS: usize = 30;
+
+impl Cell {
+    /// The least angle by which the tilt of a station has to be reduced about its origin, so that the platform can follow it at every slot with every effector that may use it, the deflection of the loaded arms compensated [rad].
+    ///
+    /// `None` where the platform can follow it, and where leveling does not help.
+    /// Places that cannot be reached for other reasons do not count.
+    ///
+    /// # Numerics
+    /// By halving, for the lowest and the highest slot: the deflection grows with the reach, which changes evenly from slot to slot.
+    #[must_use]
+    pub fn leveling(&self, station: &Station) -> Option<f64> {
+        let tilt = Tilt::from_normal(&(station.base_from_station.rotation * Vector3::z()));
+        if self.can_follow(station) {
+            return None;
+        }
+        let leveled = |pitch: f64| {
+            let origin = station.base_from_station.translation.vector;
+            let normal = Tilt { pitch, ..tilt }.normal();
+            let yaw = teach::yaw(&station.base_from_station);
+            Station { base_from_station: teach::frame(origin, &normal, yaw), ..station.clone() }
+        };
+        if !self.can_follow(&leveled(0.0)) {
+            return None;
+        }
+        let (mut low, mut high) = (0.0, tilt.pitch);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            if self.can_follow(&leveled(middle)) { low = middle } else { high = middle }
+        }
+        Some(tilt.pitch - low)
+    }
+
+    /// Whether the platform can tilt as far as the places of a station ask for.
+    fn can_follow(&self, station: &Station) -> bool {
+        let home: Vec<f64> = self.robot.axes.iter().map(|axis| axis.home).collect();
+        station.effectors.iter().all(|&effector| {
+            [1, station.slots].into_iter().all(|slot| {
+                let places = station.waypoints(slot, [[0.0; 2]; 3]);
+                let follows = |target: &WaferTarget| {
+                    let found = self.reach(effector, target, true, &home);
+                    !matches!(found, Err(Unreachable::Tilt { .. }))
+                };
+                [&places.resting, &places.above, &places.retracted_above].into_iter().all(follows)
+            })
+        })
+    }
+}
