@@ -183,11 +183,11 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
     }
     let _ = writeln!(
         text,
-        "{}, by displacement",
+        "{}",
         if report.cut_short || report.sets_untried > 0 {
-            "best sets found, not all that there are; a smaller displacement may exist"
+            "best sets found, by displacement; not every set was compared and tried, so that a smaller displacement may exist"
         } else {
-            "sets of virtual joints"
+            "sets of virtual joints, by displacement"
         }
     );
     let _ = writeln!(

@@ -13,8 +13,11 @@ pub const CLOSED: f64 = 1e-11;
 const ROUND_OFF: f64 = 1e-14;
 /// Longest step of a correction, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.5;
-/// Where loops are closed, corrections go on only as long as each leaves no more than this share of the residual: slower is a drift along motions that loops do not determine.
+/// Where loops are closed, corrections that leave more than this share of the residual…
 const STILL_CONVERGING: f64 = 0.5;
+/// …by steps longer than this, or any steps longer than [`FAR`], are a drift along motions that loops do not determine, in radians and characteristic lengths.
+const DRIFT: f64 = 1e-7;
+const FAR: f64 = 1e-4;
 /// Damping below which a longer step is no better.
 const LEAST_DAMPING: f64 = 1e-14;
 
@@ -82,7 +85,8 @@ pub fn close(
             }
             let there = here.moved(&by)?;
             let reached = scaled_residual(&there.residual(&there.at_home()), &rows);
-            if before <= CLOSED && reached.norm() > STILL_CONVERGING * before {
+            let slow = reached.norm() > STILL_CONVERGING * before;
+            if before <= CLOSED && step.norm() > if slow { DRIFT } else { FAR } {
                 break;
             }
             if reached.norm() < before {

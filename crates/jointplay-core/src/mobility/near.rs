@@ -26,6 +26,8 @@ const CANDIDATES: f64 = 0.1;
 const EXACT: f64 = 1e-9;
 /// Random subspaces of the candidates that are followed for each number of motions.
 const MIXTURES: usize = 2;
+/// A subspace that needs no more than this many times what first order asks of the best one is taken without a look at others.
+const NEAR_LEAST: f64 = 3.0;
 /// How often a subspace is turned to where its motions lead.
 const REFINED: usize = 2;
 /// Directions that mix those of a subspace: motions on two branches are possible one by one, but not mixed.
@@ -127,7 +129,8 @@ pub fn near_tolerances<S: System + ?Sized>(
         columns: units(&system.coordinate_dimensions(), length),
     };
     let residual = system.mismatch(at);
-    let (candidates, exact) = follower.candidates(at)?;
+    let (candidates, values) = follower.candidates(at)?;
+    let exact = values.iter().filter(|&&value| value <= EXACT).count();
     let mut all = Vec::new();
     let first = Start { at: at.clone(), candidates };
     // What moves for real moves within any tolerance, all of it together.
@@ -143,8 +146,11 @@ pub fn near_tolerances<S: System + ?Sized>(
     for count in all.len() + 1..=starts[0].candidates.ncols() {
         let before = best.take();
         let mut least = f64::INFINITY;
+        // Every subspace has a direction with a singular value no less than this one.
+        let enough = NEAR_LEAST * (RADIUS * values[count - 1]).max(residual);
+        let enough = enough.max(*TOLERANCES.start());
         let mut n = 0;
-        while n < starts.len() && least > *TOLERANCES.start() {
+        while n < starts.len() && least > enough {
             let seed = before.as_ref().filter(|(start, _)| *start == n).map(|(_, basis)| basis);
             for basis in starts[n].subspaces(count, seed, &mut random) {
                 let basis = follower.turned(&starts[n], basis)?;
@@ -152,13 +158,13 @@ pub fn near_tolerances<S: System + ?Sized>(
                 if needed < least {
                     (least, best) = (needed, Some((n, basis)));
                 }
-                if least <= *TOLERANCES.start() {
+                if least <= enough {
                     break;
                 }
             }
             n += 1;
             // Configurations on branches are looked for once, where they can make a difference.
-            if n == 1 && starts.len() == 1 && least > *TOLERANCES.start() {
+            if n == 1 && starts.len() == 1 && least > enough {
                 let on_branches = follower.on_branches(&starts[0])?;
                 starts.extend(on_branches);
             }
@@ -238,13 +244,14 @@ impl<S: System + ?Sized> Follower<'_, S> {
         }
     }
 
-    /// (n, candidates) orthonormal directions with small singular values, those of the largest first, and how many of them are zero but for round-off.
-    fn candidates(&self, at: &Configuration) -> Result<(DMatrix<f64>, usize), Error> {
+    /// (n, candidates) orthonormal directions with small singular values, those of the largest first, and these values, the least first.
+    fn candidates(&self, at: &Configuration) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
         let found = svd(&self.jacobian(at))?;
-        let above = |cut: f64| found.singular_values.iter().filter(|&&value| value > cut).count();
-        let counted = above(CANDIDATES);
-        let exact = found.v.ncols() - above(EXACT);
-        Ok((found.null_space(counted), exact))
+        let values = &found.singular_values;
+        let counted = values.iter().filter(|&&value| value > CANDIDATES).count();
+        let n = found.v.ncols();
+        let least = (counted..n).rev().map(|k| values.get(k).copied().unwrap_or(0.0)).collect();
+        Ok((found.null_space(counted), least))
     }
 
     /// A subspace turned to where motions along its directions lead, so that a motion of 0.3 in it is one of 0.3.
