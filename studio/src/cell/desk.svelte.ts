@@ -287,6 +287,8 @@ export class Desk {
       this.plan = plan;
       this.planned = texts;
       this.#answered = true;
+      // A field that has left the page no longer says that nobody types into it.
+      if (!(document.activeElement instanceof HTMLInputElement)) this.typing = false;
       if (plan.stations.length > 0) this.stations = plan.stations;
       this.dragged = null;
       this.took_ms = performance.now() - begun;
