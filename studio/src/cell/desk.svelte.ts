@@ -276,6 +276,8 @@ export class Desk {
       this.timeline.show(plan);
       this.planned = { texts, key: plan.key };
       this.#answered = true;
+      // A field that has left the page no longer says that nobody types into it.
+      if (!(document.activeElement instanceof HTMLInputElement)) this.typing = false;
       if (plan.stations.length > 0) this.stations = plan.stations;
       this.dragged = null;
       this.took_ms = performance.now() - begun;

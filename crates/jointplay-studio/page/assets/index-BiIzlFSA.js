@@ -1,2 +1,0 @@
-const __vite__mapDeps=(i,m=__vite__mapDeps,d=(m.f||(m.f=["./page-BHyZWtmd.js","./stage-B_nKCLO0.js","./graphics-07Nl3DKu.js","./three-v4Ci7Rqu.js","./stage-vWLnJ2Z7.css","./preload-helper-BQUUbbNx.js","./page-DB1cuaIh.css"])))=>i.map(i=>d[i]);
-import{n as e}from"./graphics-07Nl3DKu.js";import{t}from"./preload-helper-BQUUbbNx.js";var n=t(()=>import(`./page-BHyZWtmd.js`),__vite__mapDeps([0,1,2,3,4,5,6]),import.meta.url);e(),await n;
