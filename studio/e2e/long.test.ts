@@ -64,7 +64,7 @@ for (const [name, change, program] of ROBOTS)
     let worst = 0;
     for (let look = 0; look < 200; look += 1) {
       const time_s = random.next().value * plan.report.duration_s;
-      const at = plan.windows.findLastIndex(({ start_s }) => start_s <= time_s);
+      const at = plan.windows.filter(({ start_s }) => start_s <= time_s).length - 1;
       const window = windows[at]!;
       const step = window.stepAt(time_s - plan.windows[at]!.start_s);
       const since = time_s - plan.windows[at]!.start_s - window.steps[step]!.start_s;

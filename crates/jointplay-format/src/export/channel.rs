@@ -113,9 +113,17 @@ fn pruned(states: &[State], k: usize, tolerance: f64) -> Channel {
     add(&states[first]);
     let mut from = first;
     while from < last {
-        let mut to = from + 1;
-        while to < last && spans(&states[from..=to + 1], k, tolerance) {
-            to += 1;
+        // As far as one cubic holds: in steps that double, then halve.
+        let (mut to, mut stride) = (from + 1, 1);
+        while to + stride <= last && spans(&states[from..=to + stride], k, tolerance) {
+            to += stride;
+            stride *= 2;
+        }
+        while stride > 0 {
+            if to + stride <= last && spans(&states[from..=to + stride], k, tolerance) {
+                to += stride;
+            }
+            stride /= 2;
         }
         add(&states[to]);
         from = to;

@@ -6,6 +6,7 @@ mod encode;
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::motion::{Motion, Sample};
@@ -15,7 +16,7 @@ use jointplay_cell::station::SlotId;
 use jointplay_core::spatial::Pose;
 
 use super::scene::{Held, Wafers, rounded};
-use super::segment::{POSE_NUMBERS, numbers_of};
+use super::segment::{POSE_NUMBERS, Segment, numbers_of};
 use super::{Error, Recording};
 use crate::report::ViolationReport;
 
@@ -30,7 +31,6 @@ const PLACES: f64 = 1e9;
 ///
 /// The content of a window depends on its steps, on where the wafers are at its start and on the violations in it, and not on when it starts.
 /// Its key is a hash of all that its content depends on: windows with the same key are the same.
-#[derive(Debug, Clone)]
 pub struct Timeline {
     /// In order; together they hold all steps.
     pub windows: Vec<Window>,
@@ -40,7 +40,17 @@ pub struct Timeline {
     motions: Vec<u64>,
     /// Where wafers go, in order.
     changes: Vec<Change>,
+    /// Hash of what all windows of the cell depend on.
+    shared: u64,
+    /// Those that were asked for last, of this motion and the ones before.
+    segments: Arc<Mutex<Segments>>,
 }
+
+/// Segments by hashes of the cell and of the motion, and by the effectors that carry a wafer.
+type Segments = BTreeMap<(u64, u64, Vec<EffectorId>), Arc<Segment>>;
+
+/// Segments that are remembered.
+const MOST_SEGMENTS: usize = 512;
 
 /// Some steps of a motion.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,8 +134,10 @@ impl Timeline {
         let most = STEPS.max(motion.steps.len() / MOST_WINDOWS);
         let known = previous.map(|previous| (previous.marks.as_slice(), previous.edges()));
         let edges = cut::edges(&marks, &starts, most, known);
-        let mut timeline = Self { windows: Vec::new(), marks, motions, changes };
         let shared = shared(recording.cell);
+        let segments = previous.map_or_else(Arc::default, |one| Arc::clone(&one.segments));
+        let mut timeline =
+            Self { windows: Vec::new(), marks, motions, changes, shared, segments };
         let mut moved = BTreeMap::new();
         for pair in edges.windows(2) {
             let steps = pair[0]..pair[1];
@@ -140,6 +152,22 @@ impl Timeline {
             timeline.windows.push(window);
         }
         Ok(timeline)
+    }
+
+    /// A step as channels.
+    fn segment(&self, recording: &Recording<'_>, step: usize) -> Result<Arc<Segment>, Error> {
+        let known = || self.segments.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (self.shared, self.motions[step], recording.motion.steps[step].loaded.clone());
+        if let Some(segment) = known().get(&key) {
+            return Ok(Arc::clone(segment));
+        }
+        let made = Arc::new(Segment::new(recording, step)?);
+        let mut known = known();
+        if known.len() >= MOST_SEGMENTS {
+            known.clear();
+        }
+        known.insert(key, Arc::clone(&made));
+        Ok(made)
     }
 
     fn edges(&self) -> Vec<usize> {

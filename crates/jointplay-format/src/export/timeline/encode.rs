@@ -6,7 +6,6 @@ use jointplay_cell::robot::EffectorId;
 use serde_json::{Value, json};
 
 use super::super::channel::Channel;
-use super::super::segment::Segment;
 use super::super::{Error, Recording, scene::rounded};
 use super::{HeldAt, Timeline, phase};
 use crate::report::ViolationReport;
@@ -85,7 +84,7 @@ impl Timeline {
             let segment = match known.get(&key) {
                 Some(&segment) => segment,
                 None => {
-                    let made = Segment::new(recording, step)?;
+                    let made = self.segment(recording, step)?;
                     let channels: Vec<usize> =
                         made.channels.iter().map(|one| pool.add(one)).collect();
                     segments.push(json!({
