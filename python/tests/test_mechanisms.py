@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+import re
 
 import numpy as np
 import pandas
@@ -200,9 +201,27 @@ def test_positions(four_bar):
     np.testing.assert_allclose(found.coordinates, way.coordinates, atol=1e-11)
     gap = four_bar.positions({"A": [0.2, np.nan, 0.3]})
     assert np.isnan(gap.coordinates[1]).all() and np.isfinite(gap.coordinates[[0, 2]]).all()
+    assert gap.status.tolist() == [jp.Status.SOLVED, jp.Status.NOT_FINITE, jp.Status.SOLVED]
+    late = four_bar.positions({"A": [np.inf, 0.2]})
+    assert late.status.tolist() == [jp.Status.NOT_FINITE, jp.Status.SOLVED] and late.failed == 1
     assert four_bar.positions({"A": []}).coordinates.shape == (0, 4)
     with pytest.raises(jp.UnknownNameError):
         four_bar.positions({"A": [0.2]}, solver="best")
+
+
+def test_positions_have_a_status():
+    """Rows beyond joint limits and clearances, and what allows them."""
+    rods = {f"rod {k + 1}": [0.0, 0.001 * k, 0.3] for k in range(3)}
+    robot = jp.Mechanism.from_catalogue("gpr-mechanism")
+    beyond = robot.positions(rods)
+    assert beyond.status.tolist() == [0, 0, jp.Status.BEYOND_LIMITS]
+    assert np.isnan(beyond.coordinates[2]).all() and beyond.failure_counts == {"beyond the limits": 1}
+    free = robot.positions(rods, check_limits=False)
+    assert free.failed == 0 and free["rod 1"][2] == 0.3
+    text = (ROOT / "robots" / "gpr-mechanism.toml").read_text(encoding="utf-8")
+    tight = jp.Mechanism.from_toml(re.sub(r"(\[\[virtual_joint\]\])", r"\1\nclearance = 0.000001", text))
+    found = tight.positions({"rod 1": [0.0, 0.002], "rod 2": 0.0, "rod 3": 0.0})
+    assert found.status.tolist() == [0, jp.Status.BEYOND_CLEARANCE]
 
 
 def test_positions_with_play_are_those_of_the_robot(gpr):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._analyses import Freedoms
-from ._base import Floats, Result, Table
+from ._base import Floats, Many, Result, Table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -171,8 +171,8 @@ class Motion(Table):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Positions(Table):
-    """All joints for n commands; a row that cannot be closed is NaN."""
+class Positions(Many):
+    """All joints for n commands; a row that cannot be closed, or is beyond limits or clearances, is NaN."""
 
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
@@ -182,6 +182,12 @@ class Positions(Table):
     """Their values, shape (n, f + M) [m, rad]."""
     residual: Floats
     """Largest mismatch of a loop, in radians and characteristic lengths, shape (n,)."""
+    status: NDArray[np.uint8]
+    """What became of each row, shape (n,): 0 where it has an answer, else a ``Status``."""
+    failed: int
+    """How many rows have no answer."""
+    failure_counts: Mapping[str, int]
+    """How many have none for which reason."""
 
     def __getitem__(self, name: str) -> Floats:
         """One coordinate for all commands, shape (n,) [m or rad]."""

@@ -65,7 +65,7 @@ impl Mobility {
                 if source.is_mechanism() {
                     return self.of_mechanism(&source);
                 }
-                self.robot(&source)?
+                self.robot(&source)?.without_limit_checks()
             }
         };
         // The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.

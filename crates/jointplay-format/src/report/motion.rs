@@ -1,6 +1,6 @@
 //! A mechanism on its way.
 
-use jointplay_core::mechanism::{Motion, Stop};
+use jointplay_core::mechanism::{CoordinateLimits, Motion, Stop};
 
 use super::mechanism::{ByName, UnitsReport, by_name};
 use crate::coordinates::Coordinates;
@@ -146,28 +146,13 @@ fn largest_displacements(coordinates: &Coordinates, motion: &Motion) -> Option<B
 
 /// Names of the coordinates that are beyond their limits somewhere on the way, and of virtual joints beyond their clearance.
 fn beyond_limits(file: &MechanismFile, coordinates: &Coordinates, motion: &Motion) -> Vec<String> {
-    let limits = file
-        .mechanism
-        .joints()
-        .iter()
-        .flat_map(|joint| (0..joint.kind.freedoms()).map(|k| joint.limits.get(k).copied()));
-    let clearances = file
-        .mechanism
-        .virtual_joints()
-        .iter()
-        .map(|joint| joint.clearance.map(|most| [-most, most]));
-    let beyond = |k: usize, [least, most]: [f64; 2]| {
-        // Round-off at the very end of a way to a limit is not beyond it.
-        let slack = 1e-9 * (most - least);
-        motion.waypoints.iter().any(|at| {
-            let value = at.coordinates[k];
-            value < least - slack || value > most + slack
-        })
-    };
-    limits
-        .chain(clearances)
-        .enumerate()
-        .filter(|&(k, limits)| limits.is_some_and(|limits| beyond(k, limits)))
-        .map(|(k, _)| coordinates.all()[k].name.clone())
+    let limits = CoordinateLimits::of(&file.mechanism);
+    let mut beyond = vec![false; coordinates.all().len()];
+    for at in &motion.waypoints {
+        limits.broken(at.coordinates.as_slice()).for_each(|k| beyond[k] = true);
+    }
+    (coordinates.all().iter().zip(beyond))
+        .filter(|(_, beyond)| *beyond)
+        .map(|(one, _)| one.name.clone())
         .collect()
 }
