@@ -17,6 +17,7 @@ mod folder;
 mod mechanism_input;
 mod output;
 mod progress;
+mod space;
 
 use std::process::ExitCode;
 

@@ -131,6 +131,16 @@ pub enum Problem {
         /// Why.
         why: String,
     },
+    /// A number far beyond any robot.
+    #[error("`{key}` is {value:e}, but has to lie within ±{most}")]
+    TooLarge {
+        /// Which key.
+        key: &'static str,
+        /// What was found, in the unit of the key.
+        value: f64,
+        /// Greatest allowed magnitude, in the unit of the key.
+        most: f64,
+    },
     /// Not three limbs.
     #[error("a GPR has 3 limbs, but {found} are given")]
     LimbCount {
@@ -141,6 +151,11 @@ pub enum Problem {
     #[error("{}", explain(.0))]
     Geometry(jointplay_core::Error),
 }
+
+/// Lengths of robot files lie within this: a kilometre [mm].
+const LARGEST_MM: f64 = 1e6;
+/// Angles of robot files lie within this: a hundred turns [deg].
+const LARGEST_DEG: f64 = 36_000.0;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -192,10 +207,13 @@ pub fn parse(text: &str) -> Result<Robot, Error> {
         return Err(wrong(file.kind.span(), Problem::Kind { found: file.kind.into_inner() }));
     }
     let number = |key: &'static str, span: std::ops::Range<usize>, value: f64| {
-        if value.is_finite() {
-            Ok(value)
-        } else {
+        let most = if key.ends_with("_deg") { LARGEST_DEG } else { LARGEST_MM };
+        if !value.is_finite() {
             Err(wrong(span, Problem::NotFinite { key, value }))
+        } else if value.abs() > most {
+            Err(wrong(span, Problem::TooLarge { key, value, most }))
+        } else {
+            Ok(value)
         }
     };
     let scalar = |key, value: &Spanned<f64>| number(key, value.span(), *value.get_ref());
@@ -332,6 +350,19 @@ mod tests {
         let radius = "socket_radius_mm = 93.218";
         refuse(radius, "socket_radius_mm = nan", 13, "`socket_radius_mm` is NaN");
         refuse(radius, "socket_radius_mm = inf", 13, "`socket_radius_mm` is inf");
+        refuse(
+            radius,
+            "socket_radius_mm = 1e308",
+            13,
+            "`socket_radius_mm` is 1e308, but has to lie within ±1000000",
+        );
+        refuse(
+            "= 120.0",
+            "= 1e308",
+            18,
+            "`socket_angle_deg` is 1e308, but has to lie within ±36000",
+        );
+        refuse("[246.0, 754.0]", "[-1e308, 754]", 26, "`rod_mm` is -1e308");
         refuse(radius, "socket_radius_mm = 0", 13, "the socket radius of limb 1 is 0 mm");
         refuse(radius, "socket_radius_mm = -5.5", 13, "is -5.5 mm, but has to be positive");
         refuse(radius, "socket_radius_mm = \"93\"", 13, "expected f64");

@@ -58,6 +58,10 @@ impl PartFile {
                 out.display()
             )));
         }
+        if path.exists() && !replace {
+            let running = OpenOptions::new().read(true).write(true).open(&path);
+            lock(&running.map_err(failed(&path))?, &path)?;
+        }
         if marker_path.exists() && !replace {
             return Err(Failure::Misused(format!(
                 "{} is what an interrupted run left: --resume goes on with it, --force begins again",
@@ -267,6 +271,12 @@ impl PartFile {
         self.marking = self.marked - start;
         Ok(())
     }
+}
+
+/// Size of what an interrupted run left of a table [bytes]; 0 if there is nothing.
+pub(super) fn written(out: &Path) -> f64 {
+    let (path, _) = names(out);
+    path.metadata().map_or(0.0, |found| found.len() as f64)
 }
 
 /// Names of the table on its way and of its marker.

@@ -56,7 +56,7 @@ pub enum Problem {
         value: f64,
     },
     /// A number that is too large or too small.
-    #[error("`{key}` has {value}, but needs numbers from {min} to {max}")]
+    #[error("`{key}` has {}, but needs numbers from {min} to {max}", shown(*.value))]
     Beyond {
         /// Which key.
         key: &'static str,
@@ -178,4 +178,9 @@ pub enum Problem {
     /// More samples than can be counted.
     #[error("{0}")]
     Plan(jointplay_study::Error),
+}
+
+/// A number in few characters, however large it is.
+fn shown(value: f64) -> String {
+    if value.abs() < 1e9 { format!("{value}") } else { format!("{value:e}") }
 }

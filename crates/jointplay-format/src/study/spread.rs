@@ -72,12 +72,10 @@ fn drawn(text: &str, key: &Key, span: Range<usize>, table: &toml::Table) -> Resu
         }
         return Ok(Spread::Uniform { from: (key.to_si)(first), to: (key.to_si)(second) });
     }
-    if !second.is_finite() {
-        return Err(wrong(Problem::NotFinite { key: name, value: second }));
-    }
     if second <= 0.0 {
         return Err(wrong(Problem::Deviation { key: name, value: second }));
     }
+    within(key, second).map_err(wrong)?;
     Ok(Spread::Normal { mean: (key.to_si)(first), deviation: (key.to_si)(second) })
 }
 
