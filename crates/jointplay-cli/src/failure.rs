@@ -38,6 +38,8 @@ pub(crate) enum Failure {
     Stopped(String),
     #[error("{0}")]
     OverClearance(String),
+    #[error("the mobility is not what `[expected]` of the file says:{0}")]
+    Unexpected(String),
     #[error("{0}")]
     Unsolved(String),
     #[error("{0}")]
@@ -174,6 +176,7 @@ impl Failure {
             jointplay::Error::NotConverged(_)
             | jointplay::Error::DependentSides { .. }
             | jointplay::Error::TurnedOver { .. }
+            | jointplay::Error::BeyondLimits(_)
             | jointplay::Error::NotAssembled(_)
             | jointplay::Error::NotRelieved { .. } => NO,
             _ => BAD_INPUT,
@@ -184,6 +187,7 @@ impl Failure {
             | Self::Stopped(_)
             | Self::OverClearance(_)
             | Self::CannotDo(_)
+            | Self::Unexpected(_)
             | Self::Unsolved(_) => NO,
             Self::Interrupted(_) => INTERRUPTED,
             Self::Core(error) => core(error),
@@ -197,6 +201,7 @@ impl Failure {
             Self::Limits(_) => "limits",
             Self::OverClearance(_) => "clearance",
             Self::Stopped(_) => "stopped",
+            Self::Unexpected(_) => "unexpected",
             Self::Interrupted(_) => "interrupted",
             _ if self.exit_code() == NO => "unsolved",
             Self::Write { .. } | Self::Print(_) => "output",

@@ -31,7 +31,10 @@ Examples:
   jointplay mobility bennett                              any mechanism
   jointplay mobility four-bar --at A=30 --set coupler=0.25
   jointplay mobility bennett --set b=0.1101 --tolerance 1e-3
-                                                          moves, to a thousandth")]
+                                                          moves, to a thousandth
+
+Where the file of a mechanism says what to expect, in `[expected]`, an answer that differs from it is an error; not with --at, --set or --tolerance.
+Exit codes: 0 done, 1 no such configuration, beyond a limit, or not what the file expects, 2 bad input or usage.")]
 pub(crate) struct Mobility {
     /// Mechanism or robot file (TOML), or a name from `jointplay catalogue`; without it, the paper's robot
     #[arg(value_name = "FILE", conflicts_with = "robot")]
@@ -101,7 +104,8 @@ impl Mobility {
             let (system, _) = input.sparse(&input.commands(&self.at)?)?;
             let found = system.mobility(RANK_THRESHOLD)?;
             let report = report::sparse_mobility(&input.file, &system, &found);
-            return self.answer.print(&report, sparse_text);
+            self.answer.print(&report, sparse_text)?;
+            return self.compare_with_file(&input, report.joint_freedoms, &report.freedoms);
         }
         let posed = input.posed(&input.commands(&self.at)?)?;
         let system = MechanismSystem::new(&input.file.mechanism, posed.values.clone())?;
@@ -121,7 +125,26 @@ impl Mobility {
             &finite,
             near.as_ref(),
         )?;
-        self.answer.print(&report, |report| mechanism_text(&input, report))
+        self.answer.print(&report, |report| mechanism_text(&input, report))?;
+        self.compare_with_file(&input, report.joint_freedoms, &report.freedoms)
+    }
+
+    /// Refuses an answer that is not what the file itself expects.
+    ///
+    /// Expectations hold for the mechanism as its file describes it: other parameters, commanded coordinates and a tolerance are not compared.
+    fn compare_with_file(
+        &self,
+        input: &Input,
+        joint_freedoms: usize,
+        found: &FreedomsReport,
+    ) -> Result<(), Failure> {
+        let asked = !self.at.is_empty() || !self.set.set.is_empty() || input.tolerance.is_some();
+        let disagreements = report::disagreements(&input.file.expected, joint_freedoms, found);
+        if asked || disagreements.is_empty() {
+            return Ok(());
+        }
+        let lines = disagreements.iter().map(|one| format!("\n  {one}"));
+        Err(Failure::Unexpected(lines.collect()))
     }
 
     fn refuse_tolerance(&self) -> Result<(), Failure> {

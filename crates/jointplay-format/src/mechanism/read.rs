@@ -205,6 +205,15 @@ fn blame(file: &File, error: &MechanismError) -> Range<usize> {
     found.unwrap_or_else(|| file.name.span())
 }
 
+/// A name of a joint, by which commands find it.
+pub(super) fn joint_name(text: &str, found: &Spanned<String>) -> Result<String, Error> {
+    let read = name(text, "name", found)?;
+    if read.contains([',', '=', '[', ']']) {
+        return Err(Error::at(text, found.span(), Problem::JointName { found: read }));
+    }
+    Ok(read)
+}
+
 /// A name that can be printed.
 pub(super) fn name(text: &str, key: &'static str, name: &Spanned<String>) -> Result<String, Error> {
     let found = name.get_ref().clone();
@@ -326,6 +335,8 @@ mod tests {
         refuse("[0, 0, 2]", "[0, 0, 0]", "[0, 0, 0]", "all its numbers are 0");
         refuse("[0, 0, 2]", "[0, 2]", "[0, 2]", "has 2 entries, but needs 3");
         refuse("[0, 0, 2]", "[0, 0, inf]", "inf", "`axis` is inf");
+        refuse("[0, 0, 2]", "[0, 0, 1e308]", "1e308", "within ±1e12");
+        refuse("[0, 0, 2]", "[0, 0, \"1e13\"]", "\"1e13\"", "within ±1e12");
         refuse("[0, 0, 2]", "[0, 0, true]", "true", "expected a number or an expression");
         refuse("zero = [1, 0, 5]", "zero = [0, 0, 5]", "[0, 0, 5]", "parallel to the axis");
         let tilted = "second_axis = [1, 1e-5, 0]";
@@ -362,6 +373,10 @@ mod tests {
     #[test]
     fn links_that_make_no_mechanism_are_refused() {
         refuse("[\"arm\", \"cross\"]", "[\"arm\", \"arm\"]", "[\"arm\", \"arm\"]", "to itself");
+        for joint in ["crank[0]", "crank,cardan", "crank=1"] {
+            let named = format!("{joint:?}");
+            refuse("name = \"crank\"", &format!("name = {named}"), &named, "cannot be called");
+        }
         refuse("name = \"v2\"", "name = \"crank\"", "\"crank\"", "used twice");
         refuse("name = \"cardan\"", "name = \"crank\"", "\"crank\"", "used twice");
         let apart = "[[joint]]\nname = \"apart\"\nkind = \"fixed\"\nlinks = [\"p\", \"q\"]\n";
