@@ -15,6 +15,12 @@ from typed import Slides
 import jointplay as jp
 
 
+@pytest.fixture
+def gpr() -> jp.Gpr:
+    """The paper's robot, which also answers beyond its limits, as the paper's study needs."""
+    return jp.Gpr.paper().without_limit_checks()
+
+
 def same(value):
     """A result is a value: it survives pickling and copying, and says what it is."""
     assert pickle.loads(pickle.dumps(value)) == value == copy.deepcopy(value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import pickle
+import re
 
 import numpy as np
 import pandas
@@ -200,9 +201,27 @@ def test_positions(four_bar):
     np.testing.assert_allclose(found.coordinates, way.coordinates, atol=1e-11)
     gap = four_bar.positions({"A": [0.2, np.nan, 0.3]})
     assert np.isnan(gap.coordinates[1]).all() and np.isfinite(gap.coordinates[[0, 2]]).all()
+    assert gap.status.tolist() == [jp.Status.SOLVED, jp.Status.NOT_FINITE, jp.Status.SOLVED]
+    late = four_bar.positions({"A": [np.inf, 0.2]})
+    assert late.status.tolist() == [jp.Status.NOT_FINITE, jp.Status.SOLVED] and late.failed == 1
     assert four_bar.positions({"A": []}).coordinates.shape == (0, 4)
     with pytest.raises(jp.UnknownNameError):
         four_bar.positions({"A": [0.2]}, solver="best")
+
+
+def test_positions_have_a_status():
+    """Rows beyond joint limits and clearances, and what allows them."""
+    rods = {f"rod {k + 1}": [0.0, 0.001 * k, 0.3] for k in range(3)}
+    robot = jp.Mechanism.from_catalogue("gpr-mechanism")
+    beyond = robot.positions(rods)
+    assert beyond.status.tolist() == [0, 0, jp.Status.BEYOND_LIMITS]
+    assert np.isnan(beyond.coordinates[2]).all() and beyond.failure_counts == {"beyond the limits": 1}
+    free = robot.positions(rods, check_limits=False)
+    assert free.failed == 0 and free["rod 1"][2] == 0.3
+    text = (ROOT / "robots" / "gpr-mechanism.toml").read_text(encoding="utf-8")
+    tight = jp.Mechanism.from_toml(re.sub(r"(\[\[virtual_joint\]\])", r"\1\nclearance = 0.000001", text))
+    found = tight.positions({"rod 1": [0.0, 0.002], "rod 2": 0.0, "rod 3": 0.0})
+    assert found.status.tolist() == [0, jp.Status.BEYOND_CLEARANCE]
 
 
 def test_positions_with_play_are_those_of_the_robot(gpr):
@@ -230,7 +249,7 @@ def test_a_tilt_commanded_by_a_ball_joint_stays_near_home():
     turns = np.linspace(-1, 1, 5) * DEG
     many = mechanism.positions({"S1[0]": 0.0, "S1[1]": turns, "S1[2]": 0.0})
     assert all(np.abs(many[rod]).max() < reach for rod in rods)
-    assert many.status.tolist() == [jp.PositionStatus.SOLVED] * 5
+    assert many.status.tolist() == [jp.Status.SOLVED] * 5
     best = mechanism.suggest([tilt]).sets[0]
     assert best.size_m == pytest.approx(1.5 * 0.093218 * (1 - np.cos(1 * DEG)), rel=0.01)
     assert np.abs(best.coordinates[0, [0, 4, 8]]).max() < 2 * reach and best.limits_broken == ()
@@ -244,7 +263,7 @@ def test_joint_limits_are_an_answer():
             ask(beyond)
         assert caught.value.limits_broken[:3] == ["rod 1", "rod 2", "rod 3"] and caught.value.result is not None
     found = mechanism.positions({"rod 1": [0, 0.3], "rod 2": [0, 0.3], "rod 3": [0, 0.3]})
-    assert found.status.tolist() == [jp.PositionStatus.SOLVED, jp.PositionStatus.BEYOND_LIMITS]
+    assert found.status.tolist() == [jp.Status.SOLVED, jp.Status.BEYOND_LIMITS]
     with pytest.raises(jp.InputError, match=r'joint "S1": some of S1\[0\]'):
         mechanism.positions({"S1[0]": [0.0], "S1[1]": [0.01]})
 

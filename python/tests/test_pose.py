@@ -54,7 +54,7 @@ def test_metrics_are_those_of_the_command(gpr, ask):
     virtualization=st.sampled_from(VIRTUALIZATIONS),
 )
 def test_forward_undoes_inverse(yaw, pitch, height, virtualization):
-    gpr = jp.Gpr.paper()
+    gpr = jp.Gpr.paper().without_limit_checks()
     rods = gpr.inverse(yaw, pitch, height)
     pose = gpr.forward(rods.rods_m, virtualization, solver="newton")
     assert pose.pitch_rad == pytest.approx(pitch, rel=1e-8)
@@ -108,9 +108,52 @@ def test_limits(gpr):
     assert (rod.limit, rod.found, rod.max, rod.unit) == ("rod 3", 0.8, 0.754, "m")
     assert (tilt.limit, tilt.unit) == ("tilt", "rad") and tilt.found > tilt.max
     assert gpr.broken_limits((0.5, 0.5, 0.5), pitch_rad=0.5)[0].limit == "tilt"
+    rows = np.array([[(0.5, 0.501, 0.502), (0.5, 0.5, 0.8)], [(0.1, 0.1, 0.1), (0.5, np.nan, 0.5)]])
+    many = gpr.broken_limits(rows)
+    assert many.rods.tolist() == [[[False] * 3, [False, False, True]], [[True] * 3, [False, True, False]]]
+    assert many.tilt.tolist() == [[False, True], [False, True]] and many.any.sum() == 3
+    assert gpr.broken_limits(rows, pitch_rad=0.01).tilt.sum() == 0
+    assert gpr.broken_limits(rows, pitch_rad=[0.01, 0.1]).tilt.tolist() == [[False, True]] * 2
+    with pytest.raises(jp.ArrayError):
+        gpr.broken_limits(rows, pitch_rad=np.zeros(5))
+
+
+def test_poses_beyond_the_limits_are_refused(gpr):
+    with pytest.raises(jp.BeyondLimitsError, match="lengths are in m and angles in rad") as caught:
+        gpr.inverse(30, 1.5)
+    error = caught.value
+    assert isinstance(error, jp.NoAnswerError)
+    assert [limit.limit for limit in error.limits_broken] == ["rod 2", "rod 3", "tilt"]
+    assert error.limits_broken[-1].found == 1.5 and error.limits_broken[-1].max == gpr.tilt_limit_rad
+    assert pickle.loads(pickle.dumps(error)).limits_broken == error.limits_broken
+    # Millimetres for metres.
+    with pytest.raises(jp.BeyondLimitsError):
+        gpr.forward([120, 121, 122])
+    for call in (
+        lambda: gpr.inverse_for_center(0, 0.1, 0.5),
+        lambda: gpr.approximate(0, 0.1),
+        lambda: gpr.tilt_play(0, 0.1),
+        lambda: gpr.compare([0.01, 0.1]),
+        lambda: gpr.mobility([0.1, 0.1, 0.1]),
+        lambda: gpr.sensitivity([0.1, 0.1, 0.1]),
+    ):
+        with pytest.raises(jp.BeyondLimitsError):
+            call()
+    many = gpr.inverse([0, 30, 0], [0.01, 1.5, np.nan])
+    assert many.status.tolist() == [jp.Status.SOLVED, jp.Status.BEYOND_LIMITS, jp.Status.NOT_FINITE]
+    assert np.isnan(many.rods_m[1]).all() and "1 beyond the limits" in many.failures()
+    poses = gpr.forward([[0.5, 0.501, 0.502], [120, 121, 122]])
+    assert poses.status.tolist() == [0, jp.Status.BEYOND_LIMITS] and np.isnan(poses.origin_m[1]).all()
+
+    free = gpr.without_limit_checks()
+    assert gpr.checks_limits and not free.checks_limits and free != gpr and "check_limits=False" in repr(free)
+    assert pickle.loads(pickle.dumps(free)) == free and free.tilt_limit_rad == gpr.tilt_limit_rad
+    assert free.inverse(0, 0.1).rods_m[0] == pytest.approx(0.5 - math.tan(0.1) * gpr.socket_radius_m[0])
+    assert free.inverse([0.0, 1.0], 0.1).failed == 0
 
 
 def test_no_answer_is_raised_with_its_facts(gpr):
+    gpr = gpr.without_limit_checks()
     with pytest.raises(jp.NotConvergedError) as caught:
         gpr.forward((0.2, 0.5, 0.9), "offset", solver="newton")
     error = caught.value

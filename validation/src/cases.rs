@@ -39,7 +39,7 @@ pub fn pose(
     yaw_deg: f64,
     pitch_deg: f64,
 ) -> Forward {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let rods = gpr.inverse(tilt(yaw_deg, pitch_deg), HEIGHT).expect("a pitch below 90°");
     gpr.forward(rods, virtualization, &options(solver, metric)).expect("a pose near level")
 }

@@ -34,7 +34,7 @@ fn close(a: f64, b: f64) -> bool {
 
 #[test]
 fn level_has_rank_9_and_mobility_3_all_other_poses_11_and_1() {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     for yaw in yaws_deg() {
         for pitch in [0.0, 1e-6, 0.01, 0.2, 2.0] {
             let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, yaw, pitch);
@@ -50,7 +50,7 @@ fn level_has_rank_9_and_mobility_3_all_other_poses_11_and_1() {
 #[test]
 fn a_micrometre_between_rods_is_enough_for_rank_11() {
     // "Even small differences … in the range of the normal deviations from the parallelism."
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     for rods in [[0.5, 0.500001, 0.5], [0.5, 0.500001, 0.499999]] {
         let found =
             gpr.forward(rods, &Planar, &options(Solver::ClosedForm, Metric::Paper)).unwrap();
@@ -63,7 +63,7 @@ fn a_micrometre_between_rods_is_enough_for_rank_11() {
 #[test]
 fn the_three_freedoms_at_level_are_instantaneous_one_is_finite() {
     // The paper says "instantaneous local mobility"; what is left of it for finite motions it does not say.
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, 0.0, 0.0);
     let system = gpr.system(&Planar);
     let at = system.configuration(&found);
@@ -74,7 +74,7 @@ fn the_three_freedoms_at_level_are_instantaneous_one_is_finite() {
 
 #[test]
 fn with_virtual_joints_rank_is_12_and_mobility_m_everywhere() {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     for model in MODELS {
         for pitch in [0.0, 1e-6, 0.2, 2.0] {
             let found = pose(model, Solver::Newton, Metric::Paper, 30.0, pitch);
@@ -90,7 +90,7 @@ fn with_virtual_joints_rank_is_12_and_mobility_m_everywhere() {
 
 /// Non-zero singular values of ∂Φ/∂X in mm and rad, as the paper would have computed them [mm²/mm, mm²/rad].
 fn singular_values_of_phi_by_x(model: &dyn Virtualization, yaw: f64, pitch: f64) -> [f64; 3] {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let found = pose(model, Solver::Newton, Metric::Paper, yaw, pitch);
     let system = gpr.system(model);
     let mut matrix = system.virtual_jacobian(&system.configuration(&found));
@@ -123,7 +123,7 @@ fn singular_values_of_phi_by_x_vary_slightly_and_never_vanish() {
 
 #[test]
 fn sensitivity_has_rank_3_and_known_singular_values_at_level() {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let root = 2.0_f64.sqrt();
     for (model, expected) in [
         (&Radial as &dyn Virtualization, [root, root, 1.0]),
@@ -142,7 +142,7 @@ fn sensitivity_has_rank_3_and_known_singular_values_at_level() {
 
 #[test]
 fn bounds_4_and_5_agree_and_hold_for_the_chord() {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     for model in MODELS {
         for yaw in yaws_deg() {
             let options = options(Solver::Newton, Metric::Paper);
@@ -161,7 +161,7 @@ fn bounds_4_and_5_agree_and_hold_for_the_chord() {
 
 #[test]
 fn bounds_at_the_end_are_twice_those_of_the_chord_and_zero_at_the_start() {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     for model in MODELS {
         let options = options(Solver::Newton, Metric::Paper);
         let play = gpr.tilt_play(tilt(15.0, 2.0), HEIGHT, model, &options).unwrap();
@@ -257,7 +257,8 @@ fn an_extremum_of_l_is_a_minimum_or_a_maximum_depending_on_the_yaw() {
 fn q_has_no_extremum_at_a_pass() {
     // The rods go straight through; only the six series above turn back.
     for yaw in yaws_deg() {
-        let rods = |pitch| Gpr::paper().inverse(tilt(yaw, pitch), HEIGHT).unwrap();
+        let rods =
+            |pitch| Gpr::paper().without_limit_checks().inverse(tilt(yaw, pitch), HEIGHT).unwrap();
         let (before, after) = (rods(-0.2), rods(0.2));
         for k in 0..3 {
             near(before[k] - 0.5, 0.5 - after[k], 1e-15);

@@ -28,7 +28,7 @@ pub(crate) const RODS: [usize; 3] = [0, 1, 2];
 /// The robot of the catalogue.
 pub(crate) fn robot() -> Gpr {
     let entry = catalogue::find("gpr").expect("the catalogue has the robot");
-    robot::parse(entry.text).expect("catalogue files can be read").gpr
+    robot::parse(entry.text).expect("catalogue files can be read").gpr.without_limit_checks()
 }
 
 /// Every tilt: 360 azimuths, 20 pitches either side of level, none at it.

@@ -149,7 +149,7 @@ impl LimitArgs {
         rods: &[f64; 3],
         tilt: Tilt,
     ) -> Result<Vec<BrokenLimit>, Failure> {
-        let broken = gpr.limits().broken(rods, tilt);
+        let broken: Vec<BrokenLimit> = gpr.limits().broken(rods, tilt).iter().collect();
         if broken.is_empty() || self.ignore_limits {
             Ok(broken)
         } else {
@@ -188,8 +188,9 @@ pub(crate) struct AnswerArgs {
 }
 
 impl AnswerArgs {
+    /// The robot; its limits are checked by [`LimitArgs`].
     pub(crate) fn load(&self) -> Result<Gpr, Failure> {
-        Ok(self.robot.load()?.gpr)
+        Ok(self.robot.load()?.gpr.without_limit_checks())
     }
 
     pub(crate) fn json(&self) -> bool {

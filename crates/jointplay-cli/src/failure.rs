@@ -42,6 +42,8 @@ pub(crate) enum Failure {
     /// A configuration of a mechanism that its joints cannot reach.
     #[error("beyond joint limits:\n{}", messages(.0))]
     BeyondLimits(Vec<report::LimitReport>),
+    #[error("the mobility is not what `[expected]` of the file says:{0}")]
+    Unexpected(String),
     #[error("{0}")]
     Unsolved(String),
     #[error("{0}")]
@@ -206,6 +208,7 @@ impl Failure {
             jointplay::Error::NotConverged(_)
             | jointplay::Error::DependentSides { .. }
             | jointplay::Error::TurnedOver { .. }
+            | jointplay::Error::BeyondLimits(_)
             | jointplay::Error::NotAssembled(_)
             | jointplay::Error::NotRelieved { .. }
             | jointplay::Error::NotLeast { .. } => NO,
@@ -218,6 +221,7 @@ impl Failure {
             | Self::Stopped(_)
             | Self::OverClearance(_)
             | Self::CannotDo(_)
+            | Self::Unexpected(_)
             | Self::Unsolved(_) => NO,
             Self::Interrupted(_) => INTERRUPTED,
             Self::Core(error) => core(error),
@@ -231,6 +235,7 @@ impl Failure {
             Self::Limits(_) | Self::BeyondLimits(_) => "limits",
             Self::OverClearance(_) => "clearance",
             Self::Stopped(_) => "stopped",
+            Self::Unexpected(_) => "unexpected",
             Self::Interrupted(_) => "interrupted",
             _ if self.exit_code() == NO => "unsolved",
             Self::Write { .. } | Self::Print(_) => "output",

@@ -24,6 +24,7 @@ mod mechanism_input;
 mod output;
 mod progress;
 mod source;
+mod space;
 mod usage;
 
 use std::process::ExitCode;

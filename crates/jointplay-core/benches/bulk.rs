@@ -34,7 +34,7 @@ impl Poses {
             .map(|i| (4.0 * (f64::from(i) * 0.754_877_666_246_692_8).fract() - 2.0).to_radians())
             .collect();
         let rods = [0, 1, 2].map(|_| vec![0.0; POSES]);
-        let mut poses = Self { gpr: Gpr::paper(), yaw, pitch, rods };
+        let mut poses = Self { gpr: Gpr::paper().without_limit_checks(), yaw, pitch, rods };
         poses.inverse();
         poses
     }

@@ -54,7 +54,7 @@ fn over<T>(criterion: &mut Criterion, name: &str, items: &[T], kernel: impl Fn(&
 }
 
 fn forward<V: Virtualization>(criterion: &mut Criterion, name: &str, model: &V, solver: Solver) {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let options = with(solver);
     over(criterion, name, &rods(&gpr), |&rods| {
         black_box(&gpr.forward(rods, model, &options)).as_ref().unwrap();
@@ -62,7 +62,7 @@ fn forward<V: Virtualization>(criterion: &mut Criterion, name: &str, model: &V, 
 }
 
 fn kinematics(criterion: &mut Criterion) {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     over(criterion, "inverse", &tilts(), |&tilt| {
         black_box(gpr.inverse(tilt, AxisHeight(0.5))).unwrap();
     });
@@ -101,7 +101,7 @@ fn kinematics(criterion: &mut Criterion) {
 }
 
 fn analyses(criterion: &mut Criterion) {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let system = gpr.system(&Polar);
     let poses: Vec<_> = rods(&gpr)
         .into_iter()
@@ -131,7 +131,7 @@ fn mechanisms(criterion: &mut Criterion) {
     (0..3).for_each(|k| nominal[4 * k] = 0.5);
     let system = MechanismSystem::new(&mechanism, nominal.clone()).unwrap();
     let solver = PositionSolver::new(&system, &[0, 4, 8]).unwrap();
-    let rods = rods(&Gpr::paper());
+    let rods = rods(&Gpr::paper().without_limit_checks());
     for relief in [ReliefSolver::Newton, ReliefSolver::LeastNorm] {
         let room = std::cell::RefCell::new((solver.clone(), nominal.clone()));
         over(criterion, &format!("position of a mechanism, {relief:?}"), &rods, |rods| {

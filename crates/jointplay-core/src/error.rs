@@ -1,5 +1,6 @@
 //! What can go wrong in the core, as facts.
 
+use crate::gpr::BrokenLimits;
 use crate::virtualization::{Solver, VirtualJoints};
 
 /// Why a computation has no answer. Lengths are in m, angles in rad.
@@ -13,6 +14,16 @@ pub enum Error {
         what: &'static str,
         /// What was found.
         value: f64,
+    },
+    /// A length whose products with others would overflow.
+    #[error("{what} is {value:e} m, but has to lie within ±{max:e} m")]
+    TooLong {
+        /// Which length.
+        what: &'static str,
+        /// What was found [m].
+        value: f64,
+        /// Greatest allowed magnitude [m].
+        max: f64,
     },
     /// A length that has to be positive is not.
     #[error("{what} of limb {limb} is {value} m, but has to be positive")]
@@ -65,6 +76,9 @@ pub enum Error {
         /// `m` or `rad`.
         unit: &'static str,
     },
+    /// A pose beyond the robot's limits.
+    #[error("the pose is beyond the robot's limits: {0}; lengths are in m and angles in rad")]
+    BeyondLimits(BrokenLimits),
     /// A tilt at which the rods no longer meet the platform plane.
     #[error("the pitch is {pitch} rad, but has to stay within ±π/2")]
     PitchTooLarge {
@@ -223,6 +237,17 @@ pub struct Unconverged {
     pub threshold: f64,
     /// Iterations done.
     pub iterations: usize,
+}
+
+/// The largest length that is computed with [m], so that no product of lengths overflows.
+pub(crate) const LARGEST_LENGTH: f64 = 1e50;
+
+/// `value` if it is a finite length of at most [`LARGEST_LENGTH`].
+pub(crate) fn length(what: &'static str, value: f64) -> Result<f64, Error> {
+    if finite(what, value)?.abs() <= LARGEST_LENGTH {
+        return Ok(value);
+    }
+    Err(Error::TooLong { what, value, max: LARGEST_LENGTH })
 }
 
 /// `value` if finite.

@@ -52,7 +52,7 @@ fn kernels_do_not_allocate() {
         1,
         "allocations are counted"
     );
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let tilt = Tilt { yaw: 0.4, pitch: 0.03 };
     let rods = gpr.inverse(tilt, AxisHeight(0.5)).unwrap();
     let inverse = allocations(|| {
@@ -74,9 +74,26 @@ fn kernels_do_not_allocate() {
 }
 
 #[test]
+fn poses_beyond_the_limits_do_not_allocate() {
+    let (gpr, options) = (Gpr::paper(), SolveOptions::default());
+    let count = allocations(|| {
+        let tilt = Tilt { yaw: 30.0, pitch: 1.5 };
+        gpr.inverse(tilt, AxisHeight(0.5)).unwrap_err();
+        for model in built_in() {
+            gpr.forward([120.0, 121.0, 122.0], model, &options).unwrap_err();
+            gpr.forward([f64::NAN; 3], model, &options).unwrap_err();
+            gpr.inverse_for_center(tilt, CenterHeight(0.5), model, &options).unwrap_err();
+        }
+        let broken = gpr.limits().broken(&[0.1, 0.5, 0.9], tilt);
+        assert_eq!(broken.iter().count(), 3);
+    });
+    assert_eq!(count, 0);
+}
+
+#[test]
 fn many_poses_do_not_allocate() {
     const POSES: usize = 13;
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let pitch: [f64; POSES] = std::array::from_fn(|i| 0.01 * i as f64);
     let mut rods = [[0.0; POSES]; 3];
     let mut status = [Status::Solved; POSES];
@@ -109,7 +126,7 @@ fn many_poses_do_not_allocate() {
 #[test]
 fn positions_of_a_mechanism_do_not_allocate() {
     let mechanism = robot::gpr(robot::polar);
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let rods = gpr.inverse(Tilt { yaw: 0.4, pitch: 0.03 }, AxisHeight(0.5)).unwrap();
     let mut start = robot::home(&mechanism);
     (0..3).for_each(|k| start[4 * k] = rods[k]);

@@ -42,6 +42,10 @@ pub fn explain(error: &Error) -> String {
                 mm(*max)
             )
         }
+        Error::BeyondLimits(broken) => {
+            let limits: Vec<String> = broken.iter().map(|limit| explain_limit(&limit)).collect();
+            format!("the pose is beyond the robot's limits: {}", limits.join("; "))
+        }
         Error::PitchTooLarge { pitch } => {
             format!("the pitch is {}°, but has to lie between -90° and 90°", deg(*pitch))
         }

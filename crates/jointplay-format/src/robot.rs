@@ -14,9 +14,6 @@ use crate::units::m_from_mm;
 /// The file of the paper's robot.
 pub const PAPER: &str = include_str!("../../../robots/gpr.toml");
 
-/// The largest size of a number in a robot file, in mm and degrees: a kilometre, far from where squares overflow.
-const LARGEST: f64 = 1e6;
-
 /// A robot as read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Robot {
@@ -157,6 +154,11 @@ pub enum Problem {
     Geometry(jointplay_core::Error),
 }
 
+/// Lengths of robot files lie within this: a kilometre [mm].
+const LARGEST_MM: f64 = 1e6;
+/// Angles of robot files lie within this: a hundred turns [deg].
+const LARGEST_DEG: f64 = 36_000.0;
+
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -218,10 +220,11 @@ pub fn parse(text: &str) -> Result<Robot, Error> {
         return Err(wrong(file.kind.span(), Problem::Kind { found: file.kind.into_inner() }));
     }
     let number = |key: &'static str, span: std::ops::Range<usize>, value: f64| {
+        let most = if key.ends_with("_deg") { LARGEST_DEG } else { LARGEST_MM };
         if !value.is_finite() {
             Err(wrong(span, Problem::NotFinite { key, value }))
-        } else if value.abs() > LARGEST {
-            Err(wrong(span, Problem::Beyond { key, value, most: LARGEST }))
+        } else if value.abs() > most {
+            Err(wrong(span, Problem::Beyond { key, value, most }))
         } else {
             Ok(value)
         }
@@ -360,10 +363,22 @@ mod tests {
         let radius = "socket_radius_mm = 93.218";
         refuse(radius, "socket_radius_mm = nan", 13, "`socket_radius_mm` is not a number");
         refuse(radius, "socket_radius_mm = inf", 13, "`socket_radius_mm` is infinite");
+        refuse(
+            radius,
+            "socket_radius_mm = 1e308",
+            13,
+            "`socket_radius_mm` is 1e308, but has to lie within ±1000000",
+        );
+        refuse(
+            "= 120.0",
+            "= 1e308",
+            18,
+            "`socket_angle_deg` is 1e308, but has to lie within ±36000",
+        );
+        refuse("[246.0, 754.0]", "[-1e308, 754]", 26, "`rod_mm` is -1e308");
         refuse(radius, "socket_radius_mm = 0", 13, "the socket radius of limb 1 is 0 mm");
         refuse(radius, "socket_radius_mm = -5.5", 13, "is -5.5 mm, but has to be positive");
         refuse(radius, "socket_radius_mm = \"93\"", 13, "expected a number, found the text \"93\"");
-        refuse(radius, "socket_radius_mm = 1e308", 13, "is 1e308, but has to lie within ±1000000");
         refuse(
             "kind = \"gpr\"",
             "kind = \"frobnicate\"\n[[limb]]",

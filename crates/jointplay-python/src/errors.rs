@@ -2,10 +2,11 @@
 
 use jointplay::Error;
 use jointplay::format::place;
+use jointplay::gpr::BrokenLimit;
 use jointplay::study;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
 
 use crate::skin::{self, fields};
 
@@ -74,6 +75,15 @@ fn class_and_facts<'py>(
             "OutOfRangeError",
             fields!(py; what = "tolerance", value = *found, min = *min, max = *max, unit = "1"),
         ),
+        E::TooLong { what, value, max } => (
+            "OutOfRangeError",
+            fields!(py; what = *what, value = *value, min = -*max, max = *max, unit = "m"),
+        ),
+        E::BeyondLimits(broken) => {
+            let limits = broken.iter().map(|limit| broken_limit(py, limit));
+            let limits = PyTuple::new(py, limits.collect::<PyResult<Vec<_>>>()?)?;
+            ("BeyondLimitsError", fields!(py; limits_broken = limits))
+        }
         E::PitchTooLarge { pitch } => ("PitchTooLargeError", fields!(py; pitch_rad = *pitch)),
         E::NotPositive { .. }
         | E::Collinear { .. }
@@ -125,6 +135,26 @@ fn class_and_facts<'py>(
         }
         _ => ("InputError", PyDict::new(py)),
     })
+}
+
+/// A broken limit as a `BrokenLimit`.
+pub(crate) fn broken_limit(py: Python<'_>, broken: BrokenLimit) -> PyResult<Bound<'_, PyAny>> {
+    let fields = match broken {
+        BrokenLimit::Rod { limb, length, min, max } => fields!(py;
+            limit = format!("rod {limb}"), found = length, min = min, max = max, unit = "m",
+        ),
+        BrokenLimit::Tilt { pitch, max } => {
+            fields!(py; limit = "tilt", found = pitch, min = 0.0, max = max, unit = "rad")
+        }
+    };
+    skin::result(py, "BrokenLimit", &fields)
+}
+
+/// A `NotFiniteError`.
+pub(crate) fn not_finite(py: Python<'_>, what: &str, value: f64) -> PyErr {
+    let message = format!("{what} is {value}, but has to be a finite number");
+    let facts = || Ok(fields!(py; what = what, value = value));
+    new(py, "NotFiniteError", &message, facts())
 }
 
 /// An error of a study: that of its pose, which says which pose it was.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use jointplay::format::robot;
-use jointplay::gpr::{AxisHeight, BrokenLimit, CenterHeight, Gpr, Limb, Limits};
+use jointplay::gpr::{AxisHeight, CenterHeight, Gpr, Limb, Limits};
 use jointplay::nalgebra::Vector2;
 use jointplay::spatial::Tilt;
 use numpy::{PyArray1, PyArray2};
@@ -13,7 +13,7 @@ use pyo3::types::{PyDict, PyFloat, PyTuple};
 use crate::arrays::{Spread, Triples, matrix, numbers_of_shape};
 use crate::many::{self, Wanted};
 use crate::model::{self, Model, ModelNames, with_model};
-use crate::numbers::{number, one_triple, three};
+use crate::numbers::{number, one_triple, optional_real, real, three};
 use crate::pose::{PyForward, PyInverse};
 use crate::skin::{self, fields};
 use crate::{errors, own_virtualization};
@@ -22,7 +22,7 @@ use crate::{errors, own_virtualization};
 const LARGEST_ROBOT_FILE: u64 = 1_000_000;
 
 /// What rods have to be, for messages.
-const RODS: &str = "three rod lengths or an array of shape (..., 3) in metres";
+pub(crate) const RODS: &str = "three rod lengths or an array of shape (..., 3) in metres";
 
 /// A three-rod robot, a GPR.
 ///
@@ -45,6 +45,8 @@ const RODS: &str = "three rod lengths or an array of shape (..., 3) in metres";
 ///     Where the rods cross the base plane [m]; each under its socket if left out.
 /// name : str, optional
 ///     What messages call it.
+/// check_limits : bool, optional
+///     Whether poses beyond the limits are refused; see `without_limit_checks`.
 ///
 /// Examples
 /// --------
@@ -53,7 +55,7 @@ const RODS: &str = "three rod lengths or an array of shape (..., 3) in metres";
 /// Gpr(name="GPR", socket_radius_m=[0.1, 0.1, 0.1], working_height_m=0.5)
 #[pyclass(name = "Gpr", module = "jointplay", frozen, eq, hash)]
 pub(crate) struct PyGpr {
-    name: String,
+    pub(crate) name: String,
     pub(crate) gpr: Gpr,
 }
 
@@ -106,17 +108,18 @@ impl PyGpr {
 #[pymethods]
 impl PyGpr {
     #[new]
-    #[pyo3(signature = (*, socket_radius_m, rod_limits_m, tilt_limit_rad, working_height_m, socket_angle_rad=None, base_points_m=None, name="GPR".to_owned()))]
+    #[pyo3(signature = (*, socket_radius_m, rod_limits_m, tilt_limit_rad, working_height_m, socket_angle_rad=None, base_points_m=None, name="GPR".to_owned(), check_limits=true))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn new(
         py: Python<'_>,
         socket_radius_m: &Bound<'_, PyAny>,
         rod_limits_m: &Bound<'_, PyAny>,
-        tilt_limit_rad: f64,
-        working_height_m: f64,
+        #[pyo3(from_py_with = real)] tilt_limit_rad: f64,
+        #[pyo3(from_py_with = real)] working_height_m: f64,
         socket_angle_rad: Option<&Bound<'_, PyAny>>,
         base_points_m: Option<&Bound<'_, PyAny>>,
         name: String,
+        check_limits: bool,
     ) -> PyResult<Self> {
         let radii = match number(socket_radius_m) {
             Some(radius) => vec![radius; 3],
@@ -139,6 +142,7 @@ impl PyGpr {
         let limits = Limits { rod_min: rods[0], rod_max: rods[1], tilt_max: tilt_limit_rad };
         let gpr =
             Gpr::new(limbs, limits, working_height_m).map_err(|error| errors::core(py, &error))?;
+        let gpr = if check_limits { gpr } else { gpr.without_limit_checks() };
         Ok(Self { name, gpr })
     }
 
@@ -219,6 +223,8 @@ impl PyGpr {
 
     /// Where the platform is for given rods: one pose, or many at a time.
     ///
+    /// Poses beyond the limits of rods and tilt are refused, unless the robot is one `without_limit_checks`.
+    ///
     /// Parameters
     /// ----------
     /// rods_m : three numbers, or array of shape (..., 3)
@@ -244,7 +250,7 @@ impl PyGpr {
     /// Raises
     /// ------
     /// NoAnswerError
-    ///     For one pose without an answer; of many, such poses are NaN and have their status.
+    ///     For one pose without an answer, a `BeyondLimitsError` beyond the limits; of many, such poses are NaN and have their status.
     #[pyo3(signature = (rods_m, virtualization=None, *, solver=None, metric=None, quantities=None, out=None, threads=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn forward<'py>(
@@ -256,7 +262,7 @@ impl PyGpr {
         metric: Option<&Bound<'py, PyAny>>,
         quantities: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyDict>>,
-        threads: Option<i64>,
+        threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let model = Model::of(virtualization, &self.gpr)?;
         let options = model::options(py, solver, metric)?;
@@ -276,7 +282,8 @@ impl PyGpr {
 
     /// Rods that put the platform plane at a tilt: one, or many at a time.
     ///
-    /// Exact, and the same for every virtualization. Limits are not checked, see `broken_limits`.
+    /// Exact, and the same for every virtualization.
+    /// Tilts and rods beyond the limits are refused, unless the robot is one `without_limit_checks`.
     ///
     /// Parameters
     /// ----------
@@ -297,7 +304,7 @@ impl PyGpr {
     ///
     /// Raises
     /// ------
-    /// PitchTooLargeError, NotFiniteError
+    /// BeyondLimitsError, PitchTooLargeError, NotFiniteError
     ///     For one tilt; of many, such tilts are NaN and have their status.
     #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None, *, out=None, threads=None))]
     fn inverse<'py>(
@@ -307,7 +314,7 @@ impl PyGpr {
         pitch_rad: &Bound<'py, PyAny>,
         height_m: Option<&Bound<'py, PyAny>>,
         out: Option<&Bound<'py, PyAny>>,
-        threads: Option<i64>,
+        threads: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let height = match height_m {
             None => Some(self.gpr.working_height()),
@@ -347,9 +354,9 @@ impl PyGpr {
     fn inverse_for_center(
         &self,
         py: Python<'_>,
-        yaw_rad: f64,
-        pitch_rad: f64,
-        center_height_m: f64,
+        #[pyo3(from_py_with = real)] yaw_rad: f64,
+        #[pyo3(from_py_with = real)] pitch_rad: f64,
+        #[pyo3(from_py_with = real)] center_height_m: f64,
         virtualization: Option<&Bound<'_, PyAny>>,
         solver: Option<&str>,
         metric: Option<&Bound<'_, PyAny>>,
@@ -370,9 +377,9 @@ impl PyGpr {
     fn approximate<'py>(
         &self,
         py: Python<'py>,
-        yaw_rad: f64,
-        pitch_rad: f64,
-        height_m: Option<f64>,
+        #[pyo3(from_py_with = real)] yaw_rad: f64,
+        #[pyo3(from_py_with = real)] pitch_rad: f64,
+        #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let tilt = Tilt { yaw: yaw_rad, pitch: pitch_rad };
         let found = self
@@ -395,47 +402,18 @@ impl PyGpr {
     fn plane_tilt(&self, rods_m: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
         let rods = one_triple(rods_m)?;
         let tilt = self.gpr.plane_tilt(&rods);
-        Ok((tilt.yaw, tilt.pitch))
-    }
-
-    /// The limits that a pose breaks, rods first; an empty list if none.
-    ///
-    /// Parameters
-    /// ----------
-    /// rods_m : array of shape (3,)
-    ///     Rod lengths [m].
-    /// pitch_rad : float, optional
-    ///     How far the platform leans [rad]; that of the plane through the ball centres if left out.
-    #[pyo3(signature = (rods_m, pitch_rad=None))]
-    fn broken_limits<'py>(
-        &self,
-        py: Python<'py>,
-        rods_m: &Bound<'py, PyAny>,
-        pitch_rad: Option<f64>,
-    ) -> PyResult<Vec<Bound<'py, PyAny>>> {
-        let rods = one_triple(rods_m)?;
-        let tilt = match pitch_rad {
-            Some(pitch) => Tilt { yaw: 0.0, pitch },
-            None => self.gpr.plane_tilt(&rods),
-        };
-        let told = |broken: BrokenLimit| {
-            let fields = match broken {
-                BrokenLimit::Rod { limb, length, min, max } => fields!(py;
-                    limit = format!("rod {limb}"), found = length, min = min, max = max, unit = "m",
-                ),
-                BrokenLimit::Tilt { pitch, max } => {
-                    fields!(py; limit = "tilt", found = pitch, min = 0.0, max = max, unit = "rad")
-                }
-            };
-            skin::result(py, "BrokenLimit", &fields)
-        };
-        self.gpr.limits().broken(&rods, tilt).into_iter().map(told).collect()
+        let lost = [tilt.yaw, tilt.pitch].into_iter().find(|angle| !angle.is_finite());
+        match lost {
+            Some(value) => Err(errors::not_finite(rods_m.py(), "the tilt of these rods", value)),
+            None => Ok((tilt.yaw, tilt.pitch)),
+        }
     }
 
     fn __repr__(&self) -> String {
         let [r_1, r_2, r_3] = self.gpr.platform().radii();
+        let unchecked = if self.gpr.checks_limits() { "" } else { ", check_limits=False" };
         format!(
-            "Gpr(name={:?}, socket_radius_m=[{r_1:?}, {r_2:?}, {r_3:?}], working_height_m={:?})",
+            "Gpr(name={:?}, socket_radius_m=[{r_1:?}, {r_2:?}, {r_3:?}], working_height_m={:?}{unchecked})",
             self.name,
             self.gpr.working_height()
         )
@@ -461,6 +439,7 @@ impl PyGpr {
             rod_limits_m = self.rod_limits_m(),
             tilt_limit_rad = self.tilt_limit_rad(),
             working_height_m = self.working_height_m(),
+            check_limits = self.gpr.checks_limits(),
         );
         Ok((PyTuple::empty(py), fields))
     }

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 
 use crate::gpr::{PyGpr, axis_height};
 use crate::model::{self, Model, ModelNames, with_model};
-use crate::numbers::one_triple;
+use crate::numbers::{one_triple, optional_real, real};
 use crate::skin::{self, fields};
 use crate::{analyses, arrays, errors};
 
@@ -107,9 +107,9 @@ impl PyGpr {
     fn tilt_play<'py>(
         &self,
         py: Python<'py>,
-        yaw_rad: f64,
-        pitch_rad: f64,
-        height_m: Option<f64>,
+        #[pyo3(from_py_with = real)] yaw_rad: f64,
+        #[pyo3(from_py_with = real)] pitch_rad: f64,
+        #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
         virtualization: Option<&Bound<'py, PyAny>>,
         solver: Option<&str>,
         metric: Option<&Bound<'py, PyAny>>,
@@ -144,8 +144,8 @@ impl PyGpr {
         &self,
         py: Python<'py>,
         pitch_rad: &Bound<'py, PyAny>,
-        yaw_rad: f64,
-        height_m: Option<f64>,
+        #[pyo3(from_py_with = real)] yaw_rad: f64,
+        #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
         virtualizations: Option<Vec<Bound<'py, PyAny>>>,
         solver: Option<&str>,
         metric: Option<&Bound<'py, PyAny>>,
@@ -182,7 +182,7 @@ impl PyGpr {
         virtualization: Option<&Bound<'py, PyAny>>,
         yaw_rad: Option<&Bound<'py, PyAny>>,
         pitch_rad: Option<&Bound<'py, PyAny>>,
-        height_m: Option<f64>,
+        #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
         serpentine: bool,
         solver: Option<&str>,
         metric: Option<&Bound<'py, PyAny>>,
@@ -210,7 +210,7 @@ impl PyGpr {
         virtualization: Option<&Bound<'py, PyAny>>,
         yaw_rad: Option<&Bound<'py, PyAny>>,
         pitch_rad: Option<&Bound<'py, PyAny>>,
-        height_m: Option<f64>,
+        #[pyo3(from_py_with = optional_real)] height_m: Option<f64>,
         solver: Option<&str>,
         metric: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {

@@ -9,6 +9,7 @@ mod errors;
 mod files;
 mod gpr;
 mod gpr_analyses;
+mod limits;
 mod many;
 mod mechanism;
 mod mechanism_analyses;

@@ -16,7 +16,7 @@ use crate::skin::{self, fields};
 use crate::threads::Threads;
 
 /// The statuses as an array of `uint8`, and how many poses ended which way.
-fn evidence<'py>(
+pub(crate) fn evidence<'py>(
     py: Python<'py>,
     shape: &[usize],
     status: Vec<Status>,
@@ -62,7 +62,7 @@ fn in_parts(
 pub(crate) struct Wanted<'a, 'py> {
     pub(crate) quantities: Option<&'a Bound<'py, PyAny>>,
     pub(crate) out: Option<&'a Bound<'py, PyDict>>,
-    pub(crate) threads: Option<i64>,
+    pub(crate) threads: Option<&'a Bound<'py, PyAny>>,
 }
 
 impl<'py> Wanted<'_, 'py> {
@@ -122,7 +122,7 @@ pub(crate) fn forward<'py>(
     wanted: &Wanted<'_, 'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let virtual_joints = model.virtualization().joints().len();
-    let threads = Threads::of(py, wanted.threads, rods.poses())?;
+    let threads = Threads::of(wanted.threads, rods.poses())?;
     let mut outputs = wanted.outputs(py, &rods.shape, virtual_joints)?;
     let mut status = vec![Status::Solved; rods.poses()];
     let columns = rods.columns()?;
@@ -163,15 +163,40 @@ pub(crate) fn forward<'py>(
     skin::result(py, "ForwardMany", &fields)
 }
 
+/// The limits that many poses break.
+pub(crate) fn broken_limits<'py>(
+    py: Python<'py>,
+    gpr: &Gpr,
+    rods: &Triples<'py>,
+    pitch: Option<&Spread<'py>>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let mut broken = [(); 4].map(|()| vec![false; rods.poses()]);
+    let pitch =
+        pitch.map(Spread::columns).transpose()?.and_then(|columns| columns.first().copied());
+    gpr.broken_limits_many(rods.columns()?, pitch, broken.each_mut().map(|column| &mut column[..]))
+        .map_err(|error| errors::core(py, &error))?;
+    let array = |column: Vec<bool>| {
+        let column = numpy::ndarray::ArrayD::from_shape_vec(&rods.shape[..], column)
+            .map_err(|error| errors::internal(&error.to_string()))?;
+        Ok::<_, PyErr>(PyArray::from_owned_array(py, column))
+    };
+    let [first, second, third, tilt] = broken;
+    let each = [array(first)?, array(second)?, array(third)?];
+    let along_last = fields!(py; axis = -1);
+    let rods =
+        py.import("numpy")?.call_method("stack", (PyTuple::new(py, each)?,), Some(&along_last))?;
+    skin::result(py, "BrokenLimits", &fields!(py; rods = rods, tilt = array(tilt)?))
+}
+
 /// The rods of many tilts.
 pub(crate) fn inverse<'py>(
     py: Python<'py>,
     gpr: &Gpr,
     given: &Spread<'py>,
     out: Option<&Bound<'py, PyAny>>,
-    threads: Option<i64>,
+    threads: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let threads = Threads::of(py, threads, given.poses())?;
+    let threads = Threads::of(threads, given.poses())?;
     let mut output = match out {
         Some(array) => Output::given(array, "out", &given.shape, Some(3))?,
         None => Output::new(py, &given.shape, Some(3))?,

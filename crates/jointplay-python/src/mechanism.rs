@@ -11,6 +11,7 @@ use jointplay::mobility::kutzbach_mobility;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
+use crate::numbers::finite;
 use crate::{errors, files};
 
 /// Values for coordinates by name, `{"crank": 0.5}`.
@@ -300,7 +301,8 @@ impl PyMechanism {
     ) -> PyResult<Commands> {
         let mut commands = Vec::new();
         for (name, value) in at.iter().copied().flatten() {
-            commands.push((self.find(py, &name.extract::<String>()?)?, value.extract()?));
+            let name = name.extract::<String>()?;
+            commands.push((self.find(py, &name)?, finite(&value, &name)?));
         }
         Ok(commands)
     }
@@ -334,7 +336,12 @@ impl PyMechanism {
 /// Values for parameters, as given.
 fn replaced(parameters: Option<Bound<'_, PyDict>>) -> PyResult<Vec<(String, f64)>> {
     let items = parameters.iter().flatten();
-    items.map(|(name, value)| Ok((name.extract()?, value.extract()?))).collect()
+    let one = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let name: String = name.extract()?;
+        let value = finite(&value, &name)?;
+        Ok((name, value))
+    };
+    items.map(one).collect()
 }
 
 fn is_mechanism(entry: &&'static catalogue::Entry) -> bool {

@@ -1,9 +1,11 @@
 //! What any mechanism is asked.
 
+use jointplay::bulk::{Status, Tally};
 use jointplay::constraint::System as _;
 use jointplay::format::report;
 use jointplay::mechanism::{
-    Drive, MechanismSystem, PositionSolver, ReliefSolver, assemble, branches, guess, suggest,
+    Drive, MechanismSystem, PositionSolver, ReliefSolver, assemble, branches,
+    guess, suggest,
 };
 use jointplay::mobility::{ClosedThere, RANK_THRESHOLD, finite_mobility, near_mobility};
 use jointplay::nalgebra::DVector;
@@ -14,21 +16,28 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyMapping, PyTuple};
 
 use crate::arrays::Spread;
+use crate::many::evidence;
 use crate::mechanism::{Commands, PyMechanism};
+use crate::numbers::{count, finite, optional_real};
 use crate::posed::{Posed, STARTS};
 use crate::skin::{self, fields};
 use crate::{errors, mechanism_results as results};
-
-/// What became of a row of positions, as in `PositionStatus`.
-const SOLVED: u8 = 0;
-const NOT_FINITE: u8 = 1;
-const NOT_CLOSED: u8 = 2;
-const BEYOND_LIMITS: u8 = 3;
 
 /// Steps of a way to its beginning.
 const STEPS: usize = 60;
 /// The most steps that a way may have.
 const MOST_STEPS: usize = 100_000;
+/// Starts tried for branches where no number is given.
+const BRANCH_STARTS: usize = 50;
+/// The most starts that may be tried for branches.
+const MOST_STARTS: usize = 100_000;
+
+/// Positions for many commands: a row of coordinates, a residual and a status for each.
+struct Rows {
+    values: Vec<f64>,
+    residuals: Vec<f64>,
+    status: Vec<Status>,
+}
 
 #[pymethods]
 impl PyMechanism {
@@ -52,7 +61,7 @@ impl PyMechanism {
         &self,
         py: Python<'py>,
         at: Option<&Bound<'py, PyDict>>,
-        tolerance: Option<f64>,
+        #[pyo3(from_py_with = optional_real)] tolerance: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let commands = self.commands(py, at)?;
         let found = py
@@ -69,15 +78,17 @@ impl PyMechanism {
     /// ----------
     /// at : dict of str to float, optional
     ///     Joint coordinates that are to have these values [m, rad].
-    /// starts : int
-    ///     How many starts are tried; they are the same at every call.
-    #[pyo3(signature = (at=None, *, starts=50))]
+    /// starts : int, optional
+    ///     How many starts are tried, 50 if left out, at most 100,000; they are the same at every call.
+    #[pyo3(signature = (at=None, *, starts=None))]
     fn branches<'py>(
         &self,
         py: Python<'py>,
         at: Option<&Bound<'py, PyDict>>,
-        starts: usize,
+        starts: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Vec<Bound<'py, PyAny>>> {
+        let starts =
+            starts.map_or(Ok(BRANCH_STARTS), |given| count(given, "starts", 1..=MOST_STARTS))?;
         let commands = self.commands(py, at)?;
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         let start = self.start(&commands);
@@ -105,7 +116,7 @@ impl PyMechanism {
         &self,
         py: Python<'py>,
         at: Option<&Bound<'py, PyDict>>,
-        tolerance: Option<f64>,
+        #[pyo3(from_py_with = optional_real)] tolerance: Option<f64>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let commands = self.commands(py, at)?;
         let failed = |error: jointplay::Error| errors::core(py, &error);
@@ -145,8 +156,8 @@ impl PyMechanism {
     /// ----------
     /// ways : dict of str to float or (float, float)
     ///     Joint coordinates with where they go, or from where to where [m, rad]; several arrive together.
-    /// steps : int
-    ///     In how many equal steps.
+    /// steps : int, optional
+    ///     In how many equal steps, 60 if left out.
     ///
     /// Returns
     /// -------
@@ -161,17 +172,14 @@ impl PyMechanism {
     /// Notes
     /// -----
     /// If only motors are driven, the others hold still; else all others follow.
-    #[pyo3(signature = (ways, *, steps=STEPS))]
+    #[pyo3(signature = (ways, *, steps=None))]
     fn drive<'py>(
         &self,
         py: Python<'py>,
         ways: &Bound<'py, PyMapping>,
-        steps: usize,
+        steps: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        if !(1..=MOST_STEPS).contains(&steps) {
-            let message = format!("steps is {steps}, but has to be from 1 to {MOST_STEPS}");
-            return Err(errors::input(py, &message));
-        }
+        let steps = steps.map_or(Ok(STEPS), |given| count(given, "steps", 1..=MOST_STEPS))?;
         if ways.is_empty()? {
             return Err(errors::input(py, "no joint is driven: say such as {\"crank\": (0, 1)}"));
         }
@@ -179,9 +187,11 @@ impl PyMechanism {
         for item in ways.items()? {
             let (name, way): (String, Bound<'py, PyAny>) = item.extract()?;
             let coordinate = self.find(py, &name)?;
-            match way.extract::<(f64, f64)>() {
-                Ok((from, to)) => legs.push((coordinate, Some(from), to)),
-                Err(_) => legs.push((coordinate, None, way.extract()?)),
+            match way.extract::<(Bound<'py, PyAny>, Bound<'py, PyAny>)>() {
+                Ok((from, to)) => {
+                    legs.push((coordinate, Some(finite(&from, &name)?), finite(&to, &name)?));
+                }
+                Err(_) => legs.push((coordinate, None, finite(&way, &name)?)),
             }
         }
         let driven: Vec<usize> = legs.iter().map(|leg| leg.0).collect();
@@ -310,21 +320,24 @@ impl PyMechanism {
     ///     Joint coordinates with their values [m, rad], which broadcast against each other.
     /// solver : str
     ///     Which displacement of virtual joints that closes the loops: `'least-norm'` or `'newton'`.
+    /// check_limits : bool, optional
+    ///     Whether rows beyond limits of joints or clearances of virtual joints are refused.
     ///
     /// Returns
     /// -------
     /// Positions
-    ///     Rows that cannot be closed are NaN; `status` says what became of each row.
+    ///     With a status for each row; rows that cannot be closed, or are beyond limits or clearances, are NaN.
     ///
     /// Notes
     /// -----
     /// The first row starts from the closed configuration nearest the guesses of the file, every other from the one before it that closed: neighbours should be near.
-    #[pyo3(signature = (commanded, *, solver="least-norm"))]
+    #[pyo3(signature = (commanded, *, solver="least-norm", check_limits=true))]
     fn positions<'py>(
         &self,
         py: Python<'py>,
         commanded: &Bound<'py, PyMapping>,
         solver: &str,
+        check_limits: bool,
     ) -> PyResult<Bound<'py, PyAny>> {
         let solver = match solver {
             "least-norm" => ReliefSolver::LeastNorm,
@@ -350,14 +363,15 @@ impl PyMechanism {
         let width = self.coordinates.all().len();
         let poses = spread.poses();
         let solved = py.detach(|| {
-            let mut values = vec![f64::NAN; poses * width];
-            let mut residuals = vec![f64::NAN; poses];
-            let mut status = vec![NOT_CLOSED; poses];
-            if poses == 0 {
-                return Ok((values, residuals, status));
-            }
-            let first = indices.iter().zip(&columns).map(|(&k, column)| (k, column.at(0)));
-            let mut here = self.posed(&first.collect::<Commands>(), None)?.values;
+            let mut rows = Rows {
+                values: vec![f64::NAN; poses * width],
+                residuals: vec![f64::NAN; poses],
+                status: vec![Status::NotFinite; poses],
+            };
+            let finite = |i: &usize| columns.iter().all(|column| column.at(*i).is_finite());
+            let Some(first) = (0..poses).find(finite) else { return Ok(rows) };
+            let start = indices.iter().zip(&columns).map(|(&k, column)| (k, column.at(first)));
+            let mut here = self.posed(&start.collect::<Commands>(), None)?.values;
             let system = MechanismSystem::new(&self.file.mechanism, here.clone())?;
             let mut positions = PositionSolver::new(&system, &indices)?;
             // What commands leave undetermined must not save displacement of virtual joints.
@@ -366,7 +380,7 @@ impl PyMechanism {
                 false => Some(self.commanded(&indices)?),
             };
             let commanded = commanded.filter(|commanded| commanded.undetermined() > 0);
-            for (i, row) in values.chunks_exact_mut(width).enumerate() {
+            for (i, row) in rows.values.chunks_exact_mut(width).enumerate().skip(first) {
                 let mut next = here.clone();
                 for (&k, column) in indices.iter().zip(&columns) {
                     next[k] = column.at(i);
@@ -382,26 +396,29 @@ impl PyMechanism {
                         found.map(|found| (found.coordinates, found.residual))
                     }
                 };
-                match solved {
-                    Ok((next, residual)) => {
-                        row.copy_from_slice(next.as_slice());
-                        residuals[i] = residual;
-                        let within = self.file.mechanism.beyond_limits(&next).is_empty();
-                        status[i] = if within { SOLVED } else { BEYOND_LIMITS };
-                        here = next;
+                let (next, residual) = match solved {
+                    Ok(found) => found,
+                    Err(error) => {
+                        rows.status[i] = Status::of(&error).ok_or(error)?;
+                        continue;
                     }
-                    Err(jointplay::Error::NotFinite { .. }) => status[i] = NOT_FINITE,
-                    Err(
-                        jointplay::Error::NotReached { .. }
-                        | jointplay::Error::NotRelieved { .. }
-                        | jointplay::Error::NotLeast { .. },
-                    ) => {}
-                    Err(other) => return Err(other),
+                };
+                let beyond = self.file.mechanism.beyond_limits(&next);
+                let first = beyond.first().filter(|_| check_limits);
+                rows.status[i] = match first {
+                    None => Status::Solved,
+                    Some(one) if one.coordinate < self.coordinates.joints() => Status::BeyondLimits,
+                    Some(_) => Status::BeyondClearance,
+                };
+                if first.is_none() {
+                    row.copy_from_slice(next.as_slice());
+                    rows.residuals[i] = residual;
                 }
+                here = next;
             }
-            Ok((values, residuals, status))
+            Ok(rows)
         });
-        let (values, residuals, status) = solved.map_err(|error| match error {
+        let Rows { values, residuals, status } = solved.map_err(|error| match error {
             jointplay::Error::PartlyCommanded { coordinate } => {
                 let joint = &self.coordinates.all()[coordinate].joint;
                 let message = format!(
@@ -420,6 +437,8 @@ impl PyMechanism {
             residual = PyArray1::from_vec(py, residuals),
             status = PyArray1::from_vec(py, status),
         );
+        let tally = Tally::of(&status);
+        evidence(py, &[poses], status, tally, &fields)?;
         skin::result(py, "Positions", &fields)
     }
 }

@@ -12,6 +12,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyString};
 
 use crate::errors;
+use crate::numbers::finite;
 use crate::own_virtualization::OwnVirtualization;
 
 /// A virtualization: one of the library's, each with its own type so that it is compiled for it, or one written in Python.
@@ -141,7 +142,7 @@ fn metric_of(given: &Bound<'_, PyAny>) -> PyResult<Metric> {
         };
     }
     if given.is_instance_of::<PyFloat>() || given.is_instance_of::<PyInt>() {
-        return Ok(Metric::Length(given.extract()?));
+        return Ok(Metric::Length(finite(given, "metric")?));
     }
     let message = format!(
         "metric has to be 'paper', 'radius' or a length in metres, not {}",

@@ -1,11 +1,15 @@
 //! Plain numbers of Python, read the quick way.
 
+use std::ops::RangeInclusive;
+
 use numpy::prelude::*;
 use numpy::{PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyOverflowError;
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyList, PyTuple};
 
 use crate::arrays::numbers_of_shape;
+use crate::errors;
 
 /// A number that is one to Python too, and no array of one entry.
 pub(crate) fn number(given: &Bound<'_, PyAny>) -> Option<f64> {
@@ -46,4 +50,61 @@ pub(crate) fn one_triple(given: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
     }
     let rods = numbers_of_shape(given, "rods_m", &[3])?;
     Ok([rods[0], rods[1], rods[2]])
+}
+
+/// A number, for arguments of functions.
+///
+/// # Errors
+/// `NotFiniteError` for a whole number that no `float` holds.
+pub(crate) fn real(given: &Bound<'_, PyAny>) -> PyResult<f64> {
+    given.extract::<f64>().map_err(|error| too_large(given.py(), error, "a number given"))
+}
+
+/// A number or `None`, for arguments of functions.
+///
+/// # Errors
+/// As [`real`].
+pub(crate) fn optional_real(given: &Bound<'_, PyAny>) -> PyResult<Option<f64>> {
+    if given.is_none() { Ok(None) } else { real(given).map(Some) }
+}
+
+/// A number by its name, which has to be finite.
+///
+/// # Errors
+/// `NotFiniteError`.
+pub(crate) fn finite(given: &Bound<'_, PyAny>, name: &str) -> PyResult<f64> {
+    let py = given.py();
+    let value = given.extract::<f64>().map_err(|error| too_large(py, error, name))?;
+    if value.is_finite() { Ok(value) } else { Err(errors::not_finite(py, name, value)) }
+}
+
+/// A whole number within a range, by its name.
+///
+/// # Errors
+/// `InputError` beyond the range, `TypeError` for anything but whole numbers.
+pub(crate) fn count(
+    given: &Bound<'_, PyAny>,
+    name: &str,
+    range: RangeInclusive<usize>,
+) -> PyResult<usize> {
+    let py = given.py();
+    match given.extract::<usize>() {
+        Ok(count) if range.contains(&count) => Ok(count),
+        Err(error) if !error.is_instance_of::<PyOverflowError>(py) => Err(error),
+        _ => {
+            let (least, most) = range.into_inner();
+            let found = given.str()?.to_string();
+            let found = if found.len() > 20 { "a number of many digits".to_owned() } else { found };
+            let message = format!("{name} has to be from {least} to {most}, got {found}");
+            Err(errors::input(py, &message))
+        }
+    }
+}
+
+/// A whole number beyond all `float`s as an error of the package; other errors as they are.
+fn too_large(py: Python<'_>, error: PyErr, what: &str) -> PyErr {
+    if error.is_instance_of::<PyOverflowError>(py) {
+        return errors::not_finite(py, what, f64::INFINITY);
+    }
+    error
 }

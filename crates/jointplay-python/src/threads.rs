@@ -19,8 +19,8 @@ static POOLS: Mutex<Option<Pools>> = Mutex::new(None);
 /// So few poses are done before another thread has taken them over.
 const FEW: usize = 4096;
 
-/// More threads than this are a slip of the pen.
-const MOST: usize = 1024;
+/// The most threads that are started.
+const MOST: usize = jointplay::study::parallel::MOST_THREADS;
 
 /// Where work is to be done.
 pub(crate) enum Threads {
@@ -32,21 +32,27 @@ pub(crate) enum Threads {
 
 impl Threads {
     /// The threads asked for; without a number as many as there are cores, if there is enough to do for them.
-    pub(crate) fn of(py: Python<'_>, threads: Option<i64>, poses: usize) -> PyResult<Self> {
+    pub(crate) fn of(threads: Option<&Bound<'_, PyAny>>, poses: usize) -> PyResult<Self> {
         let count = match threads {
             None => std::thread::available_parallelism().map_or(1, usize::from).min(MOST),
-            Some(count) => match usize::try_from(count) {
-                Ok(count) if (1..=MOST).contains(&count) => count,
-                _ => {
-                    let message = format!(
-                        "threads is {count}, but has to be None, for all cores, or a number from 1 to {MOST}"
-                    );
-                    return Err(errors::input(py, &message));
-                }
-            },
+            Some(given) => given
+                .extract::<usize>()
+                .ok()
+                .filter(|count| (1..=MOST).contains(count))
+                .ok_or_else(|| refused(given))?,
         };
         if count == 1 || poses <= FEW { Ok(Self::Here) } else { pool(count).map(Self::Pool) }
     }
+}
+
+/// That a number of threads cannot be taken.
+fn refused(given: &Bound<'_, PyAny>) -> PyErr {
+    let found = given.str().map(|text| text.to_string()).unwrap_or_default();
+    let found: String = found.chars().take(20).collect();
+    let message = format!(
+        "threads is {found}, but has to be None, for all cores, or a number from 1 to {MOST}"
+    );
+    errors::input(given.py(), &message)
 }
 
 fn pool(count: usize) -> PyResult<Arc<ThreadPool>> {

@@ -36,6 +36,8 @@ pub(crate) struct App {
 
 impl App {
     pub(crate) fn new(robot: Robot, folder: Folder, patience: Patience) -> Self {
+        // Each endpoint checks the limits, or computes beyond them where it is asked to.
+        let robot = Robot { gpr: robot.gpr.without_limit_checks(), ..robot };
         Self { robot: Arc::new(robot), work: Work::new(patience), folder, desk: None }
     }
 }

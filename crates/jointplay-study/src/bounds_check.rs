@@ -21,6 +21,8 @@ pub struct BoundsCheck {
 
 /// Sets the true displacement of every tilted pose, from level at the same height, beside its bounds.
 ///
+/// Poses beyond the limits are computed too.
+///
 /// # Arguments
 /// * `progress` – told the number of samples done, now and then
 ///
@@ -36,6 +38,7 @@ pub fn check_bounds<V: Virtualization + ?Sized>(
     options: &SolveOptions,
     progress: &mut dyn FnMut(usize),
 ) -> Result<BoundsCheck, Error> {
+    let gpr = &gpr.without_limit_checks();
     let mut check = BoundsCheck::default();
     let pose = |tilt: Tilt, sample: usize| {
         gpr.inverse(tilt, raster.height)

@@ -6,6 +6,9 @@ use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 use rayon::prelude::*;
 
+/// The most threads that work is spread over: more only cost memory.
+pub const MOST_THREADS: usize = 1024;
+
 /// Poses that a core takes at a time: enough to hide handing them out, few enough to stay in its cache.
 const PART: usize = 4096;
 

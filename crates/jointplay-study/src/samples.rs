@@ -113,6 +113,7 @@ impl Samples {
 /// Computes all poses of a raster under one virtualization, each from the nominal virtual joints.
 ///
 /// The result does not depend on the order of the samples, save for their order.
+/// Poses beyond the limits are computed too; [`summarize`](crate::summarize) counts them.
 ///
 /// # Arguments
 /// * `progress` – told the number of samples done, now and then
@@ -129,6 +130,7 @@ pub fn simulate<V: Virtualization + ?Sized>(
     if raster.is_empty() {
         return Err(Error::Empty { yaws: raster.yaws.len(), pitches: raster.pitches.len() });
     }
+    let gpr = &gpr.without_limit_checks();
     let count = raster.len();
     let columns = || -> [Vec<f64>; 3] { std::array::from_fn(|_| Vec::with_capacity(count)) };
     let joints = virtualization.joints().to_vec();

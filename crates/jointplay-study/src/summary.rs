@@ -1,6 +1,6 @@
 //! What a study comes to.
 
-use jointplay_core::gpr::{BrokenLimit, Gpr};
+use jointplay_core::gpr::{BrokenLimits, Gpr};
 use jointplay_core::spatial::Tilt;
 
 use crate::Samples;
@@ -64,14 +64,10 @@ pub fn summarize(gpr: &Gpr, samples: &Samples) -> Summary {
     for &count in &samples.iterations {
         iterations[count] += 1;
     }
-    let beyond = |breaks: fn(&BrokenLimit) -> bool| {
-        let broken = |i: &usize| {
-            let rods = [0, 1, 2].map(|k| samples.rods[k][*i]);
-            let tilt = Tilt { yaw: samples.yaw[*i], pitch: samples.pitch[*i] };
-            gpr.limits().broken(&rods, tilt).iter().any(breaks)
-        };
-        (0..samples.len()).filter(broken).count()
-    };
+    let broken = (0..samples.len()).map(|i| {
+        let rods = [0, 1, 2].map(|k| samples.rods[k][i]);
+        gpr.limits().broken(&rods, Tilt { yaw: samples.yaw[i], pitch: samples.pitch[i] })
+    });
     let [x, y, _] = &samples.origin;
     Summary {
         samples: samples.len(),
@@ -81,8 +77,8 @@ pub fn summarize(gpr: &Gpr, samples: &Samples) -> Summary {
         largest_twist: largest(samples.twist_about_normal.iter().map(|twist| twist.abs())),
         largest_residual: largest(samples.residual.iter().copied()),
         iterations,
-        beyond_tilt: beyond(|limit| matches!(limit, BrokenLimit::Tilt { .. })),
-        beyond_stroke: beyond(|limit| matches!(limit, BrokenLimit::Rod { .. })),
+        beyond_tilt: broken.clone().filter(BrokenLimits::tilt).count(),
+        beyond_stroke: broken.filter(|broken| broken.rods() != [false; 3]).count(),
     }
 }
 

@@ -24,7 +24,7 @@ fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, Tally) {
     let mut status = vec![Status::Solved; POSES];
     let (mut x, mut twist) = (vec![0.0; POSES], vec![0.0; POSES]);
     let tally = pool.install(|| {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let given = [yaw[..].into(), pitch[..].into(), Column::constant(&0.5, POSES)];
         let columns = rods.each_mut().map(|column| &mut column[..]);
         let tally = parallel::inverse_many(&gpr, given, &mut status, columns).unwrap();
@@ -54,8 +54,14 @@ fn columns_of_different_lengths() {
     let (numbers, mut status) = (vec![0.5; POSES], vec![Status::Solved; POSES]);
     let given = [numbers[..].into(), numbers[1..].into(), numbers[..].into()];
     let options = SolveOptions::default();
-    let found =
-        parallel::forward_many(&Gpr::paper(), given, &Polar, &options, &mut status, &mut []);
+    let found = parallel::forward_many(
+        &Gpr::paper().without_limit_checks(),
+        given,
+        &Polar,
+        &options,
+        &mut status,
+        &mut [],
+    );
     let expected =
         Error::WrongLength { what: "a column of rods", found: POSES - 1, expected: POSES };
     assert_eq!(found, Err(expected));

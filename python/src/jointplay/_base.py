@@ -90,6 +90,24 @@ class Table(Result):
         return _jointplay.arrow_stream(columns)
 
 
+class Many(Table):
+    """Many poses, each with a status."""
+
+    __slots__ = ()
+
+    status: NDArray[np.uint8]
+    failed: int
+    failure_counts: Mapping[str, int]
+
+    def failures(self) -> str:
+        """How many poses have no answer and why, in one line."""
+        poses = self.status.size
+        if self.failed == 0:
+            return f"all {poses} poses have an answer"
+        why = ", ".join(f"{count} {reason}" for reason, count in self.failure_counts.items())
+        return f"{self.failed} of {poses} poses have no answer: {why}"
+
+
 def spread(name: str, values: NDArray[Any], axes: tuple[str, ...]) -> dict[str, NDArray[Any]]:
     """An array as columns: each entry of its last axis by its name, or all of it where there are no names."""
     if not axes:

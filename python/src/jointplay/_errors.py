@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ._poses import BrokenLimit
 
 
 class JointplayError(Exception):
@@ -121,6 +124,13 @@ class TooLargeError(InputError):
 
 class NoAnswerError(JointplayError):
     """The question is in order, but has no answer, or none was found."""
+
+
+class BeyondLimitsError(NoAnswerError):
+    """A pose is beyond the robot's limits of rods and tilt."""
+
+    limits_broken: tuple[BrokenLimit, ...]
+    """The limits that it breaks, rods first."""
 
 
 class NotConvergedError(NoAnswerError):

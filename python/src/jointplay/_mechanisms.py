@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ._analyses import Freedoms
-from ._base import Floats, Result, Table
+from ._base import Floats, Many, Result, Table
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -173,22 +172,9 @@ class Motion(Table):
         return _by_name_and_unit(self.names, self.units, self.coordinates)
 
 
-class PositionStatus(IntEnum):
-    """What became of a row: the numbers in the ``status`` of ``Positions``."""
-
-    SOLVED = 0
-    """The loops close within joint limits and clearances."""
-    NOT_FINITE = 1
-    """A number given is NaN or infinite; the row is NaN."""
-    NOT_CLOSED = 2
-    """The loops were not closed; the row is NaN."""
-    BEYOND_LIMITS = 3
-    """The loops close, but a joint is beyond its limits, or a virtual joint beyond its clearance."""
-
-
 @dataclass(frozen=True, eq=False, repr=False)
-class Positions(Table):
-    """All joints for n commands; a row that cannot be closed is NaN."""
+class Positions(Many):
+    """All joints for n commands; a row that cannot be closed, or is beyond limits or clearances, is NaN."""
 
     names: tuple[str, ...]
     """Names of the coordinates: joints, then virtual joints."""
@@ -199,7 +185,11 @@ class Positions(Table):
     residual: Floats
     """Largest mismatch of a loop, in radians and characteristic lengths, shape (n,)."""
     status: NDArray[np.uint8]
-    """A ``PositionStatus`` for each row, shape (n,)."""
+    """What became of each row, shape (n,): 0 where it has an answer, else a ``Status``."""
+    failed: int
+    """How many rows have no answer."""
+    failure_counts: Mapping[str, int]
+    """How many have none for which reason."""
 
     def __getitem__(self, name: str) -> Floats:
         """One coordinate for all commands, shape (n,) [m or rad]."""

@@ -10,25 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._base import AXES, Floats, Result, Table, spread
-
-
-class _Many(Table):
-    """Many poses, each with a status."""
-
-    __slots__ = ()
-
-    status: NDArray[np.uint8]
-    failed: int
-    failure_counts: Mapping[str, int]
-
-    def failures(self) -> str:
-        """How many poses have no answer and why, in one line."""
-        poses = self.status.size
-        if self.failed == 0:
-            return f"all {poses} poses have an answer"
-        why = ", ".join(f"{count} {reason}" for reason, count in self.failure_counts.items())
-        return f"{self.failed} of {poses} poses have no answer: {why}"
+from ._base import AXES, Floats, Many, Result, spread
 
 
 QUANTITIES = (
@@ -48,7 +30,7 @@ QUANTITIES = (
 """What can be asked of many poses."""
 
 
-class ForwardMany(_Many):
+class ForwardMany(Many):
     """Where the platform is for each of many rods.
 
     With (...) for the shape of the poses, that of the rods without their last axis.
@@ -174,7 +156,7 @@ def _again(cls: type[Any], state: dict[str, Any]) -> Any:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class InverseMany(_Many):
+class InverseMany(Many):
     """The rods of many tilts.
 
     With (...) for the shape that the tilts have together.
@@ -223,6 +205,24 @@ class Approximate(Result):
     """Homogeneous transform with the origin on the base axis, shape (4, 4) [m]."""
     gaps_m: Floats
     """From each ball to its socket, in the base frame, shape (3, 3), a row for each limb [m]."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BrokenLimits(Result):
+    """The limits that many poses break.
+
+    With (...) for the shape of the poses, that of the rods without their last axis.
+    """
+
+    rods: NDArray[np.bool_]
+    """Whether each rod is beyond its limits, shape (..., 3)."""
+    tilt: NDArray[np.bool_]
+    """Whether the tilt is beyond its limit, shape (...)."""
+
+    @property
+    def any(self) -> NDArray[np.bool_]:
+        """Whether a pose breaks any limit, shape (...)."""
+        return np.asarray(self.rods.any(axis=-1) | self.tilt)
 
 
 @dataclass(frozen=True)

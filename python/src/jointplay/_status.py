@@ -13,8 +13,12 @@ class Status(IntEnum):
     PITCH_TOO_LARGE = 2
     """The pitch is ±90° or beyond."""
     NOT_CONVERGED = 3
-    """The iteration for the virtual joints did not converge."""
+    """The iteration for the virtual joints, or that closes the loops of a mechanism, did not converge."""
     DEPENDENT_SIDES = 4
     """The virtual joints cannot change the three sides independently there."""
     TURNED_OVER = 5
     """The virtual joints found mirror the platform."""
+    BEYOND_LIMITS = 6
+    """A rod or the tilt, or a joint of a mechanism, is beyond its limits."""
+    BEYOND_CLEARANCE = 7
+    """A virtual joint of a mechanism is beyond its clearance."""

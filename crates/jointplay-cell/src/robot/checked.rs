@@ -76,7 +76,8 @@ impl HybridRobot {
     /// Of [`CellError`], the first fault found.
     pub fn checked(self) -> Result<Self, CellError> {
         match self.check() {
-            Ok(()) => Ok(self),
+            // Limits of axes and tilt are checked of whole positions.
+            Ok(()) => Ok(Self { gpr: self.gpr.without_limit_checks(), ..self }),
             Err((_, error)) => Err(*error),
         }
     }

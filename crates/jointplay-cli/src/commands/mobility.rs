@@ -35,7 +35,10 @@ Examples:
   jointplay mobility bennett                              any mechanism
   jointplay mobility four-bar --at A=30 --set coupler=0.25
   jointplay mobility bennett --set b=0.1101 --tolerance 1e-3
-                                                          moves, to a thousandth")]
+                                                          moves, to a thousandth
+
+Where the file of a mechanism says what to expect, in `[expected]`, an answer that differs from it is an error; not with --at, --set or --tolerance.
+Exit codes: 0 done, 1 no such configuration, beyond a limit, or not what the file expects, 2 bad input or usage.")]
 pub(crate) struct Mobility {
     /// Mechanism or robot file (TOML), or a name from `jointplay catalogue`; without it, the paper's robot
     #[arg(value_name = "FILE", conflicts_with = "robot")]
@@ -69,7 +72,7 @@ impl Mobility {
                 if source.kind() != Some(Kind::ThreeRods) {
                     return self.of_mechanism(&source);
                 }
-                self.robot(&source)?
+                self.robot(&source)?.without_limit_checks()
             }
         };
         // The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
@@ -108,7 +111,8 @@ impl Mobility {
             let report = report::sparse_mobility(&input.file, &system, &found);
             drop(working);
             self.answer.print(&report, sparse_text)?;
-            return input.within_limits(system.coordinates());
+            input.within_limits(system.coordinates())?;
+            return self.compare_with_file(&input, report.joint_freedoms, &report.freedoms);
         }
         let posed = input.posed(&input.commands(&self.at)?)?;
         let system = MechanismSystem::new(&input.file.mechanism, posed.closed.coordinates.clone())?;
@@ -130,7 +134,26 @@ impl Mobility {
         )?;
         drop(working);
         self.answer.print(&report, |report| mechanism_text(&input, report))?;
-        input.within_limits(&posed.closed.coordinates)
+        input.within_limits(&posed.closed.coordinates)?;
+        self.compare_with_file(&input, report.joint_freedoms, &report.freedoms)
+    }
+
+    /// Refuses an answer that is not what the file itself expects.
+    ///
+    /// Expectations hold for the mechanism as its file describes it: other parameters, commanded coordinates and a tolerance are not compared.
+    fn compare_with_file(
+        &self,
+        input: &Input,
+        joint_freedoms: usize,
+        found: &FreedomsReport,
+    ) -> Result<(), Failure> {
+        let asked = !self.at.is_empty() || !self.set.set.is_empty() || input.tolerance.is_some();
+        let disagreements = report::disagreements(&input.file.expected, joint_freedoms, found);
+        if asked || disagreements.is_empty() {
+            return Ok(());
+        }
+        let lines = disagreements.iter().map(|one| format!("\n  {one}"));
+        Err(Failure::Unexpected(lines.collect()))
     }
 
     fn refuse_tolerance(&self) -> Result<(), Failure> {

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::constraint::System as _;
 use jointplay::format::report::{self, MotionReport};
+use jointplay::format::steps::spread;
 use jointplay::format::table;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
@@ -40,13 +41,13 @@ const PNG_WIDTH: u32 = 1800;
 Examples:
   jointplay move four-bar
   jointplay move four-bar --drive A=0:360:5 --out four-bar-motion
-  jointplay move hexapod --drive P1=0:0.02 --drive P2=0:-0.02:0.005 --format json
+  jointplay move hexapod --drive P1=0:0.02 --drive P2=0:-0.02:-0.005 --format json
 
 Exit codes: 0 went to the end, 1 stopped on the way or left joint limits or clearances, 2 bad input or usage.")]
 pub(crate) struct Move {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
-    /// A joint coordinate to drive; FROM may be left out, and so may STEP; several arrive together
+    /// A joint coordinate to drive; FROM may be left out, and so may STEP, which has to fit into the range; several arrive together
     #[arg(long = "drive", value_name = "JOINT=FROM:TO[:STEP]", value_parser = way)]
     drives: Vec<Way>,
     /// Folder for the series (CSV) and the figure (SVG, PNG); without it, none are written
@@ -87,6 +88,8 @@ struct Leg {
     from: Option<f64>,
     to: f64,
     step: Option<f64>,
+    /// How messages name it.
+    name: String,
 }
 
 impl Move {
@@ -126,7 +129,7 @@ impl Move {
                 let text = format!("--drive {}: FROM and TO are the same", way.joint);
                 return Err(Failure::Misused(text));
             }
-            legs.push(Leg { coordinate, from, to, step });
+            legs.push(Leg { coordinate, from, to, step, name: way.joint.clone() });
         }
         Ok(legs)
     }
@@ -205,7 +208,8 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
     let found = named.iter().position(|one| one.joint == joint.name);
     let coordinate = found.unwrap_or_default();
     if let Some(&[from, to]) = joint.limits.first() {
-        return Ok(Leg { coordinate, from: Some(from), to, step: None });
+        let name = joint.name.clone();
+        return Ok(Leg { coordinate, from: Some(from), to, step: None, name });
     }
     let reach = match named[coordinate].quantity {
         Coordinate::Turn => 20_f64.to_radians(),
@@ -218,7 +222,8 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
         }
     };
     let here = start[coordinate];
-    Ok(Leg { coordinate, from: Some(here - reach), to: here + reach, step: None })
+    let name = joint.name.clone();
+    Ok(Leg { coordinate, from: Some(here - reach), to: here + reach, step: None, name })
 }
 
 /// Coordinates of the motors that are not driven; none where something is driven that has no motor.
@@ -252,23 +257,45 @@ fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Resul
     if to_begin.iter().any(|one| one.to != start[one.coordinate]) {
         start = driven_to(input, &start, &to_begin, held, "FROM")?;
     }
-    let mut count = None;
-    for leg in legs {
-        if let Some(step) = leg.step {
-            let steps = ((leg.to - start[leg.coordinate]) / step).abs();
-            #[expect(clippy::cast_precision_loss, reason = "far below 2⁵³")]
-            if steps > MOST_STEPS as f64 {
-                let text = format!("a way has at most {MOST_STEPS} steps; take a larger STEP");
-                return Err(Failure::Misused(text));
-            }
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
-            let whole = (steps - 1e-9).ceil().max(1.0) as usize;
-            count = count.max(Some(whole));
-        }
-    }
+    let count = steps(input, &start, legs)?;
     let drives: Vec<Drive> =
         legs.iter().map(|leg| Drive { coordinate: leg.coordinate, to: leg.to }).collect();
     along(input, &start, &drives, held, count.unwrap_or(STEPS), "driving")
+}
+
+/// In how many steps the drives move; `None` where no step is given.
+fn steps(input: &Input, start: &DVector<f64>, legs: &[Leg]) -> Result<Option<usize>, Failure> {
+    let mut count: Option<(usize, &str)> = None;
+    for leg in legs {
+        let Some(step) = leg.step else { continue };
+        let in_file = |value| input.coordinates.from_si(leg.coordinate, value);
+        let from = leg.from.unwrap_or(start[leg.coordinate]);
+        let [from, to, step] = [from, leg.to, step].map(in_file).map(rounded);
+        let values = spread(from, to, step).map_err(|error| {
+            let unit = input.coordinates.unit(leg.coordinate);
+            Failure::Misused(format!("--drive {} (in {unit}): {error}", leg.name))
+        })?;
+        let steps = values.len() - 1;
+        if steps > MOST_STEPS {
+            let text = format!("a motion has at most {MOST_STEPS} steps; take a larger STEP");
+            return Err(Failure::Misused(text));
+        }
+        match count {
+            Some((other, name)) if other != steps => {
+                return Err(Failure::Misused(format!(
+                    "--drive {name} takes {other} steps and --drive {} takes {steps}: drives arrive together, so give one STEP only, or as many steps to each",
+                    leg.name
+                )));
+            }
+            _ => count = Some((steps, &leg.name)),
+        }
+    }
+    Ok(count.map(|(steps, _)| steps))
+}
+
+/// A number to fifteen digits: what a change of units adds to it in the last one is no part of a range.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.14e}").parse().unwrap_or(value)
 }
 
 /// The configuration to which drives lead; `place` is what messages call it.

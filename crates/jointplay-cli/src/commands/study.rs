@@ -1,6 +1,6 @@
 //! `jointplay study`: studies of any length, over all cores, that can be interrupted and taken up again.
 
-use std::num::NonZeroUsize;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -9,15 +9,17 @@ use clap::Args;
 use jointplay::format::catalogue;
 use jointplay::format::report::{self, SHARES, TotalsReport};
 use jointplay::format::study::{self, MAX_BYTES, StudyFile, Table, TableError, TableKind};
+use jointplay::study::parallel::MOST_THREADS;
 use jointplay::study::plan::{self, Block};
 
-use super::study_file::PartFile;
+use super::study_file::{self, PartFile};
 use super::study_text;
 use crate::arguments::TextFormat;
 use crate::console;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
+use crate::space;
 use crate::source::{self, Kind, STANDARD};
 
 /// Compute a study of any length from a file that says what is varied and what is wanted
@@ -43,13 +45,13 @@ pub(crate) struct StudyCommand {
     /// Table to write, ending in .csv or .parquet; without it, the name of the study with .csv
     #[arg(long, value_name = "TABLE")]
     out: Option<PathBuf>,
-    /// How many cores to use; without it, all
-    #[arg(long, value_name = "N")]
-    threads: Option<NonZeroUsize>,
+    /// Number of threads, from 1 to 1024 and at most one for 4096 samples; without it, one for each core
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<usize>,
     /// Go on with a run that was interrupted
     #[arg(long, conflicts_with_all = ["force", "dry_run", "example"])]
     resume: bool,
-    /// Replace a table that is there, or the rest of an interrupted run
+    /// Replace a table that is there, or the rest of an interrupted run; begin a table that does not fit on the disk
     #[arg(long)]
     force: bool,
     /// Say how many samples and columns there are, how large the table will be and how long it takes; compute nothing
@@ -91,17 +93,17 @@ impl StudyCommand {
             Failure::Misused(format!("--out {shown}: a table ends in .csv or in .parquet"))
         })?;
         let table = Table::new(kind, file.columns.clone())?;
-        let mut builder = rayon::ThreadPoolBuilder::new();
-        if let Some(threads) = self.threads {
-            builder = builder.num_threads(threads.get());
-        }
-        let pool = builder
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = self.threads.unwrap_or(cores).min(file.plan.most_threads()?);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
             .build()
             .map_err(|error| Failure::Misused(format!("cannot start the threads: {error}")))?;
         if self.dry_run {
             let expected = pool.install(|| Expected::of(&file, &table))?;
             return study_text::dry_run(&file, &out, &expected, self.json());
         }
+        pool.install(|| self.check_space(&file, &table, &out))?;
         let mut part = if self.resume {
             PartFile::resume(&out, &file, kind, &table)?
         } else {
@@ -122,6 +124,34 @@ impl StudyCommand {
             )));
         }
         Ok(())
+    }
+
+    /// Refuses a table that does not fit on its disk.
+    fn check_space(&self, file: &StudyFile, table: &Table, out: &Path) -> Result<(), Failure> {
+        let rough = file.plan.samples()? as f64 * file.columns.len() as f64 * CELL;
+        let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new("."));
+        // What an interrupted run left is part of the table already.
+        let written = if self.resume { study_file::written(out) } else { 0.0 };
+        let Some(free) = space::free(folder).filter(|free| rough > 0.1 * free) else {
+            return Ok(());
+        };
+        let needed = Expected::of(file, table)?.bytes - written;
+        if needed <= free {
+            return Ok(());
+        }
+        let (needed, free) = (study_text::size(needed), study_text::size(free));
+        let text = format!(
+            "the table will take about {needed}, but only {free} are free in {}",
+            folder.display()
+        );
+        if self.force || self.resume {
+            tell(&format!("warning: {text}"));
+            return Ok(());
+        }
+        Err(Failure::Misused(format!(
+            "{text}: take fewer samples or columns, or another --out; --force begins it nevertheless"
+        )))
     }
 
     fn source(&self) -> Result<Source, Failure> {
@@ -153,6 +183,11 @@ impl StudyCommand {
         let folder = Some(path.parent().map(Path::to_owned).unwrap_or_default());
         Ok(Source { label, stem, text, folder })
     }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=MOST_THREADS).contains(count));
+    count.ok_or_else(|| format!("a number from 1 to {MOST_THREADS} is needed"))
 }
 
 /// A study file, where it is from, and what its table is called.

@@ -60,8 +60,8 @@ impl PartFile {
         }
         if path.exists() && !replace {
             // First of all: another run may be writing it.
-            let file = File::open(&path).map_err(failed(&path))?;
-            lock(&file, &path)?;
+            let running = OpenOptions::new().read(true).write(true).open(&path);
+            lock(&running.map_err(failed(&path))?, &path)?;
         }
         if marker_path.exists() && !replace {
             return Err(Failure::Misused(format!(
@@ -272,6 +272,12 @@ impl PartFile {
         self.marking = self.marked - start;
         Ok(())
     }
+}
+
+/// Size of what an interrupted run left of a table [bytes]; 0 if there is nothing.
+pub(super) fn written(out: &Path) -> f64 {
+    let (path, _) = names(out);
+    path.metadata().map_or(0.0, |found| found.len() as f64)
 }
 
 /// Names of the table on its way and of its marker.

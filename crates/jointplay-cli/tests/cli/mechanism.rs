@@ -204,6 +204,44 @@ fn a_motion_is_written_as_series_and_figure() {
 }
 
 #[test]
+fn a_step_that_does_not_fit_into_its_range_is_refused() {
+    let refuse = |line, message| refused("", line, 2, message);
+    let misses =
+        "--drive A (in deg): steps of 3 from 0 miss 10: the range is 3.3333333333333335 steps long";
+    refuse("move four-bar --drive A=0:10:3", misses);
+    refuse("move four-bar --drive A=0:10:30", "miss 10");
+    refuse("move four-bar --drive A=0:10:-5", "a step of -5 does not lead from 0 to 10");
+    refuse(
+        "move hexapod --drive P1=0:20:5 --drive P2=0:20:10",
+        "P1 takes 4 steps and --drive P2 takes 2",
+    );
+    let desk = Desk::new();
+    let json = desk.json("move four-bar --drive A=0:-1:-0.1");
+    assert_eq!(json["series"]["A_deg"].as_array().unwrap().len(), 11);
+}
+
+#[test]
+fn a_mobility_that_its_file_does_not_expect_is_an_answer_of_no() {
+    let desk = Desk::new();
+    let four_bar = desk.done("catalogue show four-bar");
+    assert!(four_bar.contains("finite = 1") && four_bar.contains("rank = "));
+    desk.write("mine.toml", &four_bar);
+    desk.done("mobility mine.toml");
+    desk.write(
+        "mine.toml",
+        &four_bar.replace("finite = 1", "finite = 0").replace("\nrank = ", "\nrank = 7"),
+    );
+    let run = desk.run("mobility mine.toml");
+    assert_eq!(run.code, 1);
+    assert!(run.stdout.contains("freedoms"), "{}", run.stdout);
+    assert!(run.stderr.contains("finite: 0 expected, 1 found"), "{}", run.stderr);
+    assert!(run.stderr.contains("rank: 73 expected, 3 found"), "{}", run.stderr);
+    // What is expected of the file as it is says nothing of other poses and other dimensions.
+    desk.done("mobility mine.toml --at A=30");
+    desk.done("mobility mine.toml --set coupler=0.25");
+}
+
+#[test]
 fn a_motion_that_stops_says_where() {
     let desk = Desk::new();
     // The rocker cannot follow all the way round.
@@ -228,7 +266,7 @@ fn a_singular_start_is_left_where_a_branch_leads_on() {
     let text = desk.done("move 3-upu-snu --drive P1=0:20");
     assert!(text.contains("P1 = 0.000000 mm: mobility to first order 5"), "{text}");
     // A parallelogram through flat, with a step that ends there.
-    let flat = "move four-bar --set coupler=0.3,rocker=0.1 --drive A=0:-160:10 --format json";
+    let flat = "move four-bar --set coupler=0.3,rocker=0.1 --drive A=0:-160:-10 --format json";
     let found: serde_json::Value = serde_json::from_str(&desk.done(flat)).unwrap();
     let [there] = &found["singular"].as_array().unwrap()[..] else { panic!("{found}") };
     assert_eq!(there["branches"], 2, "{there}");
@@ -438,7 +476,8 @@ fn names_that_are_not_there() {
     refuse("move four-bar --drive A=1:1", "FROM and TO are the same");
     refuse("move four-bar --drive A=0:1 --drive A=0:2", "is said twice");
     refuse("move griffis-duffy", "no joint of this mechanism is actuated");
-    refuse("move four-bar --drive A=0:360:1e-9", "at most 100000 steps");
+    refuse("move four-bar --drive A=0:360:1e-3", "at most 100000 steps");
+    refuse("move four-bar --drive A=0:360:1e-9", "values, at most");
     refuse("mobility four-bar --q-mm 1,2,3", "--q-mm and --virtualization");
     refuse("mobility gpr --at A=1", "--at and --set are for mechanism files");
     refuse("mobility --set a=1", "--set needs a mechanism file");

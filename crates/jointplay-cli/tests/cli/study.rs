@@ -191,7 +191,13 @@ pitch_deg = { normal = [0, 60] }
     assert_eq!(model["reasons"]["pitch of 90° or more"], steep.count());
 
     // None at all: the table is written, and the answer is no.
-    desk.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e9]"));
+    desk.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e300]"));
+    let wild = desk.run("study none.toml");
+    assert_eq!(wild.code, 2);
+    let expected =
+        "none.toml:8:13: `pitch_deg` has 1e300, but needs numbers from -89.999 to 89.999";
+    assert!(wild.stderr.contains(expected), "{}", wild.stderr);
+    desk.write("none.toml", &text.replace("normal = [0, 60]", "uniform = [89.95, 89.99]"));
     let none = desk.run("study none.toml");
     assert_eq!(none.code, 1, "{}", none.stderr);
     assert!(none.stderr.contains("no sample has an answer"), "{}", none.stderr);
@@ -279,7 +285,9 @@ fn wrong_use_is_told() {
         ("study s.toml --resume", "nothing to go on with"),
         ("study missbuilt", "did you mean `misbuilt`?"),
         ("study none.toml", "cannot read none.toml"),
-        ("study s.toml --threads 0", "invalid value"),
+        ("study s.toml --threads 0", "a number from 1 to 1024 is needed"),
+        ("study s.toml --threads 1000000", "a number from 1 to 1024 is needed"),
+        ("study s.toml --threads many", "a number from 1 to 1024 is needed"),
         ("study s.toml --out no/folder.csv", "cannot write no/folder.csv.part"),
         ("study s.toml --resume --force", "cannot be used with"),
     ] {
@@ -288,4 +296,38 @@ fn wrong_use_is_told() {
         assert!(refused.stderr.contains(message), "{line}: {}", refused.stderr);
     }
     assert_eq!(desk.names("."), ["s.toml"]);
+}
+
+#[test]
+fn a_study_larger_than_the_disk_is_refused_before_it_starts() {
+    let desk = Desk::new();
+    let text = SMALL.replace("yaw_deg = [20, 50.5]", "yaw_deg = { uniform = [0, 360] }");
+    // More than any disk holds.
+    desk.write(
+        "s.toml",
+        &text.replace("kind = \"study\"", "kind = \"study\"\nsamples = 3000000000000000"),
+    );
+    let refused = desk.run("study s.toml --out t.csv");
+    assert_eq!(refused.code, 2);
+    assert!(refused.stderr.contains("the table will take about"), "{}", refused.stderr);
+    assert!(refused.stderr.contains("are free in .: take fewer samples"), "{}", refused.stderr);
+    assert_eq!(desk.names("."), ["s.toml"]);
+    desk.done("study s.toml --out t.csv --dry-run");
+}
+
+#[test]
+fn a_study_starts_no_more_threads_than_it_has_blocks_of_samples() {
+    let desk = Desk::new();
+    desk.write("s.toml", SMALL);
+    let expected = desk.run("study s.toml --out one.csv --threads 1");
+    assert_eq!(expected.code, 0, "{}", expected.stderr);
+    // A thousand threads would need more address space than this leaves.
+    let line = "ulimit -v 2000000; exec \"$0\" study s.toml --out many.csv --threads 1024";
+    let run = std::process::Command::new("bash")
+        .args(["-c", line, env!("CARGO_BIN_EXE_jointplay")])
+        .current_dir(desk.path())
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    assert_eq!(desk.read("one.csv"), desk.read("many.csv"));
 }

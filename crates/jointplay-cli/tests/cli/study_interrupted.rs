@@ -188,6 +188,8 @@ fn a_table_of_another_study_is_not_gone_on_with() {
     let meanwhile = desk.run("study s.toml --out t.csv --resume");
     assert_eq!(meanwhile.code, 2);
     assert!(meanwhile.stderr.contains("another run is writing t.csv.part"), "{}", meanwhile.stderr);
+    let beside = desk.run("study s.toml --out t.csv");
+    assert!(beside.stderr.contains("another run is writing t.csv.part"), "{}", beside.stderr);
     send("-KILL", &child);
     child.wait().unwrap();
 

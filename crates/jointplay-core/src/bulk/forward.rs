@@ -6,15 +6,16 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::{Lanes, Mask};
 use super::pose::{Placed, Plane};
-use super::shape::{Balls, Model, Offset, Planar, Polar, Radial, Robot, Shape};
+use super::shape::{Balls, Model, Offset, Planar, Polar, Radial, Robot, Shape, Three};
 use super::singular_values;
 use super::solve::{self, Found};
 use super::{Column, Quantity, Status, Tally};
 use crate::Error;
-use crate::gpr::{Forward, Gpr};
+use crate::error::LARGEST_LENGTH;
+use crate::gpr::{Forward, Gpr, Limits};
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
-use crate::virtualization::{Kernel, SolveOptions, Solver, Virtualization};
+use crate::virtualization::{Kernel, SolveOptions, Solver, Virtualization, signed_area};
 
 impl Gpr {
     /// Where the platform is for each of many rods; see [`Self::forward`].
@@ -26,7 +27,7 @@ impl Gpr {
     ///
     /// # Errors
     /// [`Error::WrongLength`] for columns of different lengths, [`Error::NoSuchQuantity`], [`Error::VirtualJointCount`], [`Error::OutOfRange`] for the metric.
-    /// Poses without an answer are NaN and have their status.
+    /// Poses without an answer, or beyond the limits of a robot that checks them, are NaN and have their status.
     ///
     /// # Numerics
     /// Does not allocate, save for sensitivities of a virtualization without a [`Kernel`].
@@ -80,7 +81,9 @@ impl Work<'_, '_> {
         match Robot::new::<M>(self.gpr, self.virtualization, self.options)? {
             // The kernel always takes one step.
             Some(robot) if self.options.max_iterations > 0 => {
-                Arch::new().dispatch(Blocks { work: self, robot: &robot, model: PhantomData::<M> })
+                let limits = self.gpr.checks_limits().then(|| Within::of(self.gpr));
+                let (robot, model) = (&robot, PhantomData::<M>);
+                Arch::new().dispatch(Blocks { work: self, robot, limits, model })
             }
             _ => self.one_by_one(0..self.status.len()),
         }
@@ -113,7 +116,37 @@ impl Work<'_, '_> {
 struct Blocks<'w, 'a, 'b, M> {
     work: &'w mut Work<'a, 'b>,
     robot: &'w Robot,
+    /// `None` where limits are not checked.
+    limits: Option<Within>,
     model: PhantomData<M>,
+}
+
+/// Limits as a kernel checks them: poses within these are within the limits; of others the scalar kernel decides.
+#[derive(Clone, Copy)]
+struct Within {
+    rod_min: f64,
+    rod_max: f64,
+    /// Square of the largest horizontal part of the plane's normal, of the length of twice the triangle's area in the base [m⁴].
+    lean_squared: f64,
+}
+
+impl Within {
+    fn of(gpr: &Gpr) -> Self {
+        let Limits { rod_min, rod_max, .. } = *gpr.limits();
+        let lean = signed_area(gpr.base_points()) * gpr.steepest();
+        Self { rod_min, rod_max, lean_squared: lean * lean }
+    }
+
+    #[inline(always)]
+    fn holds<S: Simd>(&self, robot: &Robot, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
+        let lean = Plane::new(robot, balls).lean_squared();
+        let (least, most) = (lean.like(self.rod_min), lean.like(self.rod_max));
+        let mut within = lean.at_most(lean.like(self.lean_squared));
+        for rod in rods {
+            within = within & least.at_most(*rod) & rod.at_most(most);
+        }
+        within
+    }
 }
 
 impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
@@ -121,7 +154,7 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Result<(), Error> {
-        let Self { work, robot, .. } = self;
+        let Self { work, robot, limits, .. } = self;
         let poses = work.status.len();
         let needs = Needs::of(work.wanted);
         let mut values = [Lanes::splat(simd, 0.0); PLACES];
@@ -136,7 +169,13 @@ impl<M: Model> WithSimd for Blocks<'_, '_, '_, M> {
             let found = solved::<S, M>(robot, work.options, &balls);
             let upright = balls.mean.like(0.0).below(found.shape.area() * robot.base_area);
             let certain = fill::<S, M>(&mut values, &needs, robot, &balls, &found);
-            let solved = found.met & upright & certain;
+            let [l_1, l_2, l_3] = balls.squares;
+            let size = balls.mean.abs() + l_1 + l_2 + l_3;
+            let mut solved =
+                found.met & upright & certain & size.at_most(size.like(LARGEST_LENGTH));
+            if let Some(limits) = &limits {
+                solved = solved & limits.holds(robot, &rods, &balls);
+            }
             for (quantity, column) in &mut *work.wanted {
                 values[place(*quantity)].store(column, first);
             }
@@ -345,7 +384,7 @@ mod tests {
 
     /// All quantities of polar virtual joints, computed with one kind of registers.
     fn with<S: Simd>(simd: S, rods: &[Vec<f64>; 3], options: &SolveOptions) -> Vec<Vec<f64>> {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let quantities = [
             [0, 1, 2].map(Quantity::VirtualJoint),
             [3, 4, 5].map(Quantity::VirtualJoint),
@@ -370,7 +409,8 @@ mod tests {
             wanted: &mut wanted,
         };
         let robot = Robot::new::<Polar>(&gpr, &virtualization::Polar, options).unwrap().unwrap();
-        let blocks = Blocks { work: &mut work, robot: &robot, model: PhantomData::<Polar> };
+        let model = PhantomData::<Polar>;
+        let blocks = Blocks { work: &mut work, robot: &robot, limits: None, model };
         simd.vectorize(blocks).unwrap();
         assert_eq!(status, [Status::Solved; POSES]);
         columns
@@ -380,7 +420,7 @@ mod tests {
         let mut rods = [const { Vec::new() }; 3];
         for i in 0..POSES {
             let tilt = Tilt { yaw: i as f64 * 0.7, pitch: i as f64 * 0.01 };
-            let found = Gpr::paper().inverse(tilt, AxisHeight(0.5)).unwrap();
+            let found = Gpr::paper().without_limit_checks().inverse(tilt, AxisHeight(0.5)).unwrap();
             rods.iter_mut().zip(found).for_each(|(column, rod)| column.push(rod));
         }
         rods

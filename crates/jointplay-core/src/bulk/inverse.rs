@@ -1,11 +1,14 @@
 //! From many tilts to their rods.
 
+use std::f64::consts::FRAC_PI_2;
+
 use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::Lanes;
 use super::trigonometry::sin_cos;
 use super::{Column, Status, Tally};
 use crate::Error;
+use crate::error::LARGEST_LENGTH;
 use crate::gpr::{AxisHeight, Gpr};
 use crate::spatial::Tilt;
 
@@ -19,7 +22,7 @@ impl Gpr {
     /// * `rods` – three columns of n, written: q_1, q_2, q_3 [m]
     ///
     /// # Errors
-    /// [`Error::WrongLength`] for columns of different lengths. Poses without rods are NaN and have their status.
+    /// [`Error::WrongLength`] for columns of different lengths. Poses without rods, or beyond the limits of a robot that checks them, are NaN and have their status.
     ///
     /// # Numerics
     /// Does not allocate. Equal to [`Self::inverse`] to 10⁻¹² of the rod and the base.
@@ -40,7 +43,15 @@ impl Gpr {
             ("a column of rods", rods[2].len()),
         ];
         super::same_lengths(status.len(), lengths)?;
-        Arch::new().dispatch(Blocks { gpr: self, given: [yaw, pitch, height], status, rods })?;
+        let (shortest, longest, pitch_max) = if self.checks_limits() {
+            let limits = self.limits();
+            (limits.rod_min, limits.rod_max, limits.tilt_max)
+        } else {
+            (-LARGEST_LENGTH, LARGEST_LENGTH, FRAC_PI_2.next_down())
+        };
+        let given = [yaw, pitch, height];
+        let blocks = Blocks { gpr: self, given, shortest, longest, pitch_max, status, rods };
+        Arch::new().dispatch(blocks)?;
         Ok(Tally::of(status))
     }
 }
@@ -49,6 +60,10 @@ impl Gpr {
 struct Blocks<'a> {
     gpr: &'a Gpr,
     given: [Column<'a>; 3],
+    /// Rods and pitches within these have an answer; of others the scalar kernel decides [m, m, rad].
+    shortest: f64,
+    longest: f64,
+    pitch_max: f64,
     status: &'a mut [Status],
     rods: [&'a mut [f64]; 3],
 }
@@ -67,11 +82,12 @@ impl WithSimd for Blocks<'_> {
             let slope = rise / run;
             let (slope_x, slope_y) = (slope * cos, slope * sin);
             // Written so that what is not a number is no tilt.
-            let mut reached = pitch.abs().below(pitch.like(std::f64::consts::FRAC_PI_2));
+            let mut reached = pitch.abs().at_most(pitch.like(self.pitch_max));
+            let (shortest, longest) = (pitch.like(self.shortest), pitch.like(self.longest));
             for (rods, point) in self.rods.iter_mut().zip(self.gpr.base_points()) {
                 let lower = slope_x.times_plus(slope.like(point.x), slope_y * point.y);
                 let rod = height - lower;
-                reached = reached & rod.abs().below(rod.like(f64::INFINITY));
+                reached = reached & shortest.at_most(rod) & rod.at_most(longest);
                 rod.store(rods, first);
             }
             let end = (first + Lanes::<S>::COUNT).min(tilts);

@@ -6,11 +6,12 @@
 //! | find the poses of many rods | [`Gpr::forward_many`](crate::gpr::Gpr::forward_many) |
 //! | hand numbers in: contiguous, every n-th, or one for all | [`Column`] |
 //! | say what is wanted | [`Quantity`] |
+//! | know which limits many poses break | [`Gpr::broken_limits_many`](crate::gpr::Gpr::broken_limits_many) |
 //! | know which poses have no answer, and why | [`Status`], [`Tally`] |
 //! | do some at a time | [`parts`] |
 //!
 //! Each pose is what [`Gpr::forward`](crate::gpr::Gpr::forward) says of it to 10⁻¹² of the platform's size, and does not depend on the poses beside it.
-//! A pose without an answer is NaN in every column of numbers and has its reason in the column of statuses; the others go on.
+//! A pose without an answer, or beyond the limits of a robot that checks them, is NaN in every column of numbers and has its reason in the column of statuses; the others go on.
 //!
 //! ```
 //! use jointplay_core::bulk::{Column, Quantity, Status};
@@ -31,6 +32,7 @@ mod column;
 mod forward;
 mod inverse;
 mod lanes;
+mod limits;
 mod parts;
 mod pose;
 mod quantity;

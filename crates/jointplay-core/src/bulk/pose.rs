@@ -28,6 +28,13 @@ impl<S: Simd> Plane<S> {
         let area = x.times_plus(x, y.times_plus(y, z * z)).sqrt();
         Self { across: [x, y, z], area }
     }
+
+    /// Square of the horizontal part of the normal times twice the area [m⁴].
+    #[inline(always)]
+    pub(super) fn lean_squared(&self) -> Lanes<S> {
+        let [x, y, _] = self.across;
+        x.times_plus(x, y * y)
+    }
 }
 
 /// The platforms of many poses.

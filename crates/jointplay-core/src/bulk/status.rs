@@ -19,17 +19,23 @@ pub enum Status {
     DependentSides = 4,
     /// The virtual joints found mirror the platform.
     TurnedOver = 5,
+    /// A rod or the tilt is beyond the robot's limits.
+    BeyondLimits = 6,
+    /// A virtual joint of a mechanism is beyond its clearance.
+    BeyondClearance = 7,
 }
 
 impl Status {
     /// All of them, each at the index that is its number.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 8] = [
         Self::Solved,
         Self::NotFinite,
         Self::PitchTooLarge,
         Self::NotConverged,
         Self::DependentSides,
         Self::TurnedOver,
+        Self::BeyondLimits,
+        Self::BeyondClearance,
     ];
 
     /// The words that people read.
@@ -42,15 +48,22 @@ impl Status {
             Self::NotConverged => "not converged",
             Self::DependentSides => "sides not independent",
             Self::TurnedOver => "turned over",
+            Self::BeyondLimits => "beyond the limits",
+            Self::BeyondClearance => "beyond the clearance",
         }
     }
 
     /// The status of a pose that fails this way; `None` for errors that concern all poses alike.
-    pub(super) fn of(error: &Error) -> Option<Self> {
+    #[must_use]
+    pub fn of(error: &Error) -> Option<Self> {
         Some(match error {
             Error::NotFinite { .. } => Self::NotFinite,
+            Error::TooLong { .. } | Error::BeyondLimits(_) => Self::BeyondLimits,
             Error::PitchTooLarge { .. } => Self::PitchTooLarge,
-            Error::NotConverged(_) => Self::NotConverged,
+            Error::NotConverged(_)
+            | Error::NotReached { .. }
+            | Error::NotRelieved { .. }
+            | Error::NotLeast { .. } => Self::NotConverged,
             Error::DependentSides { .. } => Self::DependentSides,
             Error::TurnedOver { .. } => Self::TurnedOver,
             _ => return None,

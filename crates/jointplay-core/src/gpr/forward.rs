@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::{AxisHeight, Gpr, ball_sides};
 use crate::Error;
-use crate::error::finite;
+use crate::error::length;
 use crate::spatial::{Pose, Tilt, fit_in_plane};
 use crate::virtualization::{
     Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
@@ -35,7 +35,8 @@ impl Gpr {
     /// * `rods` – (3) lengths q_k [m]
     ///
     /// # Errors
-    /// [`Error::NotFinite`], and those of [`solve`]; [`Error::TurnedOver`] for a solution that mirrors the platform.
+    /// [`Error::NotFinite`], [`Error::TooLong`] for a rod beyond 10⁵⁰ m, and those of [`solve`]; [`Error::TurnedOver`] for a solution that mirrors the platform.
+    /// [`Error::BeyondLimits`] for rods or a tilt of the plane through the balls, unless the robot is one [without limit checks](Self::without_limit_checks).
     ///
     /// # Numerics
     /// Does not allocate.
@@ -49,9 +50,37 @@ impl Gpr {
         virtualization: &V,
         options: &SolveOptions,
     ) -> Result<Forward, Error> {
-        for length in rods {
-            finite("a rod length", length)?;
+        for rod in rods {
+            length("a rod length", rod)?;
         }
+        if self.checks_limits() && !self.clearly_within_limits(&rods) {
+            let broken = self.limits().broken(&rods, self.plane_tilt(&rods));
+            if !broken.is_empty() {
+                return Err(Error::BeyondLimits(broken));
+            }
+        }
+        self.pose(rods, virtualization, options)
+    }
+
+    /// Whether rods are within the limits, without an arc tangent; `false` leaves the limits themselves to [`Limits::broken`](super::Limits::broken).
+    #[inline]
+    fn clearly_within_limits(&self, rods: &[f64; 3]) -> bool {
+        let limits = self.limits();
+        let balls = self.ball_centers(rods);
+        let normal = (balls[1] - balls[0]).cross(&(balls[2] - balls[0]));
+        let lean = normal.z * self.steepest();
+        rods.iter().all(|length| (limits.rod_min..=limits.rod_max).contains(length))
+            && normal.x * normal.x + normal.y * normal.y <= lean * lean
+    }
+
+    /// The pose of [`Self::forward`], limits not checked.
+    #[inline]
+    pub(super) fn pose<V: Virtualization + ?Sized>(
+        &self,
+        rods: [f64; 3],
+        virtualization: &V,
+        options: &SolveOptions,
+    ) -> Result<Forward, Error> {
         let balls = self.ball_centers(&rods);
         let sides = ball_sides(&balls);
         let solution = solve(virtualization, self.platform(), &sides, options)?;
@@ -157,7 +186,10 @@ mod tests {
     fn a_rod_that_is_no_number() {
         for value in [f64::NAN, f64::INFINITY] {
             let rods = [0.5, value, 0.5];
-            let error = Gpr::paper().forward(rods, &Planar, &SolveOptions::default()).unwrap_err();
+            let error = Gpr::paper()
+                .without_limit_checks()
+                .forward(rods, &Planar, &SolveOptions::default())
+                .unwrap_err();
             let message = format!("a rod length is {value}, but has to be a finite number");
             assert_eq!(error.to_string(), message);
         }
@@ -166,7 +198,10 @@ mod tests {
     #[test]
     fn twist_is_measured_beyond_the_shortest_rotation() {
         use nalgebra::{Rotation3, Vector3};
-        let mut pose = Gpr::paper().forward([0.5; 3], &Planar, &SolveOptions::default()).unwrap();
+        let mut pose = Gpr::paper()
+            .without_limit_checks()
+            .forward([0.5; 3], &Planar, &SolveOptions::default())
+            .unwrap();
         for (yaw, pitch, twist) in [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)] {
             let lean = leaning_by(yaw, pitch);
             pose.base_from_platform.rotation =
@@ -177,7 +212,7 @@ mod tests {
 
     #[test]
     fn the_plane_of_the_rods_is_the_platform_s() {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         for (yaw, pitch, height) in [(0.0, 0.0, 0.5), (0.3, 0.02, 0.4), (-2.0, 1.0, 0.3)] {
             let tilt = Tilt { yaw, pitch };
             let rods = gpr.inverse(tilt, AxisHeight(height)).unwrap();

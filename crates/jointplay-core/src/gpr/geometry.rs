@@ -4,7 +4,7 @@ use nalgebra::{Vector2, Vector3};
 
 use super::Limits;
 use crate::Error;
-use crate::error::finite;
+use crate::error::{finite, length};
 use crate::mobility::kutzbach_mobility;
 use crate::virtualization::{Platform, Sides, Sockets, signed_area};
 
@@ -30,24 +30,30 @@ impl Limb {
 }
 
 /// A three-rod robot.
+///
+/// Its kinematics answer within its limits only, see [`Self::without_limit_checks`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gpr {
     base_points: Sockets,
     platform: Platform,
     limits: Limits,
     working_height: f64,
+    /// tan of the largest tilt.
+    steepest: f64,
+    checks_limits: bool,
 }
 
 impl Gpr {
     /// A robot from its limbs, limits and working height [m].
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::NotPositive`] for a socket radius, [`Error::Collinear`] base points or sockets,
+    /// [`Error::NotFinite`], [`Error::TooLong`], [`Error::NotPositive`] for a socket radius, [`Error::Collinear`] base points or sockets,
     /// [`Error::OppositeSenses`], [`Error::LimitsReversed`], [`Error::OutOfRange`] for the tilt limit or a working height beyond the rods.
     pub fn new(limbs: [Limb; 3], limits: Limits, working_height: f64) -> Result<Self, Error> {
         for limb in &limbs {
-            finite("a base point", limb.base_point.x)?;
-            finite("a base point", limb.base_point.y)?;
+            length("a base point", limb.base_point.x)?;
+            length("a base point", limb.base_point.y)?;
+            length("a socket radius", limb.socket_radius)?;
         }
         let base_points = limbs.map(|limb| limb.base_point);
         crate::virtualization::check_not_collinear("base points", &base_points)?;
@@ -69,7 +75,9 @@ impl Gpr {
                 unit: "m",
             });
         }
-        Ok(Self { base_points, platform, limits, working_height })
+        let steepest = limits.tilt_max.tan();
+        let checks_limits = true;
+        Ok(Self { base_points, platform, limits, working_height, steepest, checks_limits })
     }
 
     /// The robot of the paper: three sockets 120° apart on a radius of 93.218 mm, each over its rod.
@@ -102,6 +110,27 @@ impl Gpr {
     #[must_use]
     pub fn limits(&self) -> &Limits {
         &self.limits
+    }
+
+    /// The robot with the same dimensions and limits, whose kinematics also answer beyond the limits.
+    ///
+    /// For analysis: [`Limits::broken`](super::Limits::broken) reports the limits that a pose breaks.
+    #[must_use]
+    pub fn without_limit_checks(&self) -> Self {
+        Self { checks_limits: false, ..self.clone() }
+    }
+
+    /// Whether poses beyond the limits are refused.
+    #[must_use]
+    #[inline]
+    pub fn checks_limits(&self) -> bool {
+        self.checks_limits
+    }
+
+    /// tan of the largest tilt.
+    #[inline]
+    pub(crate) fn steepest(&self) -> f64 {
+        self.steepest
     }
 
     /// The axis height at which the robot usually works [m].

@@ -1,8 +1,10 @@
 //! From where the platform should be to the rods.
 
+use std::f64::consts::FRAC_PI_2;
+
 use super::{AxisHeight, CenterHeight, Forward, Gpr};
 use crate::Error;
-use crate::error::finite;
+use crate::error::{LARGEST_LENGTH, finite, length};
 use crate::spatial::Tilt;
 use crate::virtualization::{SolveOptions, Virtualization};
 
@@ -13,20 +15,35 @@ impl Gpr {
     ///    q_k  =  z − (n_x B_kx + n_y B_ky) / n_z
     /// ```
     /// Exact, and the same for every virtualization: three ball centres fix the plane, whatever gives way within it.
-    /// Limits are not checked here; see [`Limits::broken`](super::Limits::broken).
     ///
     /// # Errors
-    /// [`Error::NotFinite`], [`Error::PitchTooLarge`] at ±90° and beyond.
+    /// [`Error::NotFinite`], [`Error::TooLong`] for a height beyond 10⁵⁰ m, [`Error::PitchTooLarge`] at ±90° and beyond.
+    /// [`Error::BeyondLimits`], unless the robot is one [without limit checks](Self::without_limit_checks).
+    ///
+    /// # Numerics
+    /// Does not allocate.
     ///
     /// # Source
     /// Own derivation, `docs/theory.md`
     #[inline]
     pub fn inverse(&self, tilt: Tilt, height: AxisHeight) -> Result<[f64; 3], Error> {
-        finite("the yaw", tilt.yaw)?;
-        finite("the pitch", tilt.pitch)?;
-        finite("the axis height", height.0)?;
-        if tilt.pitch.abs() >= std::f64::consts::FRAC_PI_2 {
-            return Err(Error::PitchTooLarge { pitch: tilt.pitch });
+        let rods = self.rods(tilt, height)?;
+        if self.checks_limits() {
+            let broken = self.limits().broken(&rods, tilt);
+            if !broken.is_empty() {
+                return Err(Error::BeyondLimits(broken));
+            }
+        }
+        Ok(rods)
+    }
+
+    /// The rods of [`Self::inverse`], limits not checked [m].
+    #[inline]
+    fn rods(&self, tilt: Tilt, height: AxisHeight) -> Result<[f64; 3], Error> {
+        // Written so that what is not a number is refused.
+        let usable = tilt.pitch.abs() < FRAC_PI_2 && height.0.abs() <= LARGEST_LENGTH;
+        if !usable || !tilt.yaw.is_finite() {
+            return Err(unreached(tilt, height));
         }
         let slope = tilt.pitch.tan();
         let (sin, cos) = tilt.yaw.sin_cos();
@@ -39,7 +56,7 @@ impl Gpr {
     /// Raising all rods alike raises the platform alike, sides and virtual joints unchanged; so one correction of the height is exact.
     ///
     /// # Errors
-    /// As [`Self::inverse`] and [`Self::forward`].
+    /// As [`Self::inverse`] and [`Self::forward`]; limits are checked of the pose that is returned.
     pub fn inverse_for_center<V: Virtualization + ?Sized>(
         &self,
         tilt: Tilt,
@@ -47,23 +64,36 @@ impl Gpr {
         virtualization: &V,
         options: &SolveOptions,
     ) -> Result<Forward, Error> {
-        let first =
-            self.forward(self.inverse(tilt, AxisHeight(height.0))?, virtualization, options)?;
+        let rods = self.rods(tilt, AxisHeight(height.0))?;
+        // Far beyond the largest tilt the virtual joints may not be found at all.
+        let broken = self.limits().broken(&rods, tilt);
+        if self.checks_limits() && broken.tilt() {
+            return Err(Error::BeyondLimits(broken));
+        }
+        let first = self.pose(rods, virtualization, options)?;
         let missing = height.0 - first.base_from_platform.translation.z;
         let rods = self.inverse(tilt, AxisHeight(height.0 + missing))?;
-        self.forward(rods, virtualization, options)
+        self.pose(rods, virtualization, options)
     }
+}
+
+/// Why there are no rods for a tilt and a height.
+#[cold]
+fn unreached(tilt: Tilt, height: AxisHeight) -> Error {
+    let checked = finite("the yaw", tilt.yaw)
+        .and_then(|_| finite("the pitch", tilt.pitch))
+        .and_then(|_| length("the axis height", height.0));
+    checked.err().unwrap_or(Error::PitchTooLarge { pitch: tilt.pitch })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::virtualization::Planar;
-    use std::f64::consts::FRAC_PI_2;
 
     #[track_caller]
     fn check(yaw: f64, pitch: f64, height: f64, message: &str) {
-        let (gpr, tilt) = (Gpr::paper(), Tilt { yaw, pitch });
+        let (gpr, tilt) = (Gpr::paper().without_limit_checks(), Tilt { yaw, pitch });
         assert_eq!(gpr.inverse(tilt, AxisHeight(height)).unwrap_err().to_string(), message);
         let options = SolveOptions::default();
         let center = gpr.inverse_for_center(tilt, CenterHeight(height), &Planar, &options);

@@ -1,7 +1,7 @@
 //! How far the robot may go.
 
 use crate::Error;
-use crate::error::finite;
+use crate::error::{finite, length};
 use crate::spatial::Tilt;
 
 /// Limits of rods and tilt.
@@ -38,13 +38,78 @@ pub enum BrokenLimit {
     },
 }
 
+/// The limits that a pose breaks; holds them without heap memory.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct BrokenLimits {
+    limits: Limits,
+    rods: [f64; 3],
+    pitch: f64,
+    /// Of each rod, then of the tilt.
+    broken: [bool; 4],
+}
+
+impl BrokenLimits {
+    /// Whether the pose is within all limits.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.broken == [false; 4]
+    }
+
+    /// Which rods are too short or too long.
+    #[must_use]
+    pub fn rods(&self) -> [bool; 3] {
+        let [q_1, q_2, q_3, _] = self.broken;
+        [q_1, q_2, q_3]
+    }
+
+    /// Whether the platform tilts too far.
+    #[must_use]
+    pub fn tilt(&self) -> bool {
+        self.broken[3]
+    }
+
+    /// The broken limits, rods first.
+    pub fn iter(&self) -> impl Iterator<Item = BrokenLimit> + '_ {
+        let Limits { rod_min: min, rod_max: max, tilt_max } = self.limits;
+        let rods = (0..3).filter(|&k| self.broken[k]).map(move |k| BrokenLimit::Rod {
+            limb: k + 1,
+            length: self.rods[k],
+            min,
+            max,
+        });
+        let tilt = BrokenLimit::Tilt { pitch: self.pitch, max: tilt_max };
+        rods.chain(self.tilt().then_some(tilt))
+    }
+}
+
+/// Such as `rod 1 is 0.2 m, from 0.246 to 0.754 m is allowed, and the tilt is 1.5 rad, up to 0.026 rad is allowed`.
+impl std::fmt::Display for BrokenLimits {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (place, limit) in self.iter().enumerate() {
+            formatter.write_str(if place == 0 { "" } else { ", and " })?;
+            match limit {
+                BrokenLimit::Rod { limb, length, min, max } => {
+                    write!(
+                        formatter,
+                        "rod {limb} is {length} m, from {min} to {max} m is allowed"
+                    )?;
+                }
+                BrokenLimit::Tilt { pitch, max } => {
+                    write!(formatter, "the tilt is {pitch} rad, up to {max} rad is allowed")?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
 impl Limits {
     /// Relative slack, and for the tilt absolute slack [rad], so that a pose computed to lie on a limit is not beyond it by round-off.
     const SLACK: f64 = 1e-12;
 
     pub(super) fn checked(self) -> Result<Self, Error> {
-        finite("the shortest rod", self.rod_min)?;
-        finite("the longest rod", self.rod_max)?;
+        length("the shortest rod", self.rod_min)?;
+        length("the longest rod", self.rod_max)?;
         if self.rod_min >= self.rod_max {
             return Err(Error::LimitsReversed {
                 what: "rod",
@@ -65,21 +130,15 @@ impl Limits {
         Ok(self)
     }
 
-    /// Every limit that rods of these lengths [m] and this tilt break, rods first.
+    /// Every limit that rods of these lengths [m] and this tilt break.
     #[must_use]
-    pub fn broken(&self, rods: &[f64; 3], tilt: Tilt) -> Vec<BrokenLimit> {
+    pub fn broken(&self, rods: &[f64; 3], tilt: Tilt) -> BrokenLimits {
         let (min, max) = (self.rod_min, self.rod_max);
         let slack = Self::SLACK * max.abs().max(min.abs());
-        let mut broken: Vec<BrokenLimit> = (1..)
-            .zip(rods)
-            .filter(|&(_, &length)| !(length >= min - slack && length <= max + slack))
-            .map(|(limb, &length)| BrokenLimit::Rod { limb, length, min, max })
-            .collect();
+        let [q_1, q_2, q_3] = rods.map(|length| !(length >= min - slack && length <= max + slack));
         let pitch = tilt.pitch.abs();
-        if pitch.is_nan() || pitch > self.tilt_max * (1.0 + Self::SLACK) + Self::SLACK {
-            broken.push(BrokenLimit::Tilt { pitch, max: self.tilt_max });
-        }
-        broken
+        let tilted = pitch.is_nan() || pitch > self.tilt_max * (1.0 + Self::SLACK) + Self::SLACK;
+        BrokenLimits { limits: *self, rods: *rods, pitch, broken: [q_1, q_2, q_3, tilted] }
     }
 }
 
@@ -94,7 +153,7 @@ mod tests {
         let broken = LIMITS.broken(&rods, Tilt { yaw: 1.0, pitch });
         let mut found = Vec::new();
         let mut tilted = false;
-        for limit in broken {
+        for limit in broken.iter() {
             match limit {
                 BrokenLimit::Rod { limb, length, min, max } => {
                     assert!(!tilted, "rods come first");
@@ -109,6 +168,8 @@ mod tests {
             }
         }
         assert_eq!((found.as_slice(), tilted), (limbs, tilt));
+        assert_eq!(broken.is_empty(), limbs.is_empty() && !tilt);
+        assert_eq!((broken.rods(), broken.tilt()), ([1, 2, 3].map(|k| limbs.contains(&k)), tilt));
     }
 
     #[test]

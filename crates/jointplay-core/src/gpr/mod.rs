@@ -21,6 +21,6 @@ pub use approximate::Approximate;
 pub use forward::Forward;
 pub use geometry::{Gpr, Limb, ball_sides};
 pub use height::{AxisHeight, CenterHeight};
-pub use limits::{BrokenLimit, Limits};
+pub use limits::{BrokenLimit, BrokenLimits, Limits};
 pub use system::GprSystem;
 pub use tilt_play::{Bounded, TiltPlay};

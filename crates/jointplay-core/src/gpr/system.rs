@@ -191,7 +191,7 @@ mod tests {
     /// Every analysis refuses this configuration with this message.
     #[track_caller]
     fn check(change: impl Fn(&mut Configuration), message: &str) {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let system = gpr.system(&Polar);
         let pose = gpr.forward([0.5, 0.501, 0.502], &Polar, &SolveOptions::default()).unwrap();
         let good = system.configuration(&pose);
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn open_loops_have_no_finite_mobility() {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let system = gpr.system(&Polar);
         let pose = gpr.forward([0.5; 3], &Polar, &SolveOptions::default()).unwrap();
         let mut at = system.configuration(&pose);
@@ -248,7 +248,7 @@ mod tests {
 
     #[test]
     fn a_motion_of_the_wrong_length_has_no_bounds() {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let system = gpr.system(&Polar);
         let pose = gpr.forward([0.5; 3], &Polar, &SolveOptions::default()).unwrap();
         let at = system.configuration(&pose);

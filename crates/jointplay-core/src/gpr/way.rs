@@ -57,13 +57,13 @@ mod tests {
     /// Goes a way, and looks at its end from both sides.
     #[track_caller]
     fn check(from: [f64; 3], to: [f64; 3], limbs: &[usize], tilted: bool) {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let broken = |rods: &[f64; 3]| gpr.limits().broken(rods, gpr.plane_tilt(rods));
         let last = gpr.last_within_limits(&from, &to);
-        assert_eq!(broken(&last), [], "{last:?}");
+        assert!(broken(&last).is_empty(), "{last:?}");
         let beyond = [0, 1, 2]
             .map(|k| last[k] + 1e-9 * (to[k] - from[k]).signum() * f64::from(to[k] != from[k]));
-        let found = broken(&beyond);
+        let found: Vec<BrokenLimit> = broken(&beyond).iter().collect();
         let rods: Vec<usize> = found
             .iter()
             .filter_map(|limit| match limit {
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn ways_end_at_the_first_limit() {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let level = [0.5; 3];
         check(level, [0.52, 0.5, 0.5], &[], true);
         check(level, [0.9; 3], &[1, 2, 3], false);
@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn what_is_within_is_reached_and_what_is_without_stays() {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let (level, near) = ([0.5; 3], [0.5005, 0.4995, 0.5]);
         assert_eq!(gpr.last_within_limits(&level, &near), near);
         assert_eq!(gpr.last_within_limits(&[0.9; 3], &level), [0.9; 3]);

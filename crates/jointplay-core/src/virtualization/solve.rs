@@ -280,7 +280,7 @@ mod tests {
     const SOLVERS: [Solver; 3] = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm];
 
     fn sides_at(pitch: f64) -> Sides {
-        let gpr = Gpr::paper();
+        let gpr = Gpr::paper().without_limit_checks();
         let tilt = crate::spatial::Tilt { yaw: 0.4, pitch };
         let rods = gpr.inverse(tilt, crate::gpr::AxisHeight(0.5)).unwrap();
         crate::gpr::ball_sides(&gpr.ball_centers(&rods))
@@ -384,7 +384,7 @@ mod tests {
 
     #[test]
     fn the_solver_used_is_told() {
-        let (gpr, sides) = (Gpr::paper(), sides_at(0.02));
+        let (gpr, sides) = (Gpr::paper().without_limit_checks(), sides_at(0.02));
         let used = |model: &dyn Virtualization| {
             solve(model, gpr.platform(), &sides, &SolveOptions::default()).unwrap().solver
         };

@@ -62,7 +62,7 @@ pub(super) fn joint(
     table: &JointTable,
     links: &mut Links,
 ) -> Result<Joint, Error> {
-    let name = read::name(values.text, "name", &table.name)?;
+    let name = read::joint_name(values.text, &table.name)?;
     let [first, second] = table.links.get_ref().as_slice() else {
         let problem = Problem::Count {
             key: "links",
@@ -186,7 +186,7 @@ pub(super) fn virtual_joint(
     mechanism: &Mechanism,
     indices: &BTreeMap<&str, usize>,
 ) -> Result<VirtualJoint, Error> {
-    let name = read::name(values.text, "name", &table.name)?;
+    let name = read::joint_name(values.text, &table.name)?;
     let wanted = table.joint.get_ref().as_str();
     let Some(&index) = indices.get(wanted) else {
         let names = mechanism.joints().iter().map(|joint| joint.name.as_str());

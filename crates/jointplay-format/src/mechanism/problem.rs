@@ -50,6 +50,14 @@ pub enum Problem {
         /// What was found.
         found: String,
     },
+    /// A name of a joint that commands could not tell from others.
+    #[error(
+        "a joint cannot be called {found:?}: `,` and `=` separate commands, and `[0]` is a freedom of a joint"
+    )]
+    JointName {
+        /// What was found.
+        found: String,
+    },
     /// A parameter that expressions could not name.
     #[error(
         "no parameter can be called {found:?}: a name is letters, digits and `_`, does not start with a digit, and is neither `pi` nor a function"
@@ -91,6 +99,16 @@ pub enum Problem {
         most: f64,
         /// The unit of both.
         unit: &'static str,
+    },
+    /// A number too large to be computed with.
+    #[error("`{key}` is {}, but has to lie within ±{}", number(*.value), number(*.most))]
+    TooLarge {
+        /// Which key.
+        key: &'static str,
+        /// What was found, in the unit of the file.
+        value: f64,
+        /// Greatest allowed magnitude.
+        most: f64,
     },
     /// A number that has to be positive and is not.
     #[error("`{key}` is {}, but has to be positive", number(*.value))]

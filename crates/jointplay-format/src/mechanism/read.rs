@@ -217,6 +217,15 @@ fn blame(file: &File, error: &MechanismError) -> Range<usize> {
     found.unwrap_or_else(|| file.name.span())
 }
 
+/// A name of a joint, by which commands find it.
+pub(super) fn joint_name(text: &str, found: &Spanned<String>) -> Result<String, Error> {
+    let read = name(text, "name", found)?;
+    if read.contains([',', '=', '[', ']']) {
+        return Err(Error::at(text, found.span(), Problem::JointName { found: read }));
+    }
+    Ok(read)
+}
+
 /// A name that can be printed.
 pub(super) fn name(text: &str, key: &'static str, name: &Spanned<String>) -> Result<String, Error> {
     let found = name.get_ref().clone();
@@ -340,6 +349,8 @@ mod tests {
         refuse("[0, 0, 2]", "[0, 0, inf]", "inf", "`axis` is infinite");
         refuse("point = [1, 2, 3]", "point = [1, 2, 1e308]", "1e308", "within ±1000000000 mm");
         refuse("guess = 30", "guess = 1e308", "1e308", "`guess` is 1e308, but has to lie within");
+        refuse("[0, 0, 2]", "[0, 0, 1e308]", "1e308", "within ±1000000000000");
+        refuse("[0, 0, 2]", "[0, 0, \"1e13\"]", "\"1e13\"", "within ±1000000000000");
         refuse("[0, 0, 2]", "[0, 0, true]", "true", "expected a number or an expression");
         refuse("zero = [1, 0, 5]", "zero = [0, 0, 5]", "[0, 0, 5]", "parallel to the axis");
         let tilted = "second_axis = [1, 1e-5, 0]";
@@ -376,6 +387,10 @@ mod tests {
     #[test]
     fn links_that_make_no_mechanism_are_refused() {
         refuse("[\"arm\", \"cross\"]", "[\"arm\", \"arm\"]", "[\"arm\", \"arm\"]", "to itself");
+        for joint in ["crank[0]", "crank,cardan", "crank=1"] {
+            let named = format!("{joint:?}");
+            refuse("name = \"crank\"", &format!("name = {named}"), &named, "cannot be called");
+        }
         refuse("name = \"v2\"", "name = \"crank\"", "\"crank\"", "used twice");
         refuse(
             "name = \"slider\"",

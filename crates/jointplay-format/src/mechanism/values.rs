@@ -111,6 +111,8 @@ impl AngleUnit {
 
 /// The largest length [m] and the largest angle [rad] that a file may name: far from where squares overflow.
 const LARGEST: f64 = 1e6;
+/// Numbers of mechanism files lie within this, in their own unit, so that no product of them overflows.
+const LARGEST_NUMBER: f64 = 1e12;
 
 /// Reads numbers of one file.
 pub(super) struct Values<'a> {
@@ -132,15 +134,24 @@ impl Values<'_> {
         span: Range<usize>,
     ) -> Result<f64, Error> {
         match number {
-            Number::Value(value) if value.is_finite() => Ok(*value),
+            Number::Value(value) if value.is_finite() => self.moderate(key, *value, span),
             Number::Value(value) => {
                 let problem = Problem::NotFinite { key: key.to_owned(), value: *value };
                 Err(self.wrong(span, problem))
             }
             Number::Expression(source) => Expression::parse(source)
                 .and_then(|expression| expression.evaluate(&self.scope))
-                .map_err(|error| expression_error(self.text, &span, source, error)),
+                .map_err(|error| expression_error(self.text, &span, source, error))
+                .and_then(|value| self.moderate(key, value, span.clone())),
         }
+    }
+
+    /// A number that is not too large to be computed with.
+    fn moderate(&self, key: &'static str, value: f64, span: Range<usize>) -> Result<f64, Error> {
+        if value.abs() <= LARGEST_NUMBER {
+            return Ok(value);
+        }
+        Err(self.wrong(span, Problem::TooLarge { key, value, most: LARGEST_NUMBER }))
     }
 
     /// A number brought to SI units by `to_si`.

@@ -3,6 +3,7 @@
 mod beyond;
 mod cell;
 mod compare;
+mod expected;
 mod forward;
 mod mechanism;
 mod mobility;
@@ -28,6 +29,7 @@ pub use cell::{
     excerpt, explain_violation, flaws,
 };
 pub use compare::{CompareReport, ModelReport, compare};
+pub use expected::{DisagreementReport, disagreements};
 pub use forward::{ForwardReport, PlatformReport, forward};
 pub use mechanism::{
     AssemblyReport, ByName, CarriedTwiceReport, ConfigurationReport, LinkMotionReport,

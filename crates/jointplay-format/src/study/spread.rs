@@ -17,9 +17,6 @@ pub(super) struct Key {
     pub(super) to_si: fn(f64) -> f64,
 }
 
-/// The largest standard deviation, in the unit of the file: nearly all that it draws is beyond every robot.
-const LARGEST_DEVIATION: f64 = 1e9;
-
 const KINDS: [&str; 2] = ["uniform", "normal"];
 
 /// Reads the values of a key.
@@ -75,16 +72,10 @@ fn drawn(text: &str, key: &Key, span: Range<usize>, table: &toml::Table) -> Resu
         }
         return Ok(Spread::Uniform { from: (key.to_si)(first), to: (key.to_si)(second) });
     }
-    if !second.is_finite() {
-        return Err(wrong(Problem::NotFinite { key: name, value: second }));
-    }
-    if second > LARGEST_DEVIATION {
-        let (value, min, max) = (second, 0.0, LARGEST_DEVIATION);
-        return Err(wrong(Problem::Beyond { key: name, value, min, max }));
-    }
     if second <= 0.0 {
         return Err(wrong(Problem::Deviation { key: name, value: second }));
     }
+    within(key, second).map_err(wrong)?;
     Ok(Spread::Normal { mean: (key.to_si)(first), deviation: (key.to_si)(second) })
 }
 

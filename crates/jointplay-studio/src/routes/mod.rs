@@ -49,6 +49,6 @@ fn allowed(
     tilt: Tilt,
     ignore: bool,
 ) -> Result<Vec<BrokenLimit>, Problem> {
-    let broken = gpr.limits().broken(rods, tilt);
+    let broken: Vec<BrokenLimit> = gpr.limits().broken(rods, tilt).iter().collect();
     if broken.is_empty() || ignore { Ok(broken) } else { Err(Problem::limits(&broken)) }
 }

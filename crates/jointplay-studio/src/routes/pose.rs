@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 use jointplay::format::explain::explain;
-use jointplay::gpr::Gpr;
+use jointplay::gpr::{BrokenLimit, Gpr};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions, Virtualization};
@@ -62,7 +62,7 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
     let (first, options) = &models[0];
     let target = command.read(gpr, "command")?;
     let (rods, tilt) = reached(gpr, target, first.model(), options)?;
-    let broken = gpr.limits().broken(&rods, tilt);
+    let broken: Vec<BrokenLimit> = gpr.limits().broken(&rods, tilt).iter().collect();
     let from = from.map(|Rods(from)| wire::rods(from, "from_rods_m")).transpose()?;
     let within = |from: &[f64; 3]| gpr.limits().broken(from, gpr.plane_tilt(from)).is_empty();
     let (rods, broken, stopped_by) = match from.filter(within) {

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use jointplay_core::bulk::{Column, Quantity, Status};
-use jointplay_core::gpr::{BrokenLimit, Gpr, ball_sides};
+use jointplay_core::gpr::{BrokenLimit, BrokenLimits, Gpr, ball_sides};
 
 use super::built::{Workshop, value};
 use super::inputs::Inputs;
@@ -51,6 +51,8 @@ pub struct Block {
 
 /// Computes samples of a plan.
 ///
+/// Samples beyond the robot's limits are computed too, and counted.
+///
 /// # Arguments
 /// * `samples` – their numbers, fastest where they ascend by one
 ///
@@ -62,6 +64,7 @@ pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
         return Err(Error::NoSuchSample { found, count });
     }
     let inputs = Inputs::of(plan, samples)?;
+    let nominal = plan.gpr.without_limit_checks();
     let all = 0..samples.len();
     let mut work = Work {
         plan,
@@ -74,7 +77,7 @@ pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
     let mut built = Vec::new();
     if plan.tolerances.any() {
         if plan.rods_from == RodsFrom::Nominal {
-            work.inverse(&plan.gpr, all)?;
+            work.inverse(&nominal, all)?;
         }
         let mut workshop = Workshop::new(&plan.gpr, &plan.tolerances, plan.seed);
         let mut first = 0;
@@ -93,8 +96,8 @@ pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
             work.forward(&robot, part)?;
         }
     } else {
-        work.inverse(&plan.gpr, all.clone())?;
-        work.forward(&plan.gpr, all)?;
+        work.inverse(&nominal, all.clone())?;
+        work.forward(&nominal, all)?;
     }
     let Work { rods, sides, models, .. } = work;
     let columns: Vec<Vec<f64>> = plan
@@ -117,23 +120,23 @@ pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
             }
         })
         .collect();
-    let broken: Vec<Vec<BrokenLimit>> = (0..samples.len())
+    let broken: Vec<BrokenLimits> = (0..samples.len())
         .map(|i| plan.gpr.limits().broken(&[0, 1, 2].map(|k| rods[k][i]), inputs.tilt(i)))
         .collect();
-    let beyond = |breaks: fn(&BrokenLimit) -> bool| {
-        broken.iter().filter(|broken| broken.iter().any(breaks)).count() as u64
-    };
     Ok(Block {
-        beyond_rods: beyond(
-            |limit| matches!(limit, BrokenLimit::Rod { length, .. } if !length.is_nan()),
-        ),
-        beyond_tilt: beyond(|limit| matches!(limit, BrokenLimit::Tilt { .. })),
+        beyond_rods: broken.iter().filter(|broken| too_long_or_short(broken)).count() as u64,
+        beyond_tilt: broken.iter().filter(|broken| broken.tilt()).count() as u64,
         moments: columns.iter().map(|column| Moments::of(column)).collect(),
         samples: samples.to_vec(),
         draws: inputs.draw,
         columns,
         outcomes: models.into_iter().map(|model| model.outcomes).collect(),
     })
+}
+
+/// Whether a rod that was found is beyond its limits.
+fn too_long_or_short(broken: &BrokenLimits) -> bool {
+    broken.iter().any(|limit| matches!(limit, BrokenLimit::Rod { length, .. } if !length.is_nan()))
 }
 
 /// Columns on their way for one virtualization.

@@ -118,6 +118,16 @@ impl Plan {
             .ok_or_else(|| self.too_many())
     }
 
+    /// Number of threads that the plan keeps busy: one for each block of samples.
+    ///
+    /// # Errors
+    /// As [`Self::grid`].
+    pub fn most_threads(&self) -> Result<usize, Error> {
+        let blocks = self.samples()?.div_ceil(run::BLOCK as u64);
+        let most = crate::parallel::MOST_THREADS;
+        Ok(usize::try_from(blocks).map_or(most, |blocks| blocks.clamp(1, most)))
+    }
+
     /// Number of samples: places of the grid times draws.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ const ROUND_OFF: f64 = 1e-16;
 
 /// Residual and distance from the right answer, step by step.
 pub(crate) fn figure() -> Figure {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let rods = gpr.inverse(tilt(0.0, 2.0), HEIGHT).expect("a pose of the robot");
     let sides = ball_sides(&gpr.ball_centers(&rods));
     let start = [RADIUS, RADIUS, RADIUS, 0.0, 0.0, 0.0];

@@ -11,7 +11,7 @@ const SAMPLES: u32 = 120;
 
 /// From nominal, from the last X, and by least rotation.
 pub(crate) fn figure() -> Figure {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let tilts: Vec<Tilt> = (0..3).flat_map(|_| turn(2.0_f64.to_radians(), SAMPLES)).collect();
     let turns: Vec<f64> = (0..3)
         .flat_map(|n| (0..=SAMPLES).map(move |i| f64::from(n) + f64::from(i) / f64::from(SAMPLES)))

@@ -43,7 +43,7 @@ pub(crate) fn angular_parts() -> Figure {
 
 /// Displacement of socket 1 at right angles to its radius, not a number where it vanishes [µm].
 fn across(model: &dyn Virtualization, solver: Solver, yaw: f64) -> f64 {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let x = pose(model, solver, Metric::Paper, yaw, 2.0).solution.virtual_joints;
     let moved: Vector2<f64> = model.sockets(gpr.platform(), &x)[0] - gpr.platform().sockets()[0];
     let across = gpr.platform().directions()[0].perp(&moved).abs();

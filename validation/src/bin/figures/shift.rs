@@ -36,7 +36,8 @@ pub(crate) fn against_characteristic_length() -> Result<Figure, Error> {
         found.center_shift().x / UM
     };
     let in_mm = |lengths: &[f64]| lengths.iter().map(|rho| rho * 1e3).collect::<Vec<_>>();
-    let balls = Gpr::paper().ball_centers(&Gpr::paper().inverse(tilt(0.0, 2.0), HEIGHT)?);
+    let balls = Gpr::paper()
+        .ball_centers(&Gpr::paper().without_limit_checks().inverse(tilt(0.0, 2.0), HEIGHT)?);
     let ends = vec![1e-2, 1e5];
     let line = |name, point: Vector3<f64>, style| {
         Curve::new(name, ends.clone(), vec![point.x / UM; 2], style)
@@ -68,7 +69,7 @@ const fn thin(colour: Colour, dash: Dash) -> Style {
 
 /// Shift of every model against the tilt, and its azimuth as the yaw goes round.
 pub(crate) fn against_tilt() -> Result<Figure, Error> {
-    let gpr = Gpr::paper();
+    let gpr = Gpr::paper().without_limit_checks();
     let pitches = evenly(0.0, 2.0, 41);
     let yaws = evenly(0.0, 180.0, 181);
     let mut shifts =

@@ -28,7 +28,9 @@ pub(super) fn three_rods(reader: &Reader, entry: Entry) -> Option<Gpr> {
     let limbs: Vec<Option<Limb>> = table.tables("limb").iter().map(limb).collect();
     let limits = table.needed("limits").and_then(|entry| entry.table(reader, "`[gpr.limits]`"));
     let limits = limits.and_then(|limits| {
-        let rods = limits.needed("rod_mm").and_then(|rods| rods.numbers::<2>(reader, Span::Any));
+        let rods = limits
+            .needed("rod_mm")
+            .and_then(|rods| rods.numbers::<2>(reader, Span::Within(-1e6, 1e6)));
         let tilt = limits.number("tilt_deg", Span::Positive);
         limits.finish();
         let [rod_min, rod_max] = rods?.map(m_from_mm);
@@ -53,9 +55,10 @@ pub(super) fn three_rods(reader: &Reader, entry: Entry) -> Option<Gpr> {
 
 fn limb(table: &Table) -> Option<Limb> {
     let radius = table.length("socket_radius_mm", Span::Positive);
-    let angle = table.number("socket_angle_deg", Span::Any);
-    let point =
-        table.entry("base_point_mm").map(|entry| entry.numbers::<2>(table.reader, Span::Any));
+    let angle = table.number("socket_angle_deg", Span::Within(-36_000.0, 36_000.0));
+    let point = table
+        .entry("base_point_mm")
+        .map(|entry| entry.numbers::<2>(table.reader, Span::Within(-1e6, 1e6)));
     table.finish();
     let mut limb = Limb::under_socket(radius?, angle?.to_radians());
     if let Some(point) = point {

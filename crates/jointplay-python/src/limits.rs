@@ -1,0 +1,90 @@
+//! The limits of the three-rod robot.
+
+use jointplay::spatial::Tilt;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList, PyTuple};
+
+use crate::arrays::{Spread, Triples};
+use crate::gpr::{PyGpr, RODS};
+use crate::numbers::{number, three};
+use crate::{errors, many};
+
+#[pymethods]
+impl PyGpr {
+    /// Whether poses beyond the limits are refused.
+    #[getter]
+    fn checks_limits(&self) -> bool {
+        self.gpr.checks_limits()
+    }
+
+    /// The robot with the same dimensions and limits that also answers beyond its limits, for analysis.
+    ///
+    /// Its poses are those of the geometry, whether or not the robot can take them; `broken_limits` reports the limits that they break.
+    fn without_limit_checks(&self) -> Self {
+        Self { name: self.name.clone(), gpr: self.gpr.without_limit_checks() }
+    }
+
+    /// The limits that a pose breaks, rods first, an empty list if none; or those of many poses at a time.
+    ///
+    /// Parameters
+    /// ----------
+    /// rods_m : three numbers, or array of shape (..., 3)
+    ///     Rod lengths [m].
+    /// pitch_rad : float or array of shape (...), optional
+    ///     How far the platform leans [rad]; that of the plane through the ball centres if left out.
+    ///
+    /// Returns
+    /// -------
+    /// list of BrokenLimit, or BrokenLimits
+    ///     For three numbers, or for an array of several rows.
+    #[pyo3(signature = (rods_m, pitch_rad=None))]
+    fn broken_limits<'py>(
+        &self,
+        py: Python<'py>,
+        rods_m: &Bound<'py, PyAny>,
+        pitch_rad: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let pitch = pitch_rad.and_then(number);
+        let one_pitch = pitch.is_some() || pitch_rad.is_none();
+        if let (Some(rods), true) = (three(rods_m), one_pitch) {
+            return self.broken_by_one(py, &rods, pitch);
+        }
+        let rods = Triples::read(rods_m, "rods_m", RODS)?;
+        if rods.shape.is_empty() && one_pitch {
+            let rods = rods.columns()?.map(|column| column.at(0));
+            return self.broken_by_one(py, &rods, pitch);
+        }
+        let pitch = match pitch_rad {
+            Some(pitch) => {
+                let zeros =
+                    py.import("numpy")?.call_method1("zeros", (PyTuple::new(py, &rods.shape)?,))?;
+                let pitch = Spread::read(py, &[("pitch_rad", pitch), ("rods_m", &zeros)])?;
+                if pitch.shape != rods.shape {
+                    let message = "pitch_rad has to be a number, or one for each pose of rods_m";
+                    return Err(errors::new(py, "ArrayError", message, Ok(PyDict::new(py))));
+                }
+                Some(pitch)
+            }
+            None => None,
+        };
+        many::broken_limits(py, &self.gpr, &rods, pitch.as_ref())
+    }
+}
+
+impl PyGpr {
+    /// The limits that one pose breaks.
+    fn broken_by_one<'py>(
+        &self,
+        py: Python<'py>,
+        rods: &[f64; 3],
+        pitch: Option<f64>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let tilt = match pitch {
+            Some(pitch) => Tilt { yaw: 0.0, pitch },
+            None => self.gpr.plane_tilt(rods),
+        };
+        let broken = self.gpr.limits().broken(rods, tilt);
+        let broken = broken.iter().map(|limit| errors::broken_limit(py, limit));
+        Ok(PyList::new(py, broken.collect::<PyResult<Vec<_>>>()?)?.into_any())
+    }
+}
