@@ -137,7 +137,15 @@ test('while a station is dragged the result is outdated', async () => {
   await page.getByTestId('parts').getByRole('button', { name: /^ALIGN/ }).click();
   const grip = () => page.evaluate(() => window.jointplay.measure.cell!.grip('height' as never));
   await until('there is a handle', async () => (await grip()) !== null);
-  const from = (await grip())!;
+  // Its size and the picture come to rest before it is taken hold of.
+  await until('all is drawn', async () => (await page.getByTestId('planned').innerText()).startsWith('Planned'));
+  let from = { x: NaN, y: NaN };
+  await until('it rests', async () => {
+    const before = from;
+    await frames(page);
+    from = (await grip())!;
+    return Math.hypot(from.x - before.x, from.y - before.y) < 0.5;
+  });
   await page.mouse.move(from.x, from.y);
   await page.mouse.down();
   await page.mouse.move(from.x, from.y - 6);
