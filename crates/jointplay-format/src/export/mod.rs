@@ -12,8 +12,8 @@
 //! Each begins at 0 and ends at the very duration of the motion.
 //! What is wrong with the motion is told in each of them.
 
-pub mod dialect;
 mod channel;
+pub mod dialect;
 mod error;
 mod gltf;
 #[cfg(feature = "mcap")]
@@ -33,8 +33,8 @@ pub use error::Error;
 pub use gltf::gltf;
 pub use samples::{samples, samples_with_peaks, samples_within, tracks};
 pub use scene::{Frame, frames};
-pub use timeline::{Envelope, HeldAt, Timeline, Window, wafers_at_start};
 pub use solidworks::{MACRO, solidworks, solidworks_names};
+pub use timeline::{Envelope, HeldAt, Timeline, Window, wafers_at_start};
 
 /// The most samples that one export may have: a day at 1 kHz is less.
 pub const MOST_SAMPLES: f64 = 1e8;
