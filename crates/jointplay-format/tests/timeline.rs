@@ -72,7 +72,9 @@ fn check(cell: &Cell, text: &str) {
                     .as_array()
                     .unwrap()
                     .iter()
-                    .map(|one| value(&told["channels"][one.as_u64().unwrap() as usize], &numbers, since))
+                    .map(|one| {
+                        value(&told["channels"][one.as_u64().unwrap() as usize], &numbers, since)
+                    })
                     .collect();
                 let sample = motion.at(start + since);
                 if sample.step != window.steps.start + k {
@@ -89,9 +91,12 @@ fn check(cell: &Cell, text: &str) {
                 let (mut next, mut effector) = (1, 1 + cell.robot.arms.len());
                 for (arm, links) in rigid.base_from_link.iter().enumerate() {
                     let last = links.last().unwrap();
-                    worst = worst.max(off(&(last * poses[next]), real.base_from_link[arm].last().unwrap()));
+                    worst = worst
+                        .max(off(&(last * poses[next]), real.base_from_link[arm].last().unwrap()));
                     next += 1;
-                    for (wafer, rigid) in real.base_from_wafer[arm].iter().zip(&rigid.base_from_wafer[arm]) {
+                    for (wafer, rigid) in
+                        real.base_from_wafer[arm].iter().zip(&rigid.base_from_wafer[arm])
+                    {
                         let found = last * poses[effector] * (last.inverse() * rigid);
                         worst = worst.max(off(&found, wafer));
                         effector += 1;

@@ -20,7 +20,8 @@ use crate::meshes::Folder;
 use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
-    cell, cell_jog, cell_parts, compare, forward, inverse, mesh, mobility, pose, robot, sensitivity, study,
+    cell, cell_jog, cell_parts, compare, forward, inverse, mesh, mobility, pose, robot,
+    sensitivity, study,
 };
 use crate::work::{Patience, Work};
 

@@ -146,9 +146,8 @@ impl Checks {
             steps.with_course(|course| {
                 let alone = steps.alone(&starts[place], first + place, course);
                 let among = steps.among(&starts[place], first + place, &alone);
-                let near = (!self.distances.knows(&among.key)).then(|| {
-                    steps.near(&starts[place], first + place, (&alone, &among), course)
-                });
+                let near = (!self.distances.knows(&among.key))
+                    .then(|| steps.near(&starts[place], first + place, (&alone, &among), course));
                 (alone, among, near)
             })
         })?;
@@ -177,9 +176,7 @@ impl Checks {
             unknown.filter(|(_, key)| !(self.distances.knows(key) || nears.contains_key(*key)));
         let others = anew(unknown, run, |place| {
             let things = (&alone[place].0, &among[place]);
-            steps.with_course(|course| {
-                steps.near(&starts[place], first + place, things, course)
-            })
+            steps.with_course(|course| steps.near(&starts[place], first + place, things, course))
         })?;
         nears.extend(others);
         for (place, (alone, among)) in alone.iter().zip(&among).enumerate() {

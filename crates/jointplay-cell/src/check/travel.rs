@@ -182,7 +182,9 @@ impl Gearing {
     /// Distance of the platform's origin from that of the base, at most [m].
     pub(super) fn highest(&self, robot: &HybridRobot) -> f64 {
         let rods = robot.axes[..RODS].iter().map(|rod| rod.min.abs().max(rod.max.abs()));
-        self.weights * rods.fold(0.0, f64::max) + self.radius
+        // Beside the base axis it is by far less than a ball is.
+        let radius = robot.gpr.base_points().map(|point| point.norm()).into_iter();
+        self.weights * rods.fold(0.0, f64::max) + radius.fold(0.0, f64::max)
     }
 
     /// Speed [m/s or rad/s] and acceleration [m/s² or rad/s²] of an axis between two samples, at most.

@@ -12,8 +12,8 @@
 //! Each begins at 0 and ends at the very duration of the motion.
 //! What is wrong with the motion is told in each of them.
 
-pub mod dialect;
 mod channel;
+pub mod dialect;
 mod error;
 mod gltf;
 #[cfg(feature = "mcap")]

@@ -127,7 +127,8 @@ impl Timeline {
         let motion = recording.motion;
         let changes = changes(recording)?;
         let motions = motion.fingerprints();
-        let marks: Vec<u64> = (0..motion.steps.len()).map(|k| mark(motion, motions[k], k)).collect();
+        let marks: Vec<u64> =
+            (0..motion.steps.len()).map(|k| mark(motion, motions[k], k)).collect();
         let starts = |step: usize| {
             step == 0 || motion.steps[step].instruction != motion.steps[step - 1].instruction
         };
@@ -136,8 +137,7 @@ impl Timeline {
         let edges = cut::edges(&marks, &starts, most, known);
         let shared = shared(recording.cell);
         let segments = previous.map_or_else(Arc::default, |one| Arc::clone(&one.segments));
-        let mut timeline =
-            Self { windows: Vec::new(), marks, motions, changes, shared, segments };
+        let mut timeline = Self { windows: Vec::new(), marks, motions, changes, shared, segments };
         let mut moved = BTreeMap::new();
         for pair in edges.windows(2) {
             let steps = pair[0]..pair[1];
@@ -251,9 +251,8 @@ impl Timeline {
         let of_window = |window: &Window| {
             let mut whole = vec![Envelope::NOTHING; axes];
             for step in window.steps.clone() {
-                let found = known
-                    .entry(self.motions[step])
-                    .or_insert_with(|| of_step(motion, step, axes));
+                let found =
+                    known.entry(self.motions[step]).or_insert_with(|| of_step(motion, step, axes));
                 whole.iter_mut().zip(found).for_each(|(whole, found)| whole.add(found));
             }
             whole

@@ -3,12 +3,12 @@
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use jointplay::cell::{CellError, Stop};
 use jointplay::cell::cell::Cell;
 use jointplay::cell::jog::{Jogged, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
+use jointplay::cell::{CellError, Stop};
 use jointplay::format::cell::explain;
 use jointplay::format::export::{Recording, frames};
 use jointplay::gpr::AxisHeight;

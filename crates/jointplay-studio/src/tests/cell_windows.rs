@@ -69,7 +69,10 @@ fn a_long_plan_is_told_in_little_and_its_lists_in_pages() {
     let a_line = (longer.bytes.len() - short) as f64 / 400.0;
     assert!(a_line < 30.0, "{a_line} bytes a line");
     assert!(short < 60_000, "{short}");
-    assert_eq!((&found["instructions"], &found["report"]["instructions"]), (&401.into(), &json!([])));
+    assert_eq!(
+        (&found["instructions"], &found["report"]["instructions"]),
+        (&401.into(), &json!([]))
+    );
     let page = |list: &str, number: &str| {
         let key = found["key"].as_str().unwrap();
         fetch(&server, &format!("cell/plans/{key}/{list}/{number}"))
@@ -107,13 +110,19 @@ fn an_overview_holds_all_that_its_window_does() {
             moving[axis.as_u64().unwrap() as usize] += segment["duration_s"].as_f64().unwrap();
         }
         for (axis, bounds) in bounds.chunks_exact(7).enumerate() {
-            let place = &description["channels"][segment["channels"][axis].as_u64().unwrap() as usize];
+            let place =
+                &description["channels"][segment["channels"][axis].as_u64().unwrap() as usize];
             let [from, count] = [0, 1].map(|k| place[k].as_u64().unwrap() as usize);
             let values = &numbers[from + count..from + 2 * count];
             let rates = &numbers[from + 2 * count..from + 3 * count];
-            for (values, [least, most]) in [(values, [bounds[0], bounds[1]]), (rates, [bounds[2], bounds[3]])] {
+            for (values, [least, most]) in
+                [(values, [bounds[0], bounds[1]]), (rates, [bounds[2], bounds[3]])]
+            {
                 for value in values {
-                    assert!((least - 1e-6..=most + 1e-6).contains(value), "{axis}: {value} {least} {most}");
+                    assert!(
+                        (least - 1e-6..=most + 1e-6).contains(value),
+                        "{axis}: {value} {least} {most}"
+                    );
                 }
             }
         }
@@ -134,16 +143,26 @@ fn texts_are_sent_by_the_lines_that_changed() {
     assert_eq!((&second["key"], &second["report"]), (&whole["key"], &whole["report"]));
     assert_eq!(second["report"]["duration_s"], 5.0);
     let wrong = |since: Value| ask(&server, Method::POST, "cell/plan", &json!({ "since": since }));
-    let beyond = wrong(json!({ "plan": first["key"], "program": { "from": 4, "count": 1, "lines": [] } }));
-    assert_eq!((beyond.status, &beyond.json()["field"]), (StatusCode::UNPROCESSABLE_ENTITY, &"since.program".into()));
-    let huge = wrong(json!({ "plan": first["key"], "program": { "from": 1, "count": usize::MAX, "lines": [] } }));
+    let beyond =
+        wrong(json!({ "plan": first["key"], "program": { "from": 4, "count": 1, "lines": [] } }));
+    assert_eq!(
+        (beyond.status, &beyond.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"since.program".into())
+    );
+    let huge = wrong(
+        json!({ "plan": first["key"], "program": { "from": 1, "count": usize::MAX, "lines": [] } }),
+    );
     assert_eq!(huge.status, StatusCode::UNPROCESSABLE_ENTITY);
     let unknown = wrong(json!({ "plan": "none" }));
     assert_eq!((unknown.status, &unknown.json()["field"]), (StatusCode::CONFLICT, &"since".into()));
     // A robot is moved in a plan that is remembered.
-    let jog = ask(&server, Method::POST, "cell/jog", &json!({ "plan": second["key"], "time_s": 4.0 }));
+    let jog =
+        ask(&server, Method::POST, "cell/jog", &json!({ "plan": second["key"], "time_s": 4.0 }));
     assert_eq!(jog.status, StatusCode::OK);
-    assert_eq!(ask(&server, Method::POST, "cell/jog", &json!({ "plan": "none" })).status, StatusCode::NOT_FOUND);
+    assert_eq!(
+        ask(&server, Method::POST, "cell/jog", &json!({ "plan": "none" })).status,
+        StatusCode::NOT_FOUND
+    );
 }
 
 #[test]
@@ -151,7 +170,10 @@ fn samples_of_a_long_motion_are_asked_for_in_stretches() {
     let server = server(CellFiles::example());
     let program = "HOME\nWAIT 86400 s\nHOME\n";
     let all = ask(&server, Method::POST, "cell/samples", &json!({ "program": program }));
-    assert_eq!((all.status, &all.json()["field"]), (StatusCode::UNPROCESSABLE_ENTITY, &"to_s".into()));
+    assert_eq!(
+        (all.status, &all.json()["field"]),
+        (StatusCode::UNPROCESSABLE_ENTITY, &"to_s".into())
+    );
     let stretch = json!({ "program": program, "from_s": 100.0, "to_s": 110.0 });
     let some = ask(&server, Method::POST, "cell/samples", &stretch);
     assert_eq!(some.status, StatusCode::OK);

@@ -86,7 +86,8 @@ impl LinesFields {
         let mut lines: Vec<&str> = text.split('\n').collect();
         let end = self.from.checked_add(self.count).filter(|&end| end <= lines.len());
         let Some(end) = end else {
-            let detail = format!("lines {} and {} more are beyond {}", self.from, self.count, lines.len());
+            let detail =
+                format!("lines {} and {} more are beyond {}", self.from, self.count, lines.len());
             return Err(Problem::field(field, detail));
         };
         lines.splice(self.from..end, self.lines.iter().map(String::as_str));

@@ -45,12 +45,7 @@ pub(super) fn edges(
 }
 
 /// Adds edges where there are too many steps between two.
-fn filled(
-    kept: &[usize],
-    count: usize,
-    starts: &dyn Fn(usize) -> bool,
-    most: usize,
-) -> Vec<usize> {
+fn filled(kept: &[usize], count: usize, starts: &dyn Fn(usize) -> bool, most: usize) -> Vec<usize> {
     let mut edges = vec![0];
     for &end in kept {
         let mut from = edges[edges.len() - 1];
