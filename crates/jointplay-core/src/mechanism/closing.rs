@@ -15,7 +15,7 @@ const ROUND_OFF: f64 = 1e-14;
 const LONGEST_STEP: f64 = 0.5;
 /// Where loops are closed, corrections that leave more than this share of the residual…
 const STILL_CONVERGING: f64 = 0.5;
-/// …by steps longer than this, or any steps longer than [`FAR`], are a drift along motions that loops do not determine, in radians and characteristic lengths.
+/// …by steps longer than this, and any that are longer than [`FAR`], are damped more: they drift along motions that loops do not determine, in radians and characteristic lengths.
 const DRIFT: f64 = 1e-7;
 const FAR: f64 = 1e-4;
 /// Damping below which a longer step is no better.
@@ -86,10 +86,8 @@ pub fn close(
             let there = here.moved(&by)?;
             let reached = scaled_residual(&there.residual(&there.at_home()), &rows);
             let slow = reached.norm() > STILL_CONVERGING * before;
-            if before <= CLOSED && step.norm() > if slow { DRIFT } else { FAR } {
-                break;
-            }
-            if reached.norm() < before {
+            let drifts = before <= CLOSED && step.norm() > if slow { DRIFT } else { FAR };
+            if reached.norm() < before && !drifts {
                 (here, residual, accepted) = (there, reached, true);
                 damping_factor *= 0.1;
             } else {
