@@ -94,7 +94,7 @@ enum TableFormat {
     /// text, for spreadsheets
     Csv,
     /// binary columns, for data frames
-    #[cfg_attr(not(feature = "parquet"), value(skip))]
+    #[cfg(feature = "parquet")]
     Parquet,
 }
 
@@ -116,10 +116,6 @@ struct Study {
 
 impl Simulate {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        #[cfg(not(feature = "parquet"))]
-        if self.format == TableFormat::Parquet {
-            return Err(Failure::NoParquet);
-        }
         let robot = self.robot.load()?;
         let raster = self.raster(&robot)?;
         if raster.len() > MOST_POSES {
@@ -240,8 +236,6 @@ impl Simulate {
                     table::parquet(&columns).map_err(|e| Failure::Parquet(e.to_string()))?;
                 Ok((format!("{stem}.parquet"), bytes))
             }
-            #[cfg(not(feature = "parquet"))]
-            TableFormat::Parquet => Err(Failure::NoParquet),
         }
     }
 

@@ -73,12 +73,12 @@ enum Kind {
     /// samples as comma-separated values
     Csv,
     /// samples as Parquet
-    #[cfg_attr(not(feature = "parquet"), value(skip))]
+    #[cfg(feature = "parquet")]
     Parquet,
     /// the cell in 3D with its motion, one binary glTF file
     Gltf,
     /// joint states, trajectories and transforms, for Foxglove and ROS 2
-    #[cfg_attr(not(feature = "mcap"), value(skip))]
+    #[cfg(feature = "mcap")]
     Mcap,
     /// time and value for each motor, and a macro that loads them
     Solidworks,
@@ -159,8 +159,10 @@ impl Export {
                 let columns = export::samples(recording, rate)?;
                 vec![(format!("{stem}.csv"), table::csv(&columns).into_bytes())]
             }
+            #[cfg(feature = "parquet")]
             Kind::Parquet => vec![(format!("{stem}.parquet"), parquet(recording, rate)?)],
             Kind::Gltf => vec![(format!("{stem}.glb"), export::gltf(recording, rate)?)],
+            #[cfg(feature = "mcap")]
             Kind::Mcap => vec![(format!("{stem}.mcap"), mcap(recording, rate)?)],
             Kind::Solidworks => {
                 let files = export::solidworks(recording, rate)?.into_iter();
@@ -195,20 +197,9 @@ fn parquet(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Failure> {
     table::parquet(&columns).map_err(|error| Failure::Parquet(error.to_string()))
 }
 
-#[cfg(not(feature = "parquet"))]
-fn parquet(_: &Recording<'_>, _: f64) -> Result<Vec<u8>, Failure> {
-    Err(Failure::NoParquet)
-}
-
 #[cfg(feature = "mcap")]
 fn mcap(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Failure> {
     Ok(export::mcap::write(recording, rate)?)
-}
-
-#[cfg(not(feature = "mcap"))]
-fn mcap(_: &Recording<'_>, _: f64) -> Result<Vec<u8>, Failure> {
-    let text = "this jointplay was built without MCAP: build with --features mcap";
-    Err(Failure::Misused(text.to_owned()))
 }
 
 fn told(written: &Written, files: &[(String, Vec<u8>)]) -> String {
