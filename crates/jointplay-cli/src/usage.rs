@@ -4,7 +4,7 @@ use std::ffi::{OsStr, OsString};
 use std::io::Write as _;
 use std::process::ExitCode;
 
-use clap::error::ErrorKind;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{ColorChoice, Command, CommandFactory as _, FromArgMatches as _};
 
 use crate::Cli;
@@ -109,20 +109,38 @@ fn report(error: &clap::Error, json: bool) -> ExitCode {
         drop(error.print());
         return ExitCode::SUCCESS;
     }
+    let hint = missing_feature(error).map(|feature| {
+        format!("this jointplay was built without {feature}: build with --features {feature}")
+    });
     let is_help = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if json && !is_help {
         let text = error.render().to_string();
         let text = text.split("\n\nUsage:").next().unwrap_or(&text);
         let text = text.split("\n\nFor more information").next().unwrap_or(text);
         let message = text.strip_prefix("error: ").unwrap_or(text).trim_end();
+        let message = [Some(message), hint.as_deref()].into_iter().flatten();
+        let message = message.collect::<Vec<_>>().join("\n");
         let document = serde_json::json!({ "error": {
             "kind": "usage", "message": message, "limits_broken": [], "places": [],
         }});
         drop(writeln!(std::io::stderr(), "{document}"));
     } else {
         drop(error.print());
+        if let Some(hint) = hint {
+            drop(writeln!(anstream::stderr(), "{hint}"));
+        }
     }
     ExitCode::from(BAD_INPUT)
+}
+
+/// The feature that this build lacks, where a value asks for it.
+fn missing_feature(error: &clap::Error) -> Option<&'static str> {
+    let Some(ContextValue::String(found)) = error.get(ContextKind::InvalidValue) else {
+        return None;
+    };
+    let optional = [("parquet", cfg!(feature = "parquet")), ("mcap", cfg!(feature = "mcap"))];
+    let missing = optional.into_iter().find(|(name, built)| name == found && !built);
+    missing.map(|(name, _)| name)
 }
 
 #[cfg(test)]

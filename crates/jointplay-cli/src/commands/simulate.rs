@@ -93,7 +93,7 @@ enum TableFormat {
     /// text, for spreadsheets
     Csv,
     /// binary columns, for data frames
-    #[cfg_attr(not(feature = "parquet"), value(skip))]
+    #[cfg(feature = "parquet")]
     Parquet,
 }
 
@@ -121,10 +121,6 @@ struct Study {
 
 impl Simulate {
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        #[cfg(not(feature = "parquet"))]
-        if self.format == TableFormat::Parquet {
-            return Err(Failure::NoParquet);
-        }
         let robot = self.robot.load()?;
         let raster = self.raster(&robot)?;
         if raster.len() > MOST_POSES {
@@ -243,8 +239,6 @@ impl Simulate {
                 let bytes = table::parquet(&columns).map_err(|_| Failure::Parquet)?;
                 Ok((format!("{stem}.parquet"), bytes))
             }
-            #[cfg(not(feature = "parquet"))]
-            TableFormat::Parquet => Err(Failure::NoParquet),
         }
     }
 

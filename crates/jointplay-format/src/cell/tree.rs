@@ -67,7 +67,7 @@ impl<'a> Reader<'a> {
                 let more = problems.len().saturating_sub(MOST_PROBLEMS);
                 if more > 0 {
                     problems.truncate(MOST_PROBLEMS + 1);
-                    problems[MOST_PROBLEMS].problem = Box::new(Fault::More(more));
+                    *problems[MOST_PROBLEMS].problem = Fault::More(more);
                 }
                 Err(problems)
             }

@@ -73,12 +73,12 @@ enum Kind {
     /// samples as comma-separated values
     Csv,
     /// samples as Parquet
-    #[cfg_attr(not(feature = "parquet"), value(skip))]
+    #[cfg(feature = "parquet")]
     Parquet,
     /// the cell in 3D with its motion, one binary glTF file
     Gltf,
     /// joint states, trajectories and transforms, for Foxglove and ROS 2
-    #[cfg_attr(not(feature = "mcap"), value(skip))]
+    #[cfg(feature = "mcap")]
     Mcap,
     /// time and value for each motor, and a macro that loads them
     Solidworks,
@@ -153,10 +153,12 @@ impl Export {
         let Rate(rate) = self.rate;
         match kind {
             Kind::Csv => csv(staged, &format!("{stem}.csv"), recording, rate),
+            #[cfg(feature = "parquet")]
             Kind::Parquet => parquet(staged, &format!("{stem}.parquet"), recording, rate),
             Kind::Gltf => staged.add(&format!("{stem}.glb"), |writer| {
                 Ok(writer.write_all(&export::gltf(recording, rate)?)?)
             }),
+            #[cfg(feature = "mcap")]
             Kind::Mcap => mcap(staged, &format!("{stem}.mcap"), recording, rate),
             Kind::Solidworks => {
                 for (axis, name) in export::motors(recording).iter().enumerate() {
@@ -239,11 +241,6 @@ fn parquet(
     })
 }
 
-#[cfg(not(feature = "parquet"))]
-fn parquet(_: &mut Staged, _: &str, _: &Recording<'_>, _: f64) -> Result<(), Failure> {
-    Err(Failure::NoParquet)
-}
-
 #[cfg(feature = "mcap")]
 fn mcap(
     staged: &mut Staged,
@@ -252,12 +249,6 @@ fn mcap(
     rate: f64,
 ) -> Result<(), Failure> {
     staged.add(name, |writer| Ok(writer.write_all(&export::mcap::write(recording, rate)?)?))
-}
-
-#[cfg(not(feature = "mcap"))]
-fn mcap(_: &mut Staged, _: &str, _: &Recording<'_>, _: f64) -> Result<(), Failure> {
-    let text = "this jointplay was built without MCAP: build with --features mcap";
-    Err(Failure::Misused(text.to_owned()))
 }
 
 fn told(written: &Written, files: &[(PathBuf, u64)]) -> String {
