@@ -31,7 +31,7 @@ pub struct PlaneFit {
     /// Standard deviation of each measured coordinate, where that is known [m].
     pub noise: Option<f64>,
     /// How well the points determine the plane; `None` for three points whose noise is not known.
-    pub uncertainty: Option<Uncertainty>,
+    pub uncertainty: Option<Box<Uncertainty>>,
     /// Points beyond the three that a plane takes: degrees of freedom that test the noise.
     pub freedom: usize,
     /// Whether the points agree with one plane.
@@ -222,7 +222,7 @@ pub fn fit_plane(
                 [2.0_f64.sqrt() * planes * slopes[0].max(slopes[1]), normals]
             }
         };
-        Uncertainty {
+        Box::new(Uncertainty {
             noise: sigma,
             is_estimated: noise.is_none(),
             directions: [0, 1].map(|k| Vector3::from_fn(|row, _| found.v[(row, k)])),
@@ -231,7 +231,7 @@ pub fn fit_plane(
             tilt_95,
             factor,
             center,
-        }
+        })
     });
     let points = points.to_vec();
     Ok(PlaneFit {

@@ -65,8 +65,8 @@ pub fn motor(
     let unit: fn(f64) -> f64 = if turns(recording.cell.robot.axes[axis].kind) { deg } else { mm };
     // Every digit: the end of the last line is the end of the motion.
     let mut samples = recording.motion.samples(rate);
-    let mut line = |at: Sample| writeln!(writer, "{},{}", at.time, unit(at.positions[axis]));
-    Ok(samples.try_for_each(|sample| line(sample)))
+    let line = |at: Sample| writeln!(writer, "{},{}", at.time, unit(at.positions[axis]));
+    Ok(samples.try_for_each(line))
 }
 
 fn mark(recording: &Recording<'_>) -> &'static str {

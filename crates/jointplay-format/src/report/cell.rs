@@ -333,14 +333,12 @@ fn compensated(cell: &Cell, carried: &[Carried], steps: Range<usize>) -> Option<
     let at = |step| carried.partition_point(|one| one.step < step);
     let carried = &carried[at(steps.start)..at(steps.end)];
     let (mut tilt, mut height) = (None::<f64>, None::<f64>);
-    let mut unknown: Vec<String> = Vec::new();
+    let mut unknown = std::collections::BTreeSet::new();
     for one in carried {
         let station = &cell.stations[one.slot.station];
         let Origin::Taught(fit) = &station.origin else { continue };
         let Some(known) = &fit.uncertainty else {
-            if !unknown.contains(&station.name) {
-                unknown.push(station.name.clone());
-            }
+            unknown.insert(station.name.clone());
             continue;
         };
         let place = station.slot_frame(one.slot.slot).translation.vector;
@@ -358,7 +356,7 @@ fn compensated(cell: &Cell, carried: &[Carried], steps: Range<usize>) -> Option<
         jump_um: um(most(carried, |one| one.jump)),
         taught_mrad: tilt.map(mm),
         taught_um: height.map(um),
-        taught_unknown: unknown,
+        taught_unknown: unknown.into_iter().collect(),
     })
 }
 

@@ -215,7 +215,7 @@ impl Gantt {
                 let shown = fitting(labels, x1 - x0 - 8.0);
                 let at = (x0 + 2.0, row_top(0) + 0.5 * ROW + HALF_CAPITAL * (TICK - 2.0));
                 if !shown.is_empty() {
-                    svg.text(at, TICK - 2.0, Anchor::Start, &shown, "");
+                    svg.text(at, TICK - 2.0, Anchor::Start, shown, "");
                 }
             }
         }
