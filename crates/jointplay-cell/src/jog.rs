@@ -29,6 +29,8 @@ pub enum Stopped {
     Limits(Vec<BrokenLimit>),
     /// No positions bring the wafer there.
     Place(Unreachable),
+    /// These two, by name, would touch farther on.
+    Contact([String; 2]),
 }
 
 /// A wafer as seen from a slot, in cylinder coordinates about the axis that the arm turns about.

@@ -17,8 +17,10 @@ use crate::station::SlotId;
 const HALVINGS: usize = 30;
 /// How often a path that was cut short is checked again, something having been touched before.
 const MOST_CUTS: usize = 16;
-/// Share of a path within which the last state without contact lies before the contact.
+/// Share of a path within which the last state without contact is found.
 const BEFORE: f64 = 1e-9;
+/// Share of a path that is left to the contact.
+const MARGIN: f64 = 1e-7;
 
 /// Who carries what, and what the robot is about: the state in which a pose is judged.
 #[derive(Debug, Clone, Copy)]
@@ -147,16 +149,19 @@ impl<'a> Held<'a> {
         for _ in 0..MOST_CUTS {
             let end = if share == 1.0 { to.to_vec() } else { at(share) };
             let (motion, report) = self.report([from, &end], options);
-            let first = report.violations.iter().find(|one| {
+            // A violation begins where a pair comes too near; at its worst time it touches.
+            let new_contacts = report.violations.iter().filter(|one| {
                 is_contact(one.kind)
-                    && pair_of(&one.names).is_some_and(|it| !at_start.contains(&it))
+                    && pair_of(&one.names).is_some_and(|pair| !at_start.contains(&pair))
             });
+            let first =
+                new_contacts.min_by(|one, other| one.worst_time.total_cmp(&other.worst_time));
             let Some(first) = first else {
                 return Straight { positions: end, share, touching };
             };
             touching = pair_of(&first.names);
             // Where that is, as a share of the whole path.
-            let reached = motion.at(first.start).positions;
+            let reached = motion.at(first.worst_time).positions;
             let (mut free, mut touched) = (0.0, share_of([from, to], &reached).min(share));
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (free + touched);
@@ -168,7 +173,8 @@ impl<'a> Held<'a> {
                     None => free = middle,
                 }
             }
-            share = free;
+            // Before it by more than what distances are compared with.
+            share = (free - MARGIN).max(0.0);
         }
         // As often as it was cut, something was touched before.
         Straight { positions: from.to_vec(), share: 0.0, touching }

@@ -71,6 +71,65 @@ pub fn set_station(text: &str, name: &str, changes: &[Change]) -> Result<String,
     Ok(document.to_string())
 }
 
+/// How the note of a station begins that was taught in contact.
+const NOTE: &str = "# Taught in contact: ";
+
+/// The text of a cell file with a note before one station that it was taught in contact; an earlier note of this kind is replaced, or dropped without a new one.
+///
+/// # Arguments
+/// * `touching` – pairs of names that touched
+///
+/// # Errors
+/// As [`set_station`].
+pub fn note_station(text: &str, name: &str, touching: &[[String; 2]]) -> Result<String, Problem> {
+    let mut document: DocumentMut = text.parse().map_err(|error: toml_edit::TomlError| {
+        let message = error.message().replace('\n', " ");
+        let span = error.span().unwrap_or(0..0);
+        Error::at(text, span, Fault::Form(Form::Malformed { message }))
+    })?;
+    // That there is such a station, as for its values.
+    station(&mut document, name).map_err(|fault| Error::at(text, 0..0, fault))?;
+    let pairs: Vec<String> =
+        touching.iter().map(|[one, other]| format!("{one} and {other}")).collect();
+    let note = (!pairs.is_empty()).then(|| format!("{NOTE}{}.", pairs.join("; ")));
+    let noted = |before: Option<&toml_edit::RawString>, indent: &str| {
+        let before = before.and_then(toml_edit::RawString::as_str).unwrap_or_default();
+        let kept: Vec<&str> =
+            before.split('\n').filter(|line| !line.trim_start().starts_with(NOTE)).collect();
+        let kept = kept.join("\n");
+        match &note {
+            None => kept,
+            Some(note) if kept.is_empty() => format!("{indent}{note}\n"),
+            Some(note) => {
+                let (above, last) = kept.rsplit_once('\n').unwrap_or(("", &kept));
+                format!("{above}\n{indent}{note}\n{last}")
+            }
+        }
+    };
+    match document.get_mut("station") {
+        Some(Item::ArrayOfTables(tables)) => {
+            let found = tables.iter_mut().find(|it| is_called(*it, name));
+            if let Some(table) = found {
+                let prefix = noted(table.decor().prefix(), "");
+                table.decor_mut().set_prefix(prefix);
+            }
+        }
+        Some(Item::Value(Value::Array(list))) => {
+            let mut tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
+            if let Some(table) = tables.find(|it| is_called(*it, name)) {
+                let prefix = noted(table.decor().prefix(), "\n    ");
+                table.decor_mut().set_prefix(prefix);
+            }
+        }
+        _ => {}
+    }
+    Ok(document.to_string())
+}
+
+fn is_called(table: &dyn TableLike, name: &str) -> bool {
+    table.get("name").and_then(Item::as_str) == Some(name)
+}
+
 /// A station: a table of its own under `[[station]]`, or one of the list `station = [{ … }]`.
 struct Station<'d> {
     table: &'d mut dyn TableLike,

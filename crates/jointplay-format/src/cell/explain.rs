@@ -132,5 +132,6 @@ pub fn explain_stopped(robot: &HybridRobot, stopped: &Stopped) -> Vec<String> {
         Stopped::Place(Unreachable::OutOfReach(reach)) => vec![explain_out_of_reach(reach)],
         Stopped::Place(Unreachable::Robot(error)) => vec![explain(error)],
         Stopped::Place(other) => vec![other.to_string()],
+        Stopped::Contact([one, other]) => vec![format!("{one} and {other} would touch")],
     }
 }

@@ -12,7 +12,7 @@ pub mod robot;
 mod stations;
 mod tree;
 
-pub use edit::{Change, set_station};
+pub use edit::{Change, note_station, set_station};
 pub use file::{MAX_BYTES, read};
 pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
 pub use problem::{Fault, Problem};

@@ -10,11 +10,13 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use jointplay::cell::check::{CheckOptions, Moment, check_pose};
 use jointplay::cell::{Interrupted, Stop};
 use jointplay::format::cell;
 use jointplay::format::export::{self, Window};
 use jointplay::format::table::{Column, Values};
 
+use super::cell_jog::{named_effector, named_slot, robot, with_robot};
 use crate::app::App;
 use crate::body::Body;
 use crate::cell::{Desk, NotKept};
@@ -23,10 +25,12 @@ use crate::problem::Problem;
 use crate::wire::Binary;
 use crate::wire::cell::{
     CellDocument, CellText, PlanDocument, PlanRequest, SamplesRequest, SaveRequest, StationRequest,
-    WindowDocument, broken, short,
+    TaughtByFields, WindowDocument, broken, short,
 };
 use crate::wire::cell_chain::ChainDocument;
+use crate::wire::cell_jog::{SlotFields, positions};
 use crate::wire::cell_parts::{RobotParts, bodies, stations, wafers, zones};
+use crate::wire::cell_pose::touching;
 
 pub(super) fn desk(app: &App) -> Result<Desk, Problem> {
     app.desk.clone().ok_or_else(|| {
@@ -244,6 +248,7 @@ fn arrow(columns: Vec<Column>) -> Result<Vec<u8>, ArrowError> {
 /// The text of the cell with new values of one station
 ///
 /// Comments and all else stay as they are; nothing is kept until both texts are `PUT`.
+/// With `taught_by`, the pose of the robot is checked in the cell as it was: where bodies touch, the station is taught only with `confirm_contact`, and a comment before the station says so.
 #[utoipa::path(
     post,
     path = "/api/v1/cell/station",
@@ -251,18 +256,57 @@ fn arrow(columns: Vec<Column>) -> Result<Vec<u8>, ArrowError> {
     request_body = StationRequest,
     responses(
         (status = 200, description = "The text", body = CellText),
+        (status = 409, description = "The pose is in contact, and that is not confirmed: `field` is `taught_by.confirm_contact`; or there is no robot to check", body = Problem, content_type = "application/problem+json"),
         (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
         (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn station(
     State(app): State<App>,
-    Body(request): Body<StationRequest>,
+    Body(mut request): Body<StationRequest>,
 ) -> Result<Json<CellText>, Problem> {
     let desk = desk(&app)?;
     let changes = request.changes()?;
-    let (text, _) = desk.texts(request.cell, None);
-    let changed = cell::set_station(&text, &request.station, &changes);
-    let cell = changed.map_err(|problem| Problem::field("station", problem.to_string()))?;
-    Ok(Json(CellText { cell }))
+    let by = request.taught_by.take();
+    let program = by.as_ref().and_then(|by| by.program.clone());
+    let (text, program) = desk.texts(request.cell, program);
+    let station = request.station;
+    let set = move |stop: Stop<'_>| {
+        let wrong = |problem: cell::Problem| Problem::field("station", problem.to_string());
+        let mut touching = Vec::new();
+        let mut changed = cell::set_station(&text, &station, &changes).map_err(wrong)?;
+        if let Some(by) = by {
+            let plan = desk.plan(text, program, stop).map_err(interrupted)?;
+            touching = contacts(&plan, &station, by)?;
+            changed = cell::note_station(&changed, &station, &touching).map_err(wrong)?;
+        }
+        let touching = touching.iter().map(|pair| pair.to_vec()).collect();
+        Ok(Json(CellText { cell: changed, touching }))
+    };
+    app.work.run_while_awaited(set).await
+}
+
+/// What touches in the pose that a station is taught by, if that is confirmed.
+fn contacts(plan: &Plan, station: &str, by: TaughtByFields) -> Result<Vec<[String; 2]>, Problem> {
+    let mut still = None;
+    let recording = with_robot(plan, &mut still)?;
+    let cell = recording.cell;
+    let id = named_effector(cell, by.effector.as_deref(), "taught_by.effector")?;
+    let asked = SlotFields { station: station.to_owned(), slot: by.slot };
+    let slot = named_slot(cell, &asked, ["station", "taught_by.slot"])?;
+    let at = positions(cell, by.positions, "taught_by.positions")?;
+    let time = by.time_s.clamp(0.0, recording.motion.duration());
+    let moment = Moment { motion: recording.motion, time, reaches: Some((id, slot)) };
+    let report = check_pose(cell, &moment, &at, &CheckOptions::default()).map_err(robot)?;
+    let touching = touching(&report);
+    if touching.is_empty() || by.confirm_contact {
+        return Ok(touching);
+    }
+    let pairs: Vec<String> =
+        touching.iter().map(|[one, other]| format!("{one} and {other}")).collect();
+    let detail = format!(
+        "in this pose there is contact between {}; move the robot out of it, or confirm that {station} is taught in contact",
+        pairs.join("; ")
+    );
+    Err(Problem::outdated("taught_by.confirm_contact", detail))
 }

@@ -4,7 +4,9 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use jointplay::cell::cell::Cell;
+use jointplay::cell::check::{CheckOptions, Moment, Straight, check_pose, straight_until_contact};
 use jointplay::cell::jog::{Jogged, Stopped};
+use jointplay::cell::motion::Motion;
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
@@ -17,16 +19,18 @@ use super::cell::{desk, interrupted, nothing};
 use super::cell_parts::forgotten;
 use crate::app::App;
 use crate::body::Body;
-use crate::cell_plan::standing;
+use crate::cell_plan::{Plan, standing};
 use crate::problem::Problem;
 use crate::wire::cell_jog::{Aim, JogRequest, SlotFields, positions};
 use crate::wire::cell_jogged::{
     BranchDocument, JogDocument, StoppedDocument, axes, effector, from_slot, platform,
 };
+use crate::wire::cell_pose::PoseCheckDocument;
 
 /// The robot of the cell moved by hand: as far as its limits let it go, what stops it there, and where everything is then
 ///
 /// By axes, by the platform, or by a wafer: in the base frame, or as seen from a slot. The arm's droop is made up for, as programs do.
+/// The answer carries the minimum distances and violations of the pose found; `stop_at_contact` stops the robot before two bodies touch.
 /// Where a wafer cannot come to the place asked for, the robot goes as far on the way as it comes, and `stopped` says why.
 #[utoipa::path(
     post,
@@ -53,19 +57,27 @@ pub(crate) async fn jog(
             Some(plan) => plan,
             None => desk.plan(cell, program, stop).map_err(interrupted)?,
         };
-        let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
-        let Some(cell) = &plan.cell else { return Err(refused(nothing(&plan))) };
-        let still;
-        let recording = match plan.recording() {
-            Some(recording) => recording,
-            None => {
-                still = standing(cell).ok_or_else(|| refused(nothing(&plan)))?;
-                Recording { cell, motion: &still, program: "", flaws: &[] }
-            }
-        };
-        moved(&recording, request).map(Json)
+        let mut still = None;
+        moved(&with_robot(&plan, &mut still)?, request).map(Json)
     };
     app.work.run_while_awaited(moved).await
+}
+
+/// The motion of a plan; where it has none, the robot at home.
+///
+/// # Errors
+/// There is no robot.
+pub(super) fn with_robot<'p>(
+    plan: &'p Plan,
+    still: &'p mut Option<Motion>,
+) -> Result<Recording<'p>, Problem> {
+    let refused = || Problem::request(StatusCode::CONFLICT, nothing(plan));
+    if let Some(recording) = plan.recording() {
+        return Ok(recording);
+    }
+    let cell = plan.cell.as_ref().ok_or_else(refused)?;
+    let motion = still.insert(standing(cell).ok_or_else(refused)?);
+    Ok(Recording { cell, motion, program: "", flaws: &[] })
 }
 
 fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, Problem> {
@@ -75,14 +87,17 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
         Some(given) => positions(cell, given, "from")?,
         None => recording.motion.at(time).positions,
     };
-    let id = named_effector(cell, request.effector.as_deref())?;
-    let slot = request.seen_from.map(|slot| named_slot(cell, &slot)).transpose()?;
+    let id = named_effector(cell, request.effector.as_deref(), "effector")?;
+    let fields = ["seen_from.station", "seen_from.slot"];
+    let slot = request.seen_from.map(|slot| named_slot(cell, &slot, fields)).transpose()?;
     let placing = |error: jointplay::format::export::Error| {
         Problem::request(StatusCode::CONFLICT, error.to_string())
     };
     let (_, carried) = frames(recording, time, &from).map_err(placing)?;
     let loaded = carried.contains(&id);
-    let jogged = match request.to.map(|to| to.read(cell)).transpose()? {
+    let moment = Moment { motion: recording.motion, time, reaches: slot.map(|slot| (id, slot)) };
+    let start = from.clone();
+    let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
         None => Jogged { positions: from, stopped: None },
         Some(Aim::Axes(to)) => cell.jog_axes(&from, &to).map_err(robot)?,
         Some(Aim::Platform { tilt, height }) => {
@@ -100,7 +115,15 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
             or_stay(&from, cell.jog_from_slot(&from, id, loaded, slot, &to))
         }
     };
-    document(recording, time, id, slot, &carried, &jogged, placing)
+    if request.stop_at_contact {
+        let ways = [&start[..], &jogged.positions];
+        let Straight { positions, touching, .. } =
+            straight_until_contact(cell, &moment, ways, &CheckOptions::default()).map_err(robot)?;
+        if let Some(pair) = touching {
+            jogged = Jogged { positions, stopped: Some(Stopped::Contact(pair)) };
+        }
+    }
+    document(recording, (&moment, id, slot), &carried, &jogged, placing)
 }
 
 /// Where nothing can be computed, the robot stays.
@@ -111,15 +134,13 @@ fn or_stay(from: &[f64], jogged: Result<Jogged, Unreachable>) -> Jogged {
     })
 }
 
-fn robot(error: CellError) -> Problem {
+pub(super) fn robot(error: CellError) -> Problem {
     Problem::request(StatusCode::CONFLICT, explain::explain(&error))
 }
 
 fn document(
     recording: &Recording<'_>,
-    time: f64,
-    id: EffectorId,
-    slot: Option<SlotId>,
+    (moment, id, slot): (&Moment<'_>, EffectorId, Option<SlotId>),
     carried: &[EffectorId],
     jogged: &Jogged,
     placing: impl Fn(jointplay::format::export::Error) -> Problem,
@@ -137,7 +158,8 @@ fn document(
     let seen = slot.map(|slot| from_slot(cell, slot, &cell.seen_from_slot(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(robot)?;
     let ways = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(robot)?;
-    let (frames, _) = frames(recording, time, at).map_err(placing)?;
+    let (frames, _) = frames(recording, moment.time, at).map_err(placing)?;
+    let report = check_pose(cell, moment, at, &CheckOptions::default()).map_err(robot)?;
     Ok(JogDocument {
         axes: axes(cell, at),
         platform: platform(cell, at),
@@ -146,11 +168,16 @@ fn document(
         branches: ways.branches.iter().map(|branch| BranchDocument::new(cell, branch)).collect(),
         stopped: jogged.stopped.as_ref().map(|stopped| StoppedDocument::new(cell, stopped)),
         frames: frames.into_iter().map(Into::into).collect(),
+        check: PoseCheckDocument::new(&report),
     })
 }
 
 /// The effector of a name; the first without one.
-fn named_effector(cell: &Cell, name: Option<&str>) -> Result<EffectorId, Problem> {
+pub(super) fn named_effector(
+    cell: &Cell,
+    name: Option<&str>,
+    field: &str,
+) -> Result<EffectorId, Problem> {
     let name_of = |id: EffectorId| cell.robot.arms[id.arm].effectors[id.effector].name.as_str();
     let mut effectors = cell.robot.effectors();
     let found = effectors.find(|&id| name.is_none_or(|name| name == name_of(id)));
@@ -158,21 +185,25 @@ fn named_effector(cell: &Cell, name: Option<&str>) -> Result<EffectorId, Problem
         let known: Vec<&str> = cell.robot.effectors().map(name_of).collect();
         let detail =
             format!("there is no effector {:?}; known: {}", name.unwrap_or(""), known.join(", "));
-        Problem::field("effector", detail)
+        Problem::field(field, detail)
     })
 }
 
-fn named_slot(cell: &Cell, asked: &SlotFields) -> Result<SlotId, Problem> {
+pub(super) fn named_slot(
+    cell: &Cell,
+    asked: &SlotFields,
+    [of_station, of_slot]: [&str; 2],
+) -> Result<SlotId, Problem> {
     let SlotFields { station: name, slot } = asked;
     let Some(station) = cell.stations.iter().position(|station| station.name == *name) else {
         let known: Vec<&str> = cell.stations.iter().map(|one| one.name.as_str()).collect();
         let detail = format!("there is no station {name:?}; known: {}", known.join(", "));
-        return Err(Problem::field("seen_from.station", detail));
+        return Err(Problem::field(of_station, detail));
     };
     if cell.stations[station].has_slot(*slot) {
         return Ok(SlotId { station, slot: *slot });
     }
     let most = cell.stations[station].slots;
     let detail = format!("{name} has slots 1 to {most}, but no slot {slot}");
-    Err(Problem::field("seen_from.slot", detail))
+    Err(Problem::field(of_slot, detail))
 }

@@ -188,3 +188,92 @@ fn an_arm_of_unknown_droop_is_shown_and_moved_to_where_it_is_known() {
     );
     assert_eq!(stopped["stopped"]["kind"], "droop", "{}", stopped["stopped"]);
 }
+
+/// The arm of A out through the wall of the cell, turned to it.
+fn through_the_wall(home: &Value) -> Vec<f64> {
+    let mut to = positions(home);
+    (to[3], to[4]) = (-90_f64.to_radians(), 60_f64.to_radians());
+    to
+}
+
+#[test]
+fn every_pose_is_checked_and_a_contact_stops_it() {
+    let server = server(CellFiles::example());
+    let home = jog(&server, json!({}));
+    assert_eq!(home["check"]["violations"], json!([]));
+    assert_eq!(home["check"]["in_contact"], json!([]));
+    let distances = home["check"]["distances"].as_array().unwrap();
+    let apart: Vec<f64> = distances.iter().map(|one| one["distance_m"].as_f64().unwrap()).collect();
+    assert!(!apart.is_empty() && apart.windows(2).all(|two| two[0] <= two[1]), "{apart:?}");
+    let to = through_the_wall(&home);
+    let through = json!({ "to": { "kind": "axes", "positions": to } });
+    let found = jog(&server, through.clone());
+    assert_eq!((&found["stopped"], positions(&found)), (&Value::Null, to.clone()));
+    let touching = found["check"]["in_contact"].as_array().unwrap();
+    assert!(touching.contains(&"wall".into()) && touching.contains(&"blade-A".into()), "{found}");
+    let violation = &found["check"]["violations"][0];
+    assert_eq!((&violation["kind"], &violation["is_contact"]), (&"collision".into(), &true.into()));
+    let message = violation["message"].as_str().unwrap();
+    assert!(message.contains("mm deep") || message.contains("touch"), "{message}");
+    // The same, but as far as nothing touches.
+    let mut before = through;
+    before["stop_at_contact"] = true.into();
+    let stopped = jog(&server, before);
+    assert_eq!(stopped["stopped"]["kind"], "contact", "{}", stopped["stopped"]);
+    let names = &stopped["stopped"]["touching"];
+    assert_eq!(names.as_array().unwrap().len(), 2);
+    let says = stopped["stopped"]["says"][0].as_str().unwrap();
+    assert!(says.contains(names[0].as_str().unwrap()) && says.ends_with("would touch"), "{says}");
+    assert_eq!(stopped["check"]["in_contact"], json!([]));
+    let nearest = stopped["check"]["distances"][0]["distance_m"].as_f64().unwrap();
+    assert!(nearest > 0.0 && nearest < 1e-6, "{nearest}");
+    // On the straight path of all axes.
+    let (start, end) = (positions(&home), positions(&stopped));
+    let share = |axis: usize| (end[axis] - start[axis]) / (to[axis] - start[axis]);
+    assert!((share(3) - share(4)).abs() < 1e-12 && share(3) > 0.1 && share(3) < 1.0);
+    // Out of a contact it may go.
+    let back = json!({
+        "from": to, "to": { "kind": "axes", "positions": start }, "stop_at_contact": true,
+    });
+    assert_eq!(positions(&jog(&server, back)), start);
+}
+
+#[test]
+fn teaching_in_contact_needs_a_confirmation_and_is_noted() {
+    let server = server(CellFiles::example());
+    let home = jog(&server, json!({}));
+    let teach = |at: Vec<f64>, confirm: bool, cell: Option<&str>| {
+        let mut body = json!({
+            "station": "LP2",
+            "position_m": [-0.495, -0.495, 0.501],
+            "taught_by": {
+                "program": SHORT, "positions": at, "slot": 4, "confirm_contact": confirm,
+            },
+        });
+        if let Some(cell) = cell {
+            body["cell"] = cell.into();
+        }
+        ask(&server, Method::POST, "cell/station", &body)
+    };
+    let through = through_the_wall(&home);
+    let refused = teach(through.clone(), false, None);
+    assert_eq!(refused.status, StatusCode::CONFLICT);
+    let problem = refused.json();
+    assert_eq!(problem["field"], "taught_by.confirm_contact");
+    let detail = problem["detail"].as_str().unwrap();
+    assert!(detail.contains("wall") && detail.contains("confirm"), "{detail}");
+    let taught = teach(through, true, None);
+    assert_eq!(taught.status, StatusCode::OK);
+    let taught = taught.json();
+    let text = taught["cell"].as_str().unwrap();
+    let (above, _) = text.split_once("name = \"LP2\"").unwrap();
+    let note = above.lines().rev().find(|line| line.starts_with('#')).unwrap();
+    assert!(note.starts_with("# Taught in contact: ") && note.contains("wall"), "{note}");
+    assert!(!taught["touching"].as_array().unwrap().is_empty());
+    assert!(text.contains("[-495.0, -495.0, 501.0]"), "{text}");
+    // Taught again without a contact, the note goes; no other line has changed.
+    let again = teach(positions(&home), false, Some(text)).json();
+    let clean = again["cell"].as_str().unwrap();
+    assert_eq!((clean.contains("Taught in contact"), &again["touching"]), (false, &json!([])));
+    assert_eq!(clean.lines().count() + 1, text.lines().count());
+}

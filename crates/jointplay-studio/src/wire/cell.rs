@@ -330,6 +330,34 @@ pub(crate) struct StationRequest {
     /// Points of its plane, taught in place of a lean.
     #[serde(default, deserialize_with = "strict::maybe")]
     pub(crate) taught: Option<TaughtFields>,
+    /// The pose of the robot that the values are taught by: it is checked, and a contact needs a confirmation.
+    #[serde(default, deserialize_with = "strict::maybe")]
+    pub(crate) taught_by: Option<TaughtByFields>,
+}
+
+/// The pose of the robot that a station is taught by.
+#[derive(Debug, Clone, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct TaughtByFields {
+    /// Text of a program; without it, that of the file.
+    #[serde(default)]
+    pub(crate) program: Option<String>,
+    /// The moment of the program that tells which wafers are where [s].
+    #[serde(default)]
+    #[schema(required = false, default = 0.0)]
+    pub(crate) time_s: f64,
+    /// Positions of all axes, rods first [m or rad].
+    #[schema(max_items = 11)]
+    pub(crate) positions: Vec<f64>,
+    /// Which effector reaches into the station; without it, the first.
+    #[serde(default)]
+    pub(crate) effector: Option<String>,
+    /// Number of the slot that it reaches into, from 1.
+    #[schema(minimum = 1)]
+    pub(crate) slot: usize,
+    /// Whether the station is taught though bodies touch; the file then has a note of it.
+    #[serde(default)]
+    pub(crate) confirm_contact: bool,
 }
 
 /// A lean by its turns about x and about y.
@@ -432,6 +460,8 @@ impl StationRequest {
 pub(crate) struct CellText {
     /// Text of the cell file with the new values; comments and all else as they were.
     pub(crate) cell: String,
+    /// Pairs of names that touch in the pose that the station was taught by, as the note in the file has them.
+    pub(crate) touching: Vec<Vec<String>>,
 }
 
 /// Both texts, to be kept.

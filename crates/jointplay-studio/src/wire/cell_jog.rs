@@ -44,6 +44,11 @@ pub(crate) struct JogRequest {
     /// Where to; without it, the robot stays.
     #[serde(default)]
     pub(crate) to: Option<JogFields>,
+    /// Whether all axes go straight from `from` toward the positions found, and stop at the last state without a contact.
+    ///
+    /// What touches at the start does not stop them.
+    #[serde(default)]
+    pub(crate) stop_at_contact: bool,
 }
 
 /// A slot of a station.

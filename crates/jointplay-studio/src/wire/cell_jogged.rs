@@ -13,6 +13,7 @@ use serde::Serialize;
 use utoipa::ToSchema;
 
 use super::Triple;
+use super::cell_pose::PoseCheckDocument;
 
 /// The robot where it has come to.
 #[derive(Debug, Clone, PartialEq, Serialize, ToSchema)]
@@ -33,6 +34,8 @@ pub(crate) struct JogDocument {
     pub(crate) stopped: Option<StoppedDocument>,
     /// Where all that moves is, named and nested as in the picture of the cell.
     pub(crate) frames: Vec<FrameDocument>,
+    /// Minimum distances and violations of this pose, by the rules of the check of programs.
+    pub(crate) check: PoseCheckDocument,
 }
 
 /// An axis.
@@ -169,6 +172,8 @@ pub(crate) struct StoppedDocument {
     pub(crate) axes: Vec<String>,
     /// What stopped it: one line for each limit, or for each way that the arm could be bent.
     pub(crate) says: Vec<String>,
+    /// Names of the two that would touch farther on; none where it is no contact that stopped it.
+    pub(crate) touching: Vec<String>,
 }
 
 /// What sort of thing stopped the robot.
@@ -185,6 +190,8 @@ pub(crate) enum StoppedKind {
     Droop,
     /// No positions were found.
     NoWay,
+    /// Two bodies would touch.
+    Contact,
 }
 
 /// A frame that moves.
@@ -239,6 +246,7 @@ impl StoppedDocument {
                 Some(StoppedKind::Droop)
             }
             Stopped::Place(_) => Some(StoppedKind::NoWay),
+            Stopped::Contact(_) => Some(StoppedKind::Contact),
         };
         let mut axes: Vec<String> = Vec::new();
         for limit in &limits {
@@ -251,7 +259,12 @@ impl StoppedDocument {
         }
         let of_limits =
             if axes.is_empty() { StoppedKind::TiltLimit } else { StoppedKind::AxisLimit };
-        Self { kind: other.unwrap_or(of_limits), axes, says: explain_stopped(&cell.robot, stopped) }
+        let touching = match stopped {
+            Stopped::Contact(pair) => pair.to_vec(),
+            _ => Vec::new(),
+        };
+        let says = explain_stopped(&cell.robot, stopped);
+        Self { kind: other.unwrap_or(of_limits), axes, says, touching }
     }
 }
 

@@ -7,6 +7,7 @@ pub(crate) mod cell_chain;
 pub(crate) mod cell_jog;
 pub(crate) mod cell_jogged;
 pub(crate) mod cell_parts;
+pub(crate) mod cell_pose;
 mod command;
 mod model;
 pub(crate) mod pose;
