@@ -4,6 +4,7 @@
 //! [`MechanismSystem`] is its constraint system, against which every analysis is written.
 
 mod assembly;
+mod blocks;
 mod closing;
 mod description;
 mod evidence;
@@ -21,6 +22,7 @@ mod system;
 mod tree;
 
 pub use assembly::{Unassembled, assemble, branches, guess};
+pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
 pub use closing::{CLOSED, Closure, close};
 pub use description::{
     Carrier, Joint, MAX_LINKS, Mechanism, MechanismError, Play, VirtualJoint, VirtualMotion,
