@@ -1,7 +1,10 @@
 //! Laws that hold for every mechanism: numbering, tree, base and unit of length mean nothing.
 #![expect(clippy::unwrap_used, reason = "a test says what it expects")]
 
-use jointplay_core::mechanism::{Joint, JointKind, Mechanism, MechanismSystem, Play, SparseSystem};
+use jointplay_core::mechanism::{
+    Joint, JointKind, Mechanism, MechanismMobility, MechanismSystem, Play, SparseSystem,
+    mechanism_mobility,
+};
 use jointplay_core::mobility::{InstantaneousMobility, RANK_THRESHOLD, instantaneous_mobility};
 use jointplay_core::nalgebra::{DVector, Rotation3, Translation3, Vector3};
 use jointplay_core::spatial::Pose;
@@ -72,6 +75,76 @@ fn same(a: &InstantaneousMobility, b: &InstantaneousMobility) -> Result<(), Test
         prop_assert_eq!(a.rank, b.rank);
     }
     Ok(())
+}
+
+fn finite(links: usize, joints: Vec<Joint>) -> MechanismMobility {
+    let mechanism = Mechanism::new("random", names(links), joints).unwrap();
+    let home = DVector::zeros(mechanism.joint_freedoms());
+    let system = MechanismSystem::new(&mechanism, home).unwrap();
+    mechanism_mobility(&system, RANK_THRESHOLD, false).unwrap()
+}
+
+/// Whether no singular value is near the threshold.
+fn clear(found: &MechanismMobility) -> bool {
+    found.finite.instantaneous.smallest_counted().is_none_or(|least| least > 1e-6)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(40))]
+
+    /// Two mechanisms on one base, one on a link of the other, or one beyond a hinge on that link.
+    #[test]
+    fn mobility_of_a_union_is_the_sum(
+        (links, joints) in joints(),
+        (more_links, more) in joints(),
+        on in 0..7_usize,
+        hinged in any::<bool>(),
+    ) {
+        let (a, b) = (finite(links, joints.clone()), finite(more_links, more.clone()));
+        prop_assume!(clear(&a) && clear(&b));
+        let on = on % links;
+        let base = if hinged { links } else { on };
+        let first = links + usize::from(hinged);
+        let mut all = joints;
+        if hinged {
+            all.push(joint("hinge", JointKind::Revolute, [on, base], Pose::translation(0.3, 0.1, 0.2)));
+        }
+        all.extend(more.into_iter().map(|joint| Joint {
+            name: format!("more {}", joint.name),
+            links: joint.links.map(|link| if link == 0 { base } else { first + link - 1 }),
+            ..joint
+        }));
+        let both = finite(first + more_links - 1, all);
+        prop_assume!(clear(&both));
+        let tree = usize::from(hinged);
+        let sums = |of: fn(&MechanismMobility) -> usize| of(&a) + of(&b);
+        let (found, first) = (&both.finite, &both.finite.instantaneous);
+        prop_assert_eq!(first.mobility, tree + sums(|m| m.finite.instantaneous.mobility));
+        prop_assert_eq!(first.redundancy, sums(|m| m.finite.instantaneous.redundancy));
+        prop_assert_eq!(found.lower_bound, tree + sums(|m| m.finite.lower_bound));
+        prop_assert_eq!(found.upper_bound, tree + sums(|m| m.finite.upper_bound));
+        // A branch is as large as a bound says, at most.
+        let largest = both.branch_dimensions.as_ref().and_then(|all| all.last().copied());
+        prop_assert!(largest.is_none_or(|largest| largest == found.lower_bound));
+    }
+
+    #[test]
+    fn numbering_does_not_change_what_is_decided((links, joints) in joints(), turn in 0..20_usize) {
+        let a = finite(links, joints.clone());
+        let mut other = joints;
+        let count = other.len();
+        other.rotate_left(turn % count);
+        for joint in &mut other {
+            joint.links = joint.links.map(|link| if link == 0 { 0 } else { links - link });
+        }
+        let b = finite(links, other);
+        prop_assume!(clear(&a) && clear(&b));
+        prop_assert!(a.finite.lower_bound <= b.finite.upper_bound);
+        prop_assert!(b.finite.lower_bound <= a.finite.upper_bound);
+        if a.finite.mobility.is_some() && b.finite.mobility.is_some() {
+            prop_assert_eq!(a.finite.mobility, b.finite.mobility);
+        }
+    }
 }
 
 proptest! {

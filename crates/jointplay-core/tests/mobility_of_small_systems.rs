@@ -274,7 +274,7 @@ fn branches_that_cross_or_touch() {
     polynomials(3, &[&[(1.0, &[1, 1, 0])], &[(1.0, &[1, 0, 1])]], 3, 2, true);
     // Three lines: xy = yz = zx = 0.
     let lines: &[Polynomial] = &[&[(1.0, &[1, 1, 0])], &[(1.0, &[0, 1, 1])], &[(1.0, &[1, 0, 1])]];
-    polynomials(3, lines, 3, 1, false);
+    polynomials(3, lines, 3, 1, true);
     // Two parabolas that touch: z = 0 and z = x² − y⁴.
     polynomials(
         3,

@@ -4,10 +4,10 @@ use jointplay::bulk::{Status, Tally};
 use jointplay::constraint::System as _;
 use jointplay::format::report;
 use jointplay::mechanism::{
-    Drive, MechanismSystem, PositionSolver, ReliefSolver, assemble, branches,
-    guess, suggest,
+    Drive, MechanismSystem, PositionSolver, ReliefSolver, assemble, branches, guess,
+    mechanism_mobility, suggest,
 };
-use jointplay::mobility::{ClosedThere, RANK_THRESHOLD, finite_mobility, near_mobility};
+use jointplay::mobility::{RANK_THRESHOLD, near_mobility};
 use jointplay::nalgebra::DVector;
 use jointplay::sensitivity::commanded_sensitivity;
 use numpy::ndarray::Array2;
@@ -134,12 +134,9 @@ impl PyMechanism {
             let system = MechanismSystem::new(&self.file.mechanism, values.clone())?;
             let at = system.at_home();
             let near = tolerance.map(|share| near_mobility(&system, &at, share)).transpose()?;
-            // For real it would have to be put together by force where it does not close.
-            let finite = if tolerance.is_some() && !system.is_closed() {
-                finite_mobility(&ClosedThere::new(&system, &at), &at, RANK_THRESHOLD)?
-            } else {
-                finite_mobility(&system, &at, RANK_THRESHOLD)?
-            };
+            // Loops that do not close are taken as forced shut.
+            let forced = tolerance.is_some() && !system.is_closed();
+            let finite = mechanism_mobility(&system, RANK_THRESHOLD, forced)?;
             Ok((values, residual, iterations, near, finite))
         });
         let (values, residual, iterations, near, finite) = found.map_err(failed)?;

@@ -2,10 +2,11 @@
 
 use jointplay::format::report;
 use jointplay::mechanism::{
-    BeyondLimits, Class, Closure, Mechanism, MechanismSystem, Motion, Relief, SparseMobility,
+    BeyondLimits, Class, Closure, Mechanism, MechanismMobility, MechanismSystem, Motion, Relief,
+    SparseMobility,
     Suggestions, VirtualMotion, link_motion, self_stresses,
 };
-use jointplay::mobility::{FiniteMobility, NearMobility, branch_dimensions};
+use jointplay::mobility::NearMobility;
 use jointplay::nalgebra::DVector;
 use jointplay::sensitivity::Sensitivity;
 use numpy::ndarray::Array2;
@@ -41,18 +42,15 @@ pub(crate) fn mobility<'py>(
     py: Python<'py>,
     system: &MechanismSystem<'_>,
     kutzbach: i64,
-    finite: &FiniteMobility,
+    found: &MechanismMobility,
     near: Option<&NearMobility>,
     configuration: Bound<'py, PyAny>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let failed = |error: jointplay::Error| errors::core(py, &error);
     let mechanism = system.kinematics().mechanism();
+    let MechanismMobility { finite, branch_dimensions } = found;
     let first = &finite.instantaneous;
-    let branches = match finite.mobility {
-        Some(found) if found == first.mobility => None,
-        _ => Some(branch_dimensions(system, &system.at_home(), finite).map_err(failed)?),
-    };
-    let class = Class::of(finite).with_branches(branches.as_deref().unwrap_or_default());
+    let class = found.class();
     let stresses = self_stresses(system, first).map_err(failed)?;
     let carried = stresses.iter().map(|stress| {
         let joints = stress.wrenches.iter().map(|(j, ..)| &mechanism.joints()[*j].name);
@@ -88,7 +86,10 @@ pub(crate) fn mobility<'py>(
     fields.set_item("name", mechanism.name())?;
     fields.set_item("configuration", configuration)?;
     fields.set_item("classification", class.words())?;
-    fields.set_item("branch_dimensions", branches.map(|all| PyTuple::new(py, all)).transpose()?)?;
+    fields.set_item(
+        "branch_dimensions",
+        branch_dimensions.as_ref().map(|all| PyTuple::new(py, all)).transpose()?,
+    )?;
     fields.set_item("carried_twice", PyTuple::new(py, carried)?)?;
     fields.set_item("link_motions", links)?;
     fields.set_item("near", near.transpose()?)?;
@@ -113,7 +114,7 @@ pub(crate) fn sparse_mobility<'py>(
         singular_values = py.None(),
         threshold = found.threshold,
         characteristic_length_m = found.characteristic_length,
-        null_space = dense(py, &found.motions),
+        null_space = found.null_space().map(|all| dense(py, &all)),
         self_stress = py.None(),
         name = of.file.mechanism.name(),
         configuration = configuration(py, of, &closure.coordinates, closure.residual, closure.iterations)?,

@@ -49,8 +49,6 @@ class Freedoms(Result):
     """Singular values at or below it count as zero."""
     characteristic_length_m: float
     """Length in which the Jacobian is scaled [m]."""
-    null_space: Floats
-    """Motions allowed to first order, shape (n, h), a column each, in radians and characteristic lengths."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -62,6 +60,8 @@ class Mobility(Freedoms):
 
     singular_values: Floats
     """Of the scaled constraint Jacobian, the largest first."""
+    null_space: Floats
+    """Motions allowed to first order, shape (n, h), a column each, in radians and characteristic lengths."""
     self_stress: Floats
     """Orthonormal self-stresses, shape (c, r), a column each."""
     augmented: AugmentedMobility | None

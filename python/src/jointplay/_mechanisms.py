@@ -96,6 +96,8 @@ class MechanismMobility(Freedoms):
     """Where it was looked at."""
     singular_values: Floats | None
     """Of the scaled constraint Jacobian, the largest first; ``None`` where sparse algebra had to do."""
+    null_space: Floats | None
+    """Motions allowed to first order, shape (n, h), a column each, in radians and characteristic lengths; ``None`` beyond a million numbers."""
     self_stress: Floats | None
     """Orthonormal self-stresses, shape (c, r), for each loop three moments and three forces; ``None`` as above."""
     classification: str

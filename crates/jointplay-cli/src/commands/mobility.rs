@@ -12,10 +12,8 @@ use jointplay::format::report::{
 };
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
-use jointplay::mechanism::{CLOSED, MechanismSystem};
-use jointplay::mobility::{
-    ClosedThere, RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility,
-};
+use jointplay::mechanism::{CLOSED, MechanismSystem, mechanism_mobility};
+use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility};
 use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
@@ -118,18 +116,15 @@ impl Mobility {
         let system = MechanismSystem::new(&input.file.mechanism, posed.closed.coordinates.clone())?;
         let at = system.at_home();
         let near = tolerance.map(|tolerance| near_mobility(&system, &at, tolerance)).transpose()?;
-        // For real it would have to be put together by force where it does not close.
-        let finite = if tolerance.is_some() && !system.is_closed() {
-            finite_mobility(&ClosedThere::new(&system, &at), &at, RANK_THRESHOLD)?
-        } else {
-            finite_mobility(&system, &at, RANK_THRESHOLD)?
-        };
+        // Loops that do not close are taken as forced shut.
+        let forced = tolerance.is_some() && !system.is_closed();
+        let found = mechanism_mobility(&system, RANK_THRESHOLD, forced)?;
         let report = report::mechanism_mobility(
             &input.file,
             &system,
             &posed.closed.coordinates,
             posed.relief.as_ref(),
-            &finite,
+            &found,
             near.as_ref(),
         )?;
         drop(working);
@@ -230,11 +225,13 @@ fn sparse_text(report: &SparseMobilityReport) -> String {
     let zero: Vec<f64> = report.largest_uncounted.into_iter().collect();
     freedoms(&mut text, &report.freedoms);
     let values = [counted.as_slice(), zero.as_slice()];
-    spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
-    let _ = writeln!(
-        text,
-        "  of the joint closures by sparse algebra: the largest, the least that counts, the largest that does not"
-    );
+    if report.loops > 0 {
+        spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
+        let _ = writeln!(
+            text,
+            "  of the joint closures by sparse algebra: the largest, the least that counts, the largest that does not"
+        );
+    }
     let _ = writeln!(text, "{}", report.class);
     text
 }

@@ -46,6 +46,11 @@ pub trait System {
     /// (c) second derivative of Φ along a direction of P: d²Φ(P + t v, X)/dt² at t = 0.
     fn second_derivative(&self, at: &Configuration, direction: &DVector<f64>) -> DVector<f64>;
 
+    /// Round-off of Φ near a closed configuration, in radians and characteristic lengths: that of the dimensions it is computed from.
+    fn round_off(&self) -> f64 {
+        f64::EPSILON
+    }
+
     /// How far a configuration is from satisfying the constraints: the largest entry of Φ, in radians and characteristic lengths.
     ///
     /// A system whose constraints are combinations of others may say how far those are missed.

@@ -25,7 +25,7 @@ pub enum Class {
     OverconstrainedMovable,
     /// Branches of different freedom meet here, so that the mechanism can change how many it has.
     Kinematotropic,
-    /// The bounds of the finite mobility do not meet: branches of different freedom may cross here.
+    /// The bounds of the finite mobility differ: some motion is neither found nor excluded.
     Undecided,
 }
 
@@ -67,7 +67,7 @@ impl Class {
             Self::Kinematotropic => {
                 "branches of different freedom meet here: a kinematotropic candidate"
             }
-            Self::Undecided => "undecided: branches of different freedom may cross here",
+            Self::Undecided => "undecided: the bounds of the finite mobility differ",
         }
     }
 }

@@ -4,6 +4,7 @@
 //! [`MechanismSystem`] is its constraint system, against which every analysis is written.
 
 mod assembly;
+mod blocks;
 mod closing;
 mod description;
 mod evidence;
@@ -24,6 +25,7 @@ mod tree;
 mod virtual_candidates;
 
 pub use assembly::{Unassembled, assemble, branches, guess};
+pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
 pub use closing::{CLOSED, Closure, close};
 pub use description::{
     Carrier, Joint, MAX_LINKS, Mechanism, MechanismError, Play, VirtualJoint, VirtualMotion,

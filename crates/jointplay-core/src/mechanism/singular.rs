@@ -256,6 +256,10 @@ impl System for OnWay<'_> {
         self.system.characteristic_length()
     }
 
+    fn round_off(&self) -> f64 {
+        self.system.round_off()
+    }
+
     fn residual(&self, at: &Configuration) -> DVector<f64> {
         self.system.residual(&self.full(at))
     }

@@ -28,6 +28,8 @@ pub struct MechanismSystem<'a> {
     home: DVector<f64>,
     reference: Vector3<f64>,
     characteristic_length: f64,
+    /// Largest distance of a joint frame from the origin of its link [m].
+    reach: f64,
     /// (loops, joints) orthonormal cycles.
     cycles: DMatrix<f64>,
     /// Inverse of the Cholesky factor that makes them so.
@@ -51,7 +53,17 @@ impl<'a> MechanismSystem<'a> {
         let (reference, spread) = middle(&kinematics, &home);
         let characteristic_length = mechanism.characteristic_length().unwrap_or(spread);
         let (cycles, orthonormalizer) = orthonormal_cycles(&kinematics);
-        Ok(Self { kinematics, home, reference, characteristic_length, cycles, orthonormalizer })
+        let frames = mechanism.joints().iter().flat_map(|joint| &joint.frames);
+        let reach = frames.map(|frame| frame.translation.vector.norm()).fold(0.0, f64::max);
+        Ok(Self {
+            kinematics,
+            home,
+            reference,
+            characteristic_length,
+            reach,
+            cycles,
+            orthonormalizer,
+        })
     }
 
     /// Whether a mechanism is small enough for the dense algebra of a system; larger ones are for [`super::SparseSystem`].
@@ -245,6 +257,11 @@ impl System for MechanismSystem<'_> {
     /// The user's, or the root mean square distance of the joints from their middle at home.
     fn characteristic_length(&self) -> f64 {
         self.characteristic_length
+    }
+
+    /// That of the joint frames, whose coordinates are rounded in proportion to their distance from the origin of their link.
+    fn round_off(&self) -> f64 {
+        f64::EPSILON * (self.reach / self.characteristic_length).max(1.0)
     }
 
     /// That of the loop that is missed most.

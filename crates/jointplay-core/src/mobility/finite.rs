@@ -1,6 +1,7 @@
 //! Mobility for real: in how many directions the mechanism can go a finite way.
 
-use super::neighbours::{Followed, Neighbours, followed, neighbours};
+use super::neighbours::{Neighbours, neighbours};
+use super::search::{Followed, KEPT_RADIUS, Search};
 use super::second_order::{SecondOrder, second_order};
 use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
@@ -74,15 +75,25 @@ pub fn finite_mobility<S: System + ?Sized>(
     if instantaneous.redundancy == 0 || instantaneous.mobility == 0 {
         return Ok(by_first_order(instantaneous, None));
     }
-    let room = match followed(system, at, &instantaneous) {
-        Followed::Kept(all) => return Ok(by_first_order(instantaneous, Some(all))),
-        Followed::Broken => instantaneous.mobility - 1,
-        Followed::Lost => instantaneous.mobility,
+    let search = Search::new(system, at, instantaneous.characteristic_length);
+    let all_finite =
+        |tried, mobility| Some(Neighbours { tried, found: tried, dimensions: vec![mobility] });
+    let mobility = instantaneous.mobility;
+    let room = match search.followed(at, &instantaneous, &instantaneous.null_space, KEPT_RADIUS) {
+        Followed::Kept(tried) => {
+            return Ok(by_first_order(instantaneous, all_finite(tried, mobility)));
+        }
+        Followed::Broken => mobility - 1,
+        Followed::Lost => match search.continued(at, &instantaneous, instantaneous.threshold)? {
+            Some(tried) => return Ok(by_first_order(instantaneous, all_finite(tried, mobility))),
+            None => mobility,
+        },
     };
     let second_order = second_order(system, at, &instantaneous)?;
     let upper_bound = second_order.upper_bound.min(room);
-    let neighbours = neighbours(system, at, &instantaneous, &second_order, upper_bound)?;
-    let lower_bound = neighbours.dimension;
+    let mut neighbours = neighbours(&search, at, &instantaneous, &second_order, upper_bound)?;
+    neighbours.dimensions.retain(|&dimension| dimension <= upper_bound);
+    let lower_bound = neighbours.dimension();
     Ok(FiniteMobility {
         mobility: (lower_bound == upper_bound).then_some(lower_bound),
         lower_bound,

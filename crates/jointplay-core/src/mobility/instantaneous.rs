@@ -12,6 +12,9 @@ use crate::linalg::{Svd, svd};
 /// On a wafer robot it tells rods apart that differ by a picometre.
 pub const RANK_THRESHOLD: f64 = 1e-13;
 
+/// Singular values up to this many times [`System::round_off`] count as zero: dimensions that are rounded so far cannot tell them from zero.
+const RANK_ROUND_OFF: f64 = 16.0;
+
 /// Motions that the constraints allow to first order, with the evidence.
 ///
 /// ```text
@@ -29,7 +32,7 @@ pub struct InstantaneousMobility {
     pub redundancy: usize,
     /// Singular values of J, largest first.
     pub singular_values: DVector<f64>,
-    /// Values at or below this one count as zero: the relative threshold times the largest value.
+    /// Values at or below this one count as zero: the relative threshold times the largest value, or the round-off of the mechanism's dimensions where that is larger.
     pub threshold: f64,
     /// Length in which J is scaled [m].
     pub characteristic_length: f64,
@@ -79,11 +82,8 @@ pub fn instantaneous_mobility<S: System + ?Sized>(
     let length = system.characteristic_length();
     let rows = units(&system.constraint_dimensions(), length);
     let columns = units(&system.coordinate_dimensions(), length);
-    analyse(
-        &scaled_jacobian(&system.constraint_jacobian(at), &rows, &columns),
-        length,
-        relative_threshold,
-    )
+    let jacobian = scaled_jacobian(&system.constraint_jacobian(at), &rows, &columns);
+    analyse(&jacobian, length, relative_threshold, system.round_off())
 }
 
 /// Mobility to first order with the virtual joints free: of [∂Φ/∂P ∂Φ/∂X].
@@ -115,21 +115,23 @@ pub fn augmented_mobility<S: System + ?Sized>(
     let mut both = DMatrix::zeros(rows.len(), n + m);
     both.columns_mut(0, n).copy_from(&of_coordinates);
     both.columns_mut(n, m).copy_from(&of_virtual_joints);
-    analyse(&both, length, relative_threshold)
+    analyse(&both, length, relative_threshold, system.round_off())
 }
 
 fn analyse(
     jacobian: &DMatrix<f64>,
     characteristic_length: f64,
     relative_threshold: f64,
+    round_off: f64,
 ) -> Result<InstantaneousMobility, Error> {
     let decomposition = svd(jacobian)?;
-    let rank = decomposition.rank(relative_threshold);
+    let threshold = (relative_threshold * decomposition.largest()).max(RANK_ROUND_OFF * round_off);
+    let rank = decomposition.singular_values.iter().filter(|&&value| value > threshold).count();
     Ok(InstantaneousMobility {
         mobility: jacobian.ncols() - rank,
         rank,
         redundancy: jacobian.nrows() - rank,
-        threshold: relative_threshold * decomposition.largest(),
+        threshold,
         characteristic_length,
         null_space: decomposition.null_space(rank),
         self_stress: decomposition.left_null_space(rank),

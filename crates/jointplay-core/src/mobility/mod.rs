@@ -17,6 +17,7 @@ mod instantaneous;
 mod kutzbach;
 mod near;
 mod neighbours;
+mod search;
 mod second_order;
 
 pub(crate) use finite::CLOSED;

@@ -478,6 +478,10 @@ impl<S: System + ?Sized> System for ClosedThere<'_, S> {
         self.system.characteristic_length()
     }
 
+    fn round_off(&self) -> f64 {
+        self.system.round_off()
+    }
+
     fn residual(&self, at: &Configuration) -> DVector<f64> {
         self.system.residual(at) - &self.open
     }

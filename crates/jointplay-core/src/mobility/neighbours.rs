@@ -1,143 +1,132 @@
-//! Which configurations there are nearby.
+//! Branches of configurations that meet at a given one, with their dimensions.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{FiniteMobility, InstantaneousMobility, SecondOrder, instantaneous_mobility};
+use super::search::{Followed, KEPT_RADIUS, Search, random_direction};
+use super::second_order::{SecondOrder, common_zero_near, second_order};
+use super::{FiniteMobility, InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
-use crate::constraint::{Configuration, System, scaled_jacobian, scaled_residual, units};
+use crate::constraint::{Configuration, System};
 use crate::linalg::svd;
 use crate::random::Random;
 
-/// How far away neighbours are looked for, in units of the characteristic length: on a branch, and well off the given point.
+/// Distance from the given configuration at which branches are looked for, in radians and characteristic lengths.
 const RADIUS: f64 = 1e-2;
-/// Neighbours nearer than this share of [`RADIUS`] are the given point found again.
-const SAME_POINT: f64 = 0.02;
-/// How far away the neighbours of a neighbour are looked for: its branch is flat to this share of it.
-const INNER_RADIUS: f64 = 1e-4;
-/// Scaled residual of a neighbour that counts as found.
-const FOUND: f64 = 1e-14;
-/// Displacements that span less than this share of [`INNER_RADIUS`] do not count as a direction.
-///
-/// A constraint that is touched, not crossed, is met to [`FOUND`] 10⁻⁷ away from where it is met exactly: a share of 10⁻³.
-const SPAN_THRESHOLD: f64 = 1e-2;
-/// For the same reason singular values at a neighbour are known to 10⁻⁷ only; those below this share of the largest count as zero there.
+/// Distance at which their dimension is proven: far enough out that a motion stopped at an order below 14 has ended.
+const OUTER_RADIUS: f64 = 0.1;
+/// Distance nearer to which a branch has to be found again, so that it leads to the given configuration.
+const INNER_RADIUS: f64 = 1e-3;
+/// How far all directions of a branch are followed from the configuration where its dimension is proven.
+const PROOF_RADIUS: f64 = 0.1;
+/// Singular values there below this share of the largest count as zero: where a constraint touches, a configuration is known to 10⁻⁷ only.
 const NEIGHBOUR_RANK_THRESHOLD: f64 = 1e-6;
-/// Corrections of one neighbour: touched constraints halve the error at a time, 20 of them from 10⁻² to 10⁻⁸.
-const MAX_CORRECTIONS: usize = 40;
-/// Singular values left out of a correction, relative to the largest.
-const CORRECTION_THRESHOLD: f64 = 1e-12;
-/// Neighbours whose own neighbours are looked for.
-const BRANCHES: usize = 3;
-/// How often a neighbour of a neighbour is followed on, each time [`STRIDE`] times as far, up to 0.1: a constraint broken by the fifth power of a motion, as by a linkage that draws an almost straight line, is broken by 10⁻²⁰ at [`INNER_RADIUS`], but by 10⁻⁵ there.
-const STRIDES: i32 = 3;
-/// Lengthening at each stride.
-const STRIDE: f64 = 10.0;
-/// Directions that lead on to less than this share of the way asked for are no motion: one stopped at order p leads to 10^(−14/p), half the way only from order 11 on.
+/// Displacements longer than this many times the distance asked for are not looked at.
+const FARTHEST: f64 = 3.0;
+/// Singular values of displacements below this share of the distance asked for are no motion: one stopped at order p leads to 10^(−14/p), half of the distance only from order 14 on.
 const LED_ON: f64 = 0.5;
+/// Least cosine of the angle between a direction and the displacement that it leads to.
+const STRAIGHT: f64 = 0.9;
+/// Starts for each motion of first order, and starts at most.
+const STARTS_PER_MOTION: usize = 8;
+const MAX_STARTS: usize = 96;
+/// Branches of known dimensions found one after another, after which the search ends.
+const ENOUGH_ALIKE: usize = 24;
 
-/// How far away a motion has to be kept to count without a search: farther than a search goes, since it starts from the given point, where what is broken at high order is broken least.
-const KEPT_RADIUS: f64 = 0.3;
-/// Mismatch that no correction can reach, from which on a motion is broken, well above round-off: of a motion stopped at order p it is about 0.3ᵖ.
-const BROKEN: f64 = 1e-12;
-/// …and how much larger it has to be than what corrections can still reach, and than what is open at the start.
-const OPEN_FOR_GOOD: f64 = 1e3;
-/// Corrections with the pseudo-inverse of the given configuration, each of which gains about a factor of the radius.
-const MAX_CHORDS: usize = 100;
-
-/// Configurations found near a given one, and what they span.
+/// Configurations found near a given one, and the dimensions proven there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Neighbours {
-    /// How many starts were tried about the given configuration, up to the one that decided.
+    /// How many directions were tried about the given configuration, up to the one that decided.
     pub tried: usize,
     /// How many of them ended on another configuration nearby.
     pub found: usize,
-    /// Dimension of the largest branch found: in how many directions one neighbour leads on.
-    pub dimension: usize,
-    /// How far it leads on in each direction in which it has neighbours, as a share of the way asked for, largest first.
-    pub spans: Vec<f64>,
+    /// Dimensions of the branches, each proven at a configuration of the branch; different ones, smallest first.
+    pub dimensions: Vec<usize>,
 }
 
-/// What becomes of some motions allowed to first order when they are followed in random directions.
-pub(super) enum Followed {
-    /// Every one leads on.
-    Kept(Neighbours),
-    /// One breaks constraints that no correction can mend: the motions that lead on are fewer, by a dimension at least.
-    Broken,
-    /// One could not be followed so far.
-    Lost,
+impl Neighbours {
+    /// The largest dimension proven, 0 if none is.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        self.dimensions.last().copied().unwrap_or(0)
+    }
+
+    fn add(&mut self, dimension: usize) {
+        if let Err(place) = self.dimensions.binary_search(&dimension) {
+            self.dimensions.insert(place, dimension);
+        }
+    }
 }
 
-/// Follows all motions allowed to first order, without a search.
-pub(super) fn followed<S: System + ?Sized>(
-    system: &S,
-    at: &Configuration,
-    first: &InstantaneousMobility,
-) -> Followed {
-    Search::new(system, at, first.characteristic_length).followed(at, first, &first.null_space)
-}
-
-/// Looks for neighbours, then for the neighbours of a few of them.
+/// Looks for branches until one of dimension `enough` is found.
 ///
-/// The second look is what counts: where branches cross, as they may at the given point, the neighbours of the crossing span more than any branch has.
-/// What it finds is followed a good way on, since near enough every constraint seems to be kept by a motion that breaks it only at high order.
+/// Starts are random motions of first order, and zeros of the second-order conditions near them.
+/// A branch counts if it is found at three distances from the given configuration, and if its dimension is proven at the farthest of them.
 pub(super) fn neighbours<S: System + ?Sized>(
-    system: &S,
+    search: &Search<'_, S>,
     at: &Configuration,
     first: &InstantaneousMobility,
     second: &SecondOrder,
-    upper_bound: usize,
+    enough: usize,
 ) -> Result<Neighbours, Error> {
-    let search = Search::new(system, at, first.characteristic_length);
-    // Where second order stops all other motions, what it leaves free is all that is asked for.
+    let mut found = Neighbours { tried: 0, found: 0, dimensions: Vec::new() };
+    // Where second order stops all other motions, the ones that it leaves free may all be finite.
     if second.definite && second.free > 0 {
         let free = &first.null_space * &second.free_motions;
-        if let Followed::Kept(all) = search.followed(at, first, &free) {
-            return Ok(all);
+        let kept = match search.followed(at, first, &free, KEPT_RADIUS) {
+            Followed::Kept(_) => true,
+            // The motions may bend into the ones that are stopped.
+            Followed::Broken | Followed::Lost => all_lead(search, at, &free, KEPT_RADIUS)?,
+        };
+        if kept {
+            found.tried += second.free + 2;
+            found.found += second.free + 2;
+            found.add(second.free);
         }
     }
-    let mut random = Random(1);
-    let mut best = Neighbours { tried: 0, found: 0, dimension: 0, spans: Vec::new() };
-    for _ in 0..first.mobility + 2 {
-        best.tried += 1;
-        let direction = random_direction(&mut random, first.mobility);
-        let start = &first.null_space * direction * RADIUS;
-        let Some(displacement) = search.corrected(at, start, RADIUS)? else { continue };
-        if displacement.norm() <= SAME_POINT * RADIUS {
-            continue;
-        }
-        best.found += 1;
-        if best.found > BRANCHES {
-            continue;
-        }
-        let Some(spans) = search.branch(at, &displacement)? else { continue };
-        let dimension = spans.iter().filter(|&&span| span > LED_ON).count();
-        if dimension > best.dimension || best.spans.is_empty() {
-            best = Neighbours { dimension, spans, ..best };
-        }
-        if best.dimension >= upper_bound {
+    let (mut random, mut nothing_new) = (Random(1), 0);
+    for _ in 0..(STARTS_PER_MOTION * first.mobility).min(MAX_STARTS) {
+        if found.dimension() >= enough || nothing_new >= ENOUGH_ALIKE {
             break;
         }
+        found.tried += 1;
+        let direction = random_direction(&mut random, first.mobility);
+        let mut reached = false;
+        for onto_quadrics in [false, true] {
+            let direction = if onto_quadrics {
+                common_zero_near(&second.quadrics, direction.clone())?
+            } else {
+                Some(direction.clone())
+            };
+            let Some(direction) = direction else { continue };
+            let start = &first.null_space * direction;
+            let Some(branch) = search.at_distance(at, &start, RADIUS)? else { continue };
+            reached = true;
+            if let Some(dimension) = dimension_of_branch(search, at, &branch)? {
+                let before = found.dimensions.len();
+                found.add(dimension);
+                nothing_new = if found.dimensions.len() > before { 0 } else { nothing_new + 1 };
+                break;
+            }
+        }
+        found.found += usize::from(reached);
     }
-    Ok(best)
+    Ok(found)
 }
-
-/// Starts from which branches of other dimensions are looked for, for each motion to first order.
-const STARTS_PER_MOTION: usize = 8;
 
 /// Dimensions of the branches that meet at a configuration, as far as a search finds them: different ones, smallest first.
 ///
 /// More than one make it a kinematotropic candidate: a mechanism that can change there how many freedoms it has.
+/// Each dimension is proven at a configuration of the branch; see [`finite_mobility`](super::finite_mobility) for the proof.
 ///
 /// # Arguments
-/// * `at`, `found` – a configuration, and what [`finite_mobility`](super::finite_mobility) says of it
+/// * `at`, `found` – a configuration, and the result of [`finite_mobility`](super::finite_mobility) for it
 ///
 /// # Errors
 /// Those of [`instantaneous_mobility`].
 ///
 /// # Numerics
-/// Many starts, each followed as [`finite_mobility`](super::finite_mobility) follows a few: for configurations that are singular, not for every one of a motion.
-/// A single dimension where all motions to first order are motions for real, without a search.
-/// Empty where no start ended on a branch.
+/// A single dimension, without a search, where all motions of first order are finite; none where no finite motion is possible.
+/// Branches on which no start ends are missing; where the finite mobility is undecided, the largest dimension is its lower bound.
 /// Deterministic.
 pub fn branch_dimensions<S: System + ?Sized>(
     system: &S,
@@ -145,194 +134,118 @@ pub fn branch_dimensions<S: System + ?Sized>(
     found: &FiniteMobility,
 ) -> Result<Vec<usize>, Error> {
     let first = &found.instantaneous;
-    if found.mobility == Some(first.mobility) {
-        return Ok(vec![first.mobility]);
+    let (Some(mobility), Some(second)) = (found.mobility, &found.second_order) else {
+        // Undecided: the search has been made with all its starts.
+        let searched = found.neighbours.as_ref().map(|searched| searched.dimensions.clone());
+        return Ok(searched.unwrap_or_else(|| found.mobility.into_iter().collect()));
+    };
+    if mobility == 0 {
+        return Ok(Vec::new());
     }
     let search = Search::new(system, at, first.characteristic_length);
-    let mut random = Random(4);
-    let mut dimensions = Vec::new();
-    for _ in 0..STARTS_PER_MOTION * first.mobility {
-        let start = &first.null_space * random_direction(&mut random, first.mobility) * RADIUS;
-        let Some(displacement) = search.corrected(at, start, RADIUS)? else { continue };
-        if displacement.norm() <= SAME_POINT * RADIUS {
-            continue;
-        }
-        let Some(spans) = search.branch(at, &displacement)? else { continue };
-        let dimension = spans.iter().filter(|&&span| span > LED_ON).count();
-        if dimension > 0 && !dimensions.contains(&dimension) {
-            dimensions.push(dimension);
-        }
-    }
-    dimensions.sort_unstable();
-    Ok(dimensions)
+    let mut all = neighbours(&search, at, first, second, usize::MAX)?;
+    all.add(mobility);
+    all.dimensions.retain(|&dimension| dimension <= mobility);
+    Ok(all.dimensions)
 }
 
-fn random_direction(random: &mut Random, count: usize) -> DVector<f64> {
-    DVector::from_fn(count, |_, _| random.next()).normalize()
+/// Dimension of the branch that a displacement leads to, if it can be proven.
+fn dimension_of_branch<S: System + ?Sized>(
+    search: &Search<'_, S>,
+    at: &Configuration,
+    displacement: &DVector<f64>,
+) -> Result<Option<usize>, Error> {
+    let Some(outer) = search.at_distance(at, displacement, OUTER_RADIUS)? else { return Ok(None) };
+    let Some(dimension) = proven_dimension(search, &search.moved(at, &outer), &outer)? else {
+        return Ok(None);
+    };
+    Ok(search.at_distance(at, displacement, INNER_RADIUS)?.map(|_| dimension))
 }
 
-/// A search for configurations, in dimensionless coordinates.
-struct Search<'a, S: ?Sized> {
-    system: &'a S,
-    rows: DVector<f64>,
-    columns: DVector<f64>,
-    /// Residual of the given configuration, which counts as closed; what is redundant in it could not be corrected away.
-    closed: DVector<f64>,
+/// Dimension of the configurations about one off the given, if it can be proven there: all constraints are independent, or every motion of first order is finite, or every one that second order leaves free is.
+fn proven_dimension<S: System + ?Sized>(
+    search: &Search<'_, S>,
+    there: &Configuration,
+    outward: &DVector<f64>,
+) -> Result<Option<usize>, Error> {
+    let first = instantaneous_mobility(search.system(), there, NEIGHBOUR_RANK_THRESHOLD)?;
+    if first.mobility == 0 {
+        return Ok(None);
+    }
+    if first.redundancy == 0 {
+        return Ok(Some(first.mobility));
+    }
+    let followed = |motions: &DMatrix<f64>| search.followed(there, &first, motions, PROOF_RADIUS);
+    let broken = match followed(&first.null_space) {
+        Followed::Kept(_) => return Ok(Some(first.mobility)),
+        Followed::Broken => true,
+        Followed::Lost if search.continued(there, &first, first.threshold)?.is_some() => {
+            return Ok(Some(first.mobility));
+        }
+        Followed::Lost => false,
+    };
+    let second = second_order(search.system(), there, &first)?;
+    if second.definite && second.free > 0 {
+        let free = &first.null_space * &second.free_motions;
+        if let Followed::Kept(_) = followed(&free) {
+            return Ok(Some(second.free));
+        }
+        if all_lead(search, there, &free, PROOF_RADIUS)? {
+            return Ok(Some(second.free));
+        }
+    }
+    // A direction that breaks leaves one dimension less at most; motions of as many dimensions prove it.
+    let upper_bound = second.upper_bound.min(first.mobility - usize::from(broken));
+    let dimension = spanned(search, there, outward, &first)?;
+    Ok((dimension > 0 && dimension == upper_bound).then_some(dimension))
 }
 
-impl<'a, S: System + ?Sized> Search<'a, S> {
-    fn new(system: &'a S, at: &Configuration, characteristic_length: f64) -> Self {
-        let rows = units(&system.constraint_dimensions(), characteristic_length);
-        let columns = units(&system.coordinate_dimensions(), characteristic_length);
-        let closed = scaled_residual(&system.residual(at), &rows);
-        Self { system, rows, columns, closed }
+/// Dimension of the motions that lead on from a configuration: that of the displacements on which random motions of first order end, if mixtures of these displacements lead on as well; 0 otherwise.
+fn spanned<S: System + ?Sized>(
+    search: &Search<'_, S>,
+    there: &Configuration,
+    outward: &DVector<f64>,
+    first: &InstantaneousMobility,
+) -> Result<usize, Error> {
+    let led = |direction: &DVector<f64>| {
+        search.corrected(there, direction * PROOF_RADIUS, FARTHEST * PROOF_RADIUS)
+    };
+    let mut random = Random(8);
+    let mixed = DMatrix::from_fn(first.mobility, first.mobility, |_, _| random.next());
+    // Corrections of least norm project orthonormal directions onto the motions: singular values of one and zero.
+    let mut ends = &first.null_space * svd(&mixed)?.u;
+    for mut end in ends.column_iter_mut() {
+        let direction = &end * 1.0_f64.copysign(end.dot(outward));
+        match led(&direction)? {
+            // What turns back has come to the end of its range.
+            Some(found) if found.dot(&direction) > 0.0 => end.copy_from(&(found / PROOF_RADIUS)),
+            _ => end.fill(0.0),
+        }
     }
+    let spans = svd(&ends)?;
+    let dimension = spans.singular_values.iter().filter(|&&span| span > LED_ON).count();
+    let mut directions = spans.u.columns(0, dimension).into_owned();
+    for mut direction in directions.column_iter_mut() {
+        direction *= 1.0_f64.copysign(direction.dot(outward));
+    }
+    Ok(if all_lead(search, there, &directions, PROOF_RADIUS)? { dimension } else { 0 })
+}
 
-    fn moved(&self, from: &Configuration, displacement: &DVector<f64>) -> Configuration {
-        Configuration {
-            coordinates: &from.coordinates + displacement.component_mul(&self.columns),
-            virtual_joints: from.virtual_joints.clone(),
+/// Whether random mixtures of orthonormal directions lead to configurations at some distance, each in about its own direction.
+fn all_lead<S: System + ?Sized>(
+    search: &Search<'_, S>,
+    from: &Configuration,
+    directions: &DMatrix<f64>,
+    radius: f64,
+) -> Result<bool, Error> {
+    let mut random = Random(9);
+    for _ in 0..directions.ncols() + 2 {
+        let direction = directions * random_direction(&mut random, directions.ncols());
+        let end = search.corrected(from, &direction * radius, FARTHEST * radius)?;
+        let cosine = end.map_or(0.0, |end| end.dot(&direction) / end.norm());
+        if cosine.is_nan() || cosine < STRAIGHT {
+            return Ok(false);
         }
     }
-
-    /// Whether every one of some motions leads on, without changing direction: the common case, and far cheaper to see than a branch is to find.
-    ///
-    /// Corrections keep out of the null space, so that each start asks whether its very direction is a motion; random directions fail together where any does.
-    /// What corrections leave open is an analytic function of the direction and the way, so that one place where it is not zero shows that motions have fewer dimensions.
-    fn followed(
-        &self,
-        at: &Configuration,
-        first: &InstantaneousMobility,
-        motions: &DMatrix<f64>,
-    ) -> Followed {
-        let h = motions.ncols();
-        let mut random = Random(2);
-        let tried = h + 2;
-        // Loops that are closed only so far cannot tell what breaks less.
-        let broken = BROKEN.max(OPEN_FOR_GOOD * self.closed.amax());
-        for _ in 0..tried {
-            let direction = random_direction(&mut random, h);
-            let mut displacement = motions * direction * KEPT_RADIUS;
-            let mut before = f64::INFINITY;
-            let mut kept = false;
-            for _ in 0..MAX_CHORDS {
-                let there = self.moved(at, &displacement);
-                let residual =
-                    scaled_residual(&self.system.residual(&there), &self.rows) - &self.closed;
-                let round_off =
-                    f64::EPSILON * there.coordinates.component_div(&self.columns).amax();
-                if residual.amax() <= FOUND.max(round_off) {
-                    kept = true;
-                    break;
-                }
-                let open = first.self_stress.tr_mul(&residual);
-                let closable = (&residual - &first.self_stress * &open).norm();
-                if open.norm() > broken.max(OPEN_FOR_GOOD * closable) {
-                    return Followed::Broken;
-                }
-                if closable.is_nan() || closable > 0.9 * before {
-                    break;
-                }
-                before = closable;
-                displacement -= first.decomposition.solve(&residual, first.rank);
-            }
-            if !kept {
-                return Followed::Lost;
-            }
-        }
-        Followed::Kept(Neighbours { tried, found: tried, dimension: h, spans: vec![1.0; h] })
-    }
-
-    /// How far a branch leads on in each direction that it has, as a share of the way asked for; `None` where it ends at once.
-    fn branch(
-        &self,
-        at: &Configuration,
-        displacement: &DVector<f64>,
-    ) -> Result<Option<Vec<f64>>, Error> {
-        // Out to where the given point, which may be singular, is as far away as what is looked for.
-        let Some(outward) = self.corrected(at, displacement * STRIDE, RADIUS * STRIDE)? else {
-            return Ok(None);
-        };
-        let neighbour = self.moved(at, &outward);
-        let there = instantaneous_mobility(self.system, &neighbour, NEIGHBOUR_RANK_THRESHOLD)?;
-        // Independent constraints leave a manifold, all of whose directions lead on.
-        if there.redundancy == 0 {
-            return Ok(Some(vec![1.0; there.mobility]));
-        }
-        let close = self.around(&neighbour, &there.null_space, INNER_RADIUS)?;
-        if close.is_empty() {
-            return Ok(None);
-        }
-        let near = svd(&(DMatrix::from_columns(&close) / INNER_RADIUS))?;
-        let directions = near.singular_values.iter().filter(|&&span| span > SPAN_THRESHOLD).count();
-        let mut directions = near.u.columns(0, directions).into_owned();
-        for mut direction in directions.column_iter_mut() {
-            direction *= 1.0_f64.copysign(direction.dot(&outward));
-        }
-        self.led_on(&neighbour, &directions).map(Some)
-    }
-
-    /// Displacements to configurations at about `radius`, from more starts than there are motions to first order.
-    fn around(
-        &self,
-        from: &Configuration,
-        null_space: &DMatrix<f64>,
-        radius: f64,
-    ) -> Result<Vec<DVector<f64>>, Error> {
-        let mut random = Random(1);
-        let starts = (0..null_space.ncols() + 2).filter_map(|_| {
-            let direction = random_direction(&mut random, null_space.ncols());
-            self.corrected(from, null_space * direction * radius, radius).transpose()
-        });
-        starts.collect()
-    }
-
-    /// How far some orthonormal directions lead on, as shares of the way asked for: singular values, so that a combination of directions counts once.
-    fn led_on(&self, from: &Configuration, directions: &DMatrix<f64>) -> Result<Vec<f64>, Error> {
-        let count = directions.ncols();
-        let mut ways = DMatrix::zeros(count, count);
-        for (j, direction) in directions.column_iter().enumerate() {
-            let mut radius = INNER_RADIUS;
-            let mut displacement = Some(direction * radius);
-            for _ in 0..STRIDES {
-                let Some(before) = displacement else { break };
-                radius *= STRIDE;
-                // What turns back has come to the end of its way.
-                displacement = self
-                    .corrected(from, before * STRIDE, radius)?
-                    .filter(|displacement| displacement.dot(&direction) > 0.0);
-            }
-            if let Some(displacement) = displacement {
-                ways.set_column(j, &(directions.transpose() * displacement / radius));
-            }
-        }
-        Ok(svd(&ways)?.singular_values.iter().copied().collect())
-    }
-
-    /// Brings a displacement onto the constraints by Gauss–Newton steps of least norm.
-    fn corrected(
-        &self,
-        from: &Configuration,
-        mut displacement: DVector<f64>,
-        radius: f64,
-    ) -> Result<Option<DVector<f64>>, Error> {
-        for _ in 0..MAX_CORRECTIONS {
-            let at = self.moved(from, &displacement);
-            let residual = scaled_residual(&self.system.residual(&at), &self.rows) - &self.closed;
-            // The share of the largest coordinate by which rounding it moves a constraint.
-            let round_off = f64::EPSILON * at.coordinates.component_div(&self.columns).amax();
-            if residual.amax() <= FOUND.max(round_off) {
-                return Ok((displacement.norm() <= 3.0 * radius).then_some(displacement));
-            }
-            let jacobian =
-                scaled_jacobian(&self.system.constraint_jacobian(&at), &self.rows, &self.columns);
-            let decomposition = svd(&jacobian)?;
-            displacement -=
-                decomposition.solve(&residual, decomposition.rank(CORRECTION_THRESHOLD));
-            if !displacement.norm().is_finite() {
-                break;
-            }
-        }
-        Ok(None)
-    }
+    Ok(true)
 }

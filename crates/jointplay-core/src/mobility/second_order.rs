@@ -82,25 +82,48 @@ fn have_common_zero(quadrics: &[DMatrix<f64>], cut: f64) -> Result<bool, Error> 
     let size = quadrics[0].nrows();
     let mut random = Random(6);
     for _ in 0..ZERO_STARTS {
-        let mut there = DVector::from_fn(size, |_, _| random.next()).normalize();
-        for _ in 0..ZERO_STEPS {
-            let products: Vec<DVector<f64>> = quadrics.iter().map(|q| q * &there).collect();
-            let values = products.iter().map(|product| product.dot(&there));
-            let values = DVector::from_iterator(products.len(), values);
-            if values.amax() <= cut {
-                return Ok(true);
-            }
-            let gradients = DMatrix::from_columns(&products).transpose() * 2.0;
-            let decomposition = svd(&gradients)?;
-            there -= decomposition.solve(&values, decomposition.rank(QUADRIC_THRESHOLD));
-            let norm = there.norm();
-            if norm < LEAST_LEFT {
-                break;
-            }
-            there /= norm;
+        let start = DVector::from_fn(size, |_, _| random.next()).normalize();
+        if zero_near(quadrics, start, cut)?.is_some() {
+            return Ok(true);
         }
     }
     Ok(false)
+}
+
+/// A direction on which all quadrics vanish, found from a direction near it; `None` where Newton's method finds none.
+pub(super) fn common_zero_near(
+    quadrics: &[DMatrix<f64>],
+    start: DVector<f64>,
+) -> Result<Option<DVector<f64>>, Error> {
+    let largest = quadrics.iter().map(DMatrix::amax).fold(1.0, f64::max);
+    if quadrics.is_empty() {
+        return Ok(None);
+    }
+    zero_near(quadrics, start, QUADRIC_THRESHOLD * largest)
+}
+
+fn zero_near(
+    quadrics: &[DMatrix<f64>],
+    mut there: DVector<f64>,
+    cut: f64,
+) -> Result<Option<DVector<f64>>, Error> {
+    for _ in 0..ZERO_STEPS {
+        let products: Vec<DVector<f64>> = quadrics.iter().map(|q| q * &there).collect();
+        let values = products.iter().map(|product| product.dot(&there));
+        let values = DVector::from_iterator(products.len(), values);
+        if values.amax() <= cut {
+            return Ok(Some(there));
+        }
+        let gradients = DMatrix::from_columns(&products).transpose() * 2.0;
+        let decomposition = svd(&gradients)?;
+        there -= decomposition.solve(&values, decomposition.rank(QUADRIC_THRESHOLD));
+        let norm = there.norm();
+        if norm < LEAST_LEFT {
+            break;
+        }
+        there /= norm;
+    }
+    Ok(None)
 }
 
 /// Whether two of the quadrics are independent and some combination of them is of rank 3 or more, which makes it irreducible over the complex numbers.

@@ -3,12 +3,10 @@
 use jointplay_core::Error;
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
-    Class, Closure, Mechanism, MechanismSystem, Relief, SparseMobility, SparseSystem, link_motion,
-    self_stresses,
+    Class, Closure, Mechanism, MechanismMobility, MechanismSystem, Relief, SparseMobility,
+    SparseSystem, link_motion, self_stresses,
 };
-use jointplay_core::mobility::{
-    FiniteMobility, NearMiss, NearMobility, branch_dimensions, kutzbach_mobility, near_miss,
-};
+use jointplay_core::mobility::{NearMiss, NearMobility, kutzbach_mobility, near_miss};
 use nalgebra::DVector;
 use serde::ser::{Serialize, Serializer};
 
@@ -232,8 +230,9 @@ pub struct SparseMobilityReport {
     pub threshold: f64,
     /// Length in which the Jacobian is scaled [mm].
     pub characteristic_length_mm: f64,
-    /// Independent motions to first order, one an entry, in radians and characteristic lengths; order of the coordinates.
-    pub null_space: Vec<Vec<f64>>,
+    /// Independent motions to first order, one an entry, in radians and characteristic lengths; order of the coordinates. Omitted beyond a million numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub null_space: Option<Vec<Vec<f64>>>,
 }
 
 /// Tells what of a mechanism with many loops can move.
@@ -264,7 +263,7 @@ pub fn sparse_mobility(
         largest_uncounted: found.largest_uncounted,
         threshold: found.threshold,
         characteristic_length_mm: mm(found.characteristic_length),
-        null_space: columns(&found.motions),
+        null_space: found.null_space().as_ref().map(columns),
     }
 }
 
@@ -301,21 +300,23 @@ pub struct LinkMotionReport {
 /// Tells what of a mechanism can move.
 ///
 /// # Errors
-/// As [`link_motion`], [`self_stresses`], [`branch_dimensions`] and [`near_miss`].
+/// As [`link_motion`], [`self_stresses`] and [`near_miss`].
 ///
 /// # Arguments
 /// * `values` – (f + M) the configuration [m, rad]
 /// * `relief` – if virtual joints had to give way
+/// * `found` – the finite mobility, block by block
 /// * `near` – what moves within a tolerance, if that was asked
 pub fn mechanism_mobility(
     file: &MechanismFile,
     system: &MechanismSystem<'_>,
     values: &DVector<f64>,
     relief: Option<&Relief>,
-    finite: &FiniteMobility,
+    found: &MechanismMobility,
     near: Option<&NearMobility>,
 ) -> Result<MechanismMobilityReport, Error> {
     let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
+    let MechanismMobility { finite, branch_dimensions } = found;
     let first = &finite.instantaneous;
     let near_miss =
         if near.is_none() { near_miss(system, &system.at_home(), finite)? } else { None };
@@ -335,10 +336,6 @@ pub fn mechanism_mobility(
         let joints = stress.wrenches.iter().map(|(j, ..)| mechanism.joints()[*j].name.clone());
         CarriedTwiceReport { what: stress.words, joints: joints.collect() }
     });
-    let branches = match finite.mobility {
-        Some(found) if found == first.mobility => None,
-        _ => Some(branch_dimensions(system, &system.at_home(), finite)?),
-    };
     let mut link_motions = Vec::new();
     for (l, link) in mechanism.links().iter().enumerate().skip(1) {
         let found = link_motion(system, first, l)?;
@@ -363,8 +360,8 @@ pub fn mechanism_mobility(
         joint_freedoms: mechanism.joint_freedoms(),
         loops: mechanism.loops(),
         freedoms: FreedomsReport::new(counted(mechanism), finite),
-        class: class_words(Class::of(finite), branches.as_deref()),
-        branch_dimensions: branches,
+        class: class_words(found.class(), branch_dimensions.as_deref()),
+        branch_dimensions: branch_dimensions.clone(),
         near: near.map(|near| NearReport {
             tolerance: near.tolerance,
             forced_shut: (!system.is_closed()).then(|| system.mismatch(&system.at_home())),
@@ -387,7 +384,6 @@ pub fn mechanism_mobility(
 /// The class in words, with the freedoms of the branches where they differ.
 fn class_words(class: Class, branches: Option<&[usize]>) -> String {
     let dimensions = branches.unwrap_or_default();
-    let class = class.with_branches(dimensions);
     if class != Class::Kinematotropic {
         return class.words().to_owned();
     }

@@ -4,9 +4,11 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::{Linear, SparseSystem};
 use crate::Error;
+use crate::constraint::Dimension;
 use crate::linalg::svd;
 use crate::mechanism::kinematics::Motion;
-use crate::mobility::{CLOSED, SecondOrder};
+use crate::mechanism::{MechanismSystem, blocks};
+use crate::mobility::{CLOSED, SecondOrder, finite_mobility};
 use crate::random::Random;
 
 /// Rounds of inverse iteration: each gains the square of damping over the least singular value that counts.
@@ -39,8 +41,8 @@ pub struct SparseMobility {
     pub lower_bound: usize,
     /// Dimension that first and second order leave room for.
     pub upper_bound: usize,
-    /// (f, mobility) rates of the joints in independent motions; lengths in characteristic lengths.
-    pub motions: DMatrix<f64>,
+    /// Independent motions of first order: of each the coordinates that move, with their rates; lengths in characteristic lengths.
+    pub motions: Vec<Vec<(usize, f64)>>,
     /// Largest singular value.
     pub largest: f64,
     /// Least singular value that counts, if there is one.
@@ -62,6 +64,67 @@ pub(super) struct Spectrum {
     /// How many count as zero.
     pub(super) zeros: usize,
     pub(super) largest: f64,
+}
+
+/// Entries of a null space above which it is not written as a matrix: a tree of 1,000 hinges has as many.
+const MAX_ENTRIES: usize = 1_000_000;
+
+impl SparseMobility {
+    /// (f, mobility) the motions as a matrix, one a column; `None` beyond a million entries.
+    #[must_use]
+    pub fn null_space(&self) -> Option<DMatrix<f64>> {
+        let freedoms = self.rank + self.mobility;
+        if freedoms.saturating_mul(self.mobility) > MAX_ENTRIES {
+            return None;
+        }
+        let mut all = DMatrix::zeros(freedoms, self.mobility);
+        for (column, motion) in self.motions.iter().enumerate() {
+            motion.iter().for_each(|&(k, rate)| all[(k, column)] = rate);
+        }
+        Some(all)
+    }
+
+    /// A mechanism without joints, to which blocks are added.
+    fn nothing(characteristic_length: f64) -> Self {
+        Self {
+            mobility: 0,
+            rank: 0,
+            redundancy: 0,
+            finite: Some(0),
+            lower_bound: 0,
+            upper_bound: 0,
+            motions: Vec::new(),
+            largest: 0.0,
+            smallest_counted: None,
+            largest_uncounted: None,
+            threshold: 0.0,
+            characteristic_length,
+        }
+    }
+
+    /// Adds a block, whose coordinates have these indices and dimensions in the whole.
+    fn add(&mut self, block: &Self, coordinates: &[usize], dimensions: &[Dimension]) {
+        self.mobility += block.mobility;
+        self.rank += block.rank;
+        self.redundancy += block.redundancy;
+        self.finite = self.finite.zip(block.finite).map(|(sum, found)| sum + found);
+        self.lower_bound += block.lower_bound;
+        self.upper_bound += block.upper_bound;
+        let unit = |k: usize| match dimensions[k] {
+            Dimension::Angle => 1.0,
+            _ => block.characteristic_length / self.characteristic_length,
+        };
+        let motions = block.motions.iter().map(|motion| {
+            motion.iter().map(|&(k, rate)| (coordinates[k], rate * unit(coordinates[k]))).collect()
+        });
+        self.motions.extend(motions);
+        self.largest = self.largest.max(block.largest);
+        let counted = [self.smallest_counted, block.smallest_counted].into_iter().flatten();
+        self.smallest_counted = counted.reduce(f64::min);
+        let uncounted = [self.largest_uncounted, block.largest_uncounted].into_iter().flatten();
+        self.largest_uncounted = uncounted.reduce(f64::max);
+        self.threshold = self.threshold.max(block.threshold);
+    }
 }
 
 impl Linear {
@@ -136,7 +199,7 @@ impl Linear {
 }
 
 impl SparseSystem<'_> {
-    /// Mobility of the closed mechanism, to first order and for real.
+    /// Mobility of the closed mechanism, to first order and for real, block by block.
     ///
     /// # Arguments
     /// * `relative_threshold` – [`crate::mobility::RANK_THRESHOLD`], or another share of the largest singular value
@@ -147,7 +210,8 @@ impl SparseSystem<'_> {
     /// # Numerics
     /// Least singular values by inverse iteration with the sparse factor of the damped normal equations; what each vector breaks is formed without squaring, so that zeros are told to round-off.
     /// All motions are finite if every direction of a few at random, more than there are motions, can be followed for 0.3 rad of its fastest joint.
-    /// Otherwise second derivatives bound the mobility from above, and the lower bound is left at zero: a search for branches is not done here.
+    /// Otherwise second derivatives bound the mobility from above, and the lower bound is left at zero, unless the block is small enough for [`finite_mobility`], which then decides.
+    /// A joint on no loop costs nothing: the time for a tree is proportional to its joints.
     ///
     /// # Source
     /// [GolubVanLoan], section 8.2, for the iteration; the bounds as in [`crate::mobility::finite_mobility`]
@@ -156,6 +220,41 @@ impl SparseSystem<'_> {
         if residual.is_nan() || residual > CLOSED {
             return Err(Error::NotClosed { residual, allowed: CLOSED });
         }
+        let blocks = blocks(self.kinematics.mechanism());
+        if let [one] = blocks.as_slice()
+            && one.has_loops()
+        {
+            return self.block_mobility(relative_threshold);
+        }
+        let dimensions = self.kinematics.dimensions();
+        let mut all = SparseMobility::nothing(self.length);
+        for block in &blocks {
+            if !block.has_loops() {
+                for k in self.kinematics.coordinates_of(block.joints[0]) {
+                    all.mobility += 1;
+                    all.motions.push(vec![(k, 1.0)]);
+                }
+                let freedoms = self.kinematics.coordinates_of(block.joints[0]).len();
+                all.finite = all.finite.map(|sum| sum + freedoms);
+                all.lower_bound += freedoms;
+                all.upper_bound += freedoms;
+                continue;
+            }
+            let (part, links) = block.mechanism(self.kinematics.mechanism());
+            let coordinates = block.coordinates(&self.kinematics);
+            let home = coordinates.iter().map(|&k| self.coordinates[k]);
+            let mut system =
+                SparseSystem::new(&part, DVector::from_iterator(coordinates.len(), home))?;
+            // Where links are now, and not where the tree of the block would put them.
+            let base = self.poses[block.base].inverse();
+            system.poses = links.iter().map(|&link| base * self.poses[link]).collect();
+            all.add(&system.block_mobility(relative_threshold)?, &coordinates, dimensions);
+        }
+        Ok(all)
+    }
+
+    /// Mobility of a mechanism as a whole.
+    fn block_mobility(&self, relative_threshold: f64) -> Result<SparseMobility, Error> {
         let held = self.held([]);
         let linear = self.linear(&held)?;
         let spectrum = linear.smallest(relative_threshold, 4)?;
@@ -177,14 +276,18 @@ impl SparseSystem<'_> {
         let (lower_bound, upper_bound) =
             if first_order_decides || (idle == 0 && self.all_kept(&rates)?) {
                 (mobility, mobility)
+            } else if let Some(bounds) = self.dense_bounds(relative_threshold, mobility)? {
+                bounds
             } else {
                 let quadrics = self.quadrics(&linear, &twists, &rates)?;
                 (0, SecondOrder::of(quadrics, spectrum.zeros)?.upper_bound + idle)
             };
         let units = self.units();
-        let motions =
-            rates.iter().map(|rates| rates.component_div(&units).rows(0, freedoms).into_owned());
-        let motions: Vec<_> = motions.collect();
+        let motions = rates.iter().map(|rates| {
+            let scaled = rates.component_div(&units);
+            scaled.iter().copied().enumerate().take(freedoms).collect()
+        });
+        let motions = motions.collect();
         Ok(SparseMobility {
             mobility,
             rank,
@@ -192,17 +295,34 @@ impl SparseSystem<'_> {
             finite: (lower_bound == upper_bound).then_some(lower_bound),
             lower_bound,
             upper_bound,
-            motions: if motions.is_empty() {
-                DMatrix::zeros(freedoms, 0)
-            } else {
-                DMatrix::from_columns(&motions)
-            },
+            motions,
             largest: spectrum.largest,
             smallest_counted: spectrum.values.get(spectrum.zeros).copied(),
             largest_uncounted: spectrum.zeros.checked_sub(1).map(|last| spectrum.values[last]),
             threshold: relative_threshold * spectrum.largest,
             characteristic_length: self.length,
         })
+    }
+
+    /// Bounds of the finite mobility by dense algebra, where the mechanism is small enough and its first order is the same.
+    fn dense_bounds(
+        &self,
+        relative_threshold: f64,
+        mobility: usize,
+    ) -> Result<Option<(usize, usize)>, Error> {
+        let mechanism = self.kinematics.mechanism();
+        if !MechanismSystem::fits(mechanism) {
+            return Ok(None);
+        }
+        let system = MechanismSystem::new(mechanism, self.coordinates.clone())?;
+        match finite_mobility(&system, &system.at_home(), relative_threshold) {
+            Ok(found) if found.instantaneous.mobility == mobility => {
+                Ok(Some((found.lower_bound, found.upper_bound)))
+            }
+            // Open by the measure of loops.
+            Ok(_) | Err(Error::NotClosed { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
     }
 
     /// Whether motions in random directions, each given by as many coordinates as there are motions, all lead on.
