@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 
-use crate::{console, folder};
 use crate::failure::INTERRUPTED;
 use crate::output::short;
+use crate::{console, folder};
 
 /// A bar on standard error where that is a terminal, once the work takes more than a second; removed with the work.
 pub(crate) struct Progress {

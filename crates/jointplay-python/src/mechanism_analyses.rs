@@ -432,7 +432,6 @@ impl PyMechanism {
             units = PyTuple::new(py, self.units(0..width))?,
             coordinates = PyArray2::from_owned_array(py, array),
             residual = PyArray1::from_vec(py, residuals),
-            status = PyArray1::from_vec(py, status),
         );
         let tally = Tally::of(&status);
         evidence(py, &[poses], status, tally, &fields)?;

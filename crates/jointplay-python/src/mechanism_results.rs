@@ -3,8 +3,7 @@
 use jointplay::format::report;
 use jointplay::mechanism::{
     BeyondLimits, Class, Closure, Mechanism, MechanismMobility, MechanismSystem, Motion, Relief,
-    SparseMobility,
-    Suggestions, VirtualMotion, link_motion, self_stresses,
+    SparseMobility, Suggestions, VirtualMotion, link_motion, self_stresses,
 };
 use jointplay::mobility::NearMobility;
 use jointplay::nalgebra::DVector;

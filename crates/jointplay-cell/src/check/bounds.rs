@@ -11,7 +11,7 @@ use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::{Kernel, SolveOptions, Solver};
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use super::course::Course;
+use super::course::{Course, Samples};
 use super::levers::{Levers, common};
 use super::scene::{Holder, Scene};
 use super::travel::{Gearing, Travel};
@@ -159,7 +159,8 @@ fn no_point_travels_farther_than_its_bound() {
         let scene = Scene::new(&cell, &mut solids);
         let gearing = Gearing::new(&cell.robot);
         let mut course = Course::default();
-        course.take(&motion, 0, 200.0, &gearing);
+        let samples = Samples::of(&motion, 0, 200.0);
+        course.take(&motion, (0, 0), &samples, &gearing);
         let count = course.times().len();
         if count < 2 {
             continue;
@@ -210,7 +211,8 @@ fn no_point_travels_farther_than_its_bound() {
                 states.windows(2).map(|two| (at(&two[1]) - at(&two[0])).norm()).sum()
             };
             for (item, point) in &points {
-                let levers = Levers::new(&cell, &scene.items[*item]);
+                let one = &scene.items[*item];
+                let levers = Levers::new(&cell, one, one.solid.reach());
                 let bound = gearing.travel(&levers, &moved).total();
                 let travelled = path(&|state| world(*item, point, state));
                 assert!(
@@ -229,7 +231,8 @@ fn no_point_travels_farther_than_its_bound() {
                     if carrier == Holder::World {
                         continue;
                     }
-                    let levers = Levers::between(&cell, one, two, carrier);
+                    let both = [one, two].map(|item| (&**item, item.solid.reach()));
+                    let levers = Levers::between(&cell, both, carrier);
                     let Travel { arm, droop, hang, .. } = gearing.travel(&levers, &moved);
                     let bound = arm + droop + hang;
                     let travelled = path(&|state| {

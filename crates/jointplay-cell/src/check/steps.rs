@@ -154,7 +154,8 @@ fn reaches(
         corner[0].hypot(corner[1]).hypot(corner[2]) + highest
     };
     let standing = others.iter().map(farthest).fold(0.0, f64::max);
-    let far = |&item: &usize, reach: f64| Levers::new(scene.cell, &scene.items[item], reach).farthest();
+    let far =
+        |&item: &usize, reach: f64| Levers::new(scene.cell, &scene.items[item], reach).farthest();
     let radii: Vec<f64> =
         movers.iter().map(|item| far(item, scene.items[*item].solid.reach())).collect();
     let reach = |(place, item): (usize, &usize)| {

@@ -1,6 +1,5 @@
 //! `jointplay study`: studies of any length, over all cores, that can be interrupted and taken up again.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -19,8 +18,8 @@ use crate::console;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
-use crate::space;
 use crate::source::{self, Kind, STANDARD};
+use crate::space;
 
 /// Compute a study of any length from a file that says what is varied and what is wanted
 ///

@@ -180,8 +180,3 @@ pub enum Problem {
     #[error("{0}")]
     Plan(jointplay_study::Error),
 }
-
-/// A number in few characters, however large it is.
-fn shown(value: f64) -> String {
-    if value.abs() < 1e9 { format!("{value}") } else { format!("{value:e}") }
-}
