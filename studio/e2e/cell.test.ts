@@ -101,7 +101,7 @@ test('a station leans too far, is mended, and the file keeps its comments', asyn
   await page.getByTestId('station-LP1-pitch').fill('2');
   await page.getByTestId('station-LP1-pitch').press('Enter');
   await verdict('refused');
-  await page.getByTestId('problems').filter({ hasText: 'LP1' }).filter({ hasText: 'leans 2.000°' }).waitFor();
+  await page.getByTestId('problems').filter({ hasText: 'LP1' }).filter({ hasText: 'tilts 2.000°' }).waitFor();
   await page.getByTestId('problems').getByRole('button').first().click();
   await page.getByTestId('text-cell').locator('.cm-lintRange-error').first().waitFor();
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -388,7 +388,7 @@ test('a cell that cannot be read is opened, told in its line, and mended', async
   const said = complaints(second);
   try {
     await second.goto(other.address);
-    await second.getByTestId('problems').getByText('leans 2.000°').waitFor();
+    await second.getByTestId('problems').getByText('tilts 2.000°').waitFor();
     await second.getByText('The cell is shown when its file is right.').waitFor();
     const line = CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;
     await second.getByTestId('problems').getByRole('button', { name: `cell, line ${line}, column 8` }).click();

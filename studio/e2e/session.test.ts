@@ -176,6 +176,8 @@ test('without its server the page shows the result as outdated, saves nothing, s
   await page.getByTestId('save').click();
   await until('it is saved', async () => readFileSync(programFile(), 'utf8') === `${PROGRAM}# while away\n`);
   await until('the note is gone', async () => (await page.getByRole('alert').count()) === 0);
+  // The new server does not know the plan of the old one, so that the texts are sent whole; the browser notes the answer.
+  heard = heard.filter((line) => !line.includes('409'));
 });
 
 test('edits, undo and the open text survive a look at the robot', async () => {
