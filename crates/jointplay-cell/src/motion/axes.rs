@@ -88,6 +88,10 @@ struct Units {
 impl Units {
     const SI: Self = Self { length: 1.0, time: 1.0 };
 
+    fn are_si(self) -> bool {
+        self.length == 1.0 && self.time == 1.0
+    }
+
     /// Units in which the longest displacement and the time that its jerk alone asks for are 1.
     fn of((moving, from, to): Move<'_>, limits: &[Dynamics]) -> Option<Self> {
         let far = |&axis: &usize| (to[axis] - from[axis]).abs();
@@ -138,8 +142,10 @@ fn planned(
     input.synchronization = Synchronization::Time;
     let Units { length, time } = units;
     for (place, (&axis, allowed)) in moving.iter().zip(limits).enumerate() {
-        input.current_position[place] = from[axis] / length;
-        input.target_position[place] = to[axis] / length;
+        // In other units, a short displacement far from zero would be round-off.
+        let zero = if units.are_si() { 0.0 } else { from[axis] };
+        input.current_position[place] = (from[axis] - zero) / length;
+        input.target_position[place] = (to[axis] - zero) / length;
         input.max_velocity[place] = allowed.velocity * time / length;
         input.max_acceleration[place] = allowed.acceleration * time * time / length;
         input.max_jerk[place] = (1.0 - lowered) * allowed.jerk * time.powi(3) / length;
@@ -148,7 +154,8 @@ fn planned(
     let mut planned = Trajectory::<0>::new(Some(count));
     match planner.calculate(&input, &mut planned) {
         Ok(RuckigResult::Working | RuckigResult::Finished) => {
-            planned.duration.is_finite().then_some(planned)
+            // What moves takes time; to the planner, a very short way is none.
+            (planned.duration.is_finite() && planned.duration > 0.0).then_some(planned)
         }
         // Its other answers and its errors print its own state, and say no more than this.
         Ok(_) | Err(_) => None,

@@ -206,8 +206,7 @@ fn a_motion_is_written_as_series_and_figure() {
 #[test]
 fn a_step_that_does_not_fit_into_its_range_is_refused() {
     let refuse = |line, message| refused("", line, 2, message);
-    let misses =
-        "--drive A (in deg): steps of 3 from 0 miss 10: the range is 3.3333333333333335 steps long";
+    let misses = "--drive A (in deg): steps of 3 from 0 miss 10: the range is 3.33333 steps long";
     refuse("move four-bar --drive A=0:10:3", misses);
     refuse("move four-bar --drive A=0:10:30", "miss 10");
     refuse("move four-bar --drive A=0:10:-5", "a step of -5 does not lead from 0 to 10");

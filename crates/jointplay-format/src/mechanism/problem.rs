@@ -80,14 +80,6 @@ pub enum Problem {
         /// What was found.
         value: f64,
     },
-    /// A joint whose name is that of a coordinate of another joint.
-    #[error("`{name}` is also the name of a coordinate of the joint `{other}`: rename one of them")]
-    CoordinateTwice {
-        /// The name of the joint.
-        name: String,
-        /// The other joint.
-        other: String,
-    },
     /// A length or an angle that no mechanism has.
     #[error("`{key}` is {}, but has to lie within ±{} {unit}", number(*.value), number(*.most))]
     Beyond {

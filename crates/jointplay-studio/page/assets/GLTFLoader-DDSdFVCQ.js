@@ -1,0 +1,1 @@
+export{t as GLTFLoader}from"./GLTFLoader-n1f4bHiG.js";
