@@ -810,7 +810,6 @@ fn a_pose_that_is_lost_between_two_samples_is_reported() {
     let out = (center - joint).xy().normalize();
     let wall = center + Vector3::new(out.x, out.y, 0.0) * (0.15 + cell.clearance + 1e-8 + 0.01);
     let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), out.y.atan2(out.x));
-    let mut cell = cell;
     cell.bodies.push(Body {
         name: "wall".into(),
         carrier: Carrier::World,

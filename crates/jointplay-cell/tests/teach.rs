@@ -1,7 +1,5 @@
 //! The uncertainty of taught planes against many teachings with random noise.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
-
 use jointplay_cell::station::teach::{PlaneFit, fit_plane, frame};
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;

@@ -56,8 +56,8 @@ fn a_tilt_commanded_by_a_ball_joint_takes_the_least_motion() {
             // l1 − l3 = d13, l2 − l1 = d21, l1 + l2 + l3 = sum.
             let first = (sum + d13 - d21) / 3.0;
             let radii = [first, first + d21, first - d13];
-            for k in 0..3 {
-                let off = found.virtual_joints[k] - (radii[k] - RADIUS);
+            for (k, radius) in radii.into_iter().enumerate() {
+                let off = found.virtual_joints[k] - (radius - RADIUS);
                 assert!(off.abs() < 1e-10, "{context} {off:e}");
             }
         }

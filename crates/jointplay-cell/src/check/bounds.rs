@@ -1,7 +1,5 @@
 //! Motion bounds against motions: no point travels farther between two samples than its bound.
 
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
-
 #[path = "../../tests/common/mod.rs"]
 mod common;
 
@@ -86,7 +84,7 @@ fn cell(random: &mut Random, round: usize) -> (Cell, f64) {
         arm.droop = droop(random, round / 2);
     }
     let mut cell = common::cell(robot);
-    if round % 3 == 0 {
+    if round.is_multiple_of(3) {
         cell.carried.clear();
     }
     let carriers = cell.robot.arms.iter().enumerate().flat_map(|(arm, described)| {
@@ -139,7 +137,7 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Moti
         handover: None,
         slot: None,
     };
-    if round % 5 == 0 {
+    if round.is_multiple_of(5) {
         straight(step)
     } else {
         timed(cell, vec![step], &MotionOptions::default()).unwrap()

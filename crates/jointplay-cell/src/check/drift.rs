@@ -80,7 +80,7 @@ impl Drift {
             let flat = leaning(&pose.normal()).inverse() * from_axis;
             Some((flat.xy(), pose.twist_about_normal()))
         };
-        let top = robot.gpr.limits().tilt_max.max(TOP).min(1.1);
+        let top = robot.gpr.limits().tilt_max.clamp(TOP, 1.1);
         let mut rings = Vec::with_capacity(RINGS);
         let mut most = Rates::default();
         for ring in 1..=RINGS {

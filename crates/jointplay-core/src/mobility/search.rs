@@ -74,6 +74,9 @@ pub(super) struct Search<'a, S: ?Sized> {
     found: f64,
 }
 
+/// A displacement, and the tangent of the motion there.
+type Stepped = (DVector<f64>, DVector<f64>);
+
 impl<'a, S: System + ?Sized> Search<'a, S> {
     pub(super) fn new(system: &'a S, at: &Configuration, characteristic_length: f64) -> Self {
         let rows = units(&system.constraint_dimensions(), characteristic_length);
@@ -220,7 +223,7 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
         step: f64,
         rank: usize,
         cut: f64,
-    ) -> Result<Option<(DVector<f64>, DVector<f64>)>, Error> {
+    ) -> Result<Option<Stepped>, Error> {
         let predicted = here + tangent * step;
         let mut there = predicted.clone();
         for _ in 0..STEP_CORRECTIONS {

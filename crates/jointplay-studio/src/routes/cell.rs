@@ -204,8 +204,7 @@ pub(crate) async fn samples(
         let recording = plan.recording().ok_or_else(|| refused(nothing(&plan)))?;
         let stretch = [from.max(0.0), to.min(recording.motion.duration())];
         let rows = (stretch[1] - stretch[0]) * rate;
-        // Written so that what is no number is refused.
-        if !(rows <= ROWS) {
+        if rows.is_nan() || rows > ROWS {
             let detail = format!(
                 "{rows:.0} samples are more than the {ROWS:.0} of one answer: ask for a shorter stretch by from_s and to_s, or for fewer a second by rate_hz"
             );
