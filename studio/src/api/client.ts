@@ -22,6 +22,9 @@ export type JogDocument = Schemas['JogDocument'];
 export type Jog = Schemas['Jog'];
 export type JogQuestion = Omit<Schemas['JogRequest'], 'cell' | 'program' | 'plan'>;
 export type ViolationDocument = Schemas['ViolationReport'];
+export type CellText = Schemas['CellText'];
+/** The pose of the robot that a station is taught by. */
+export type TaughtBy = Schemas['TaughtByFields'];
 export type StationChange = Omit<Schemas['StationRequest'], 'cell' | 'station'>;
 export type ModelChoice = Schemas['ModelChoice'];
 /** A command as the API takes it, in m and rad. */
@@ -215,6 +218,6 @@ export async function cellInstructions(plan: string, page: number): Promise<Sche
 }
 
 /** The text of the cell with new values of one station; its comments stay. */
-export async function setStation(text: string, station: string, change: StationChange): Promise<{ cell: string }> {
+export async function setStation(text: string, station: string, change: StationChange): Promise<CellText> {
   return json(ask('cell/station', { cell: text, station, ...change }));
 }

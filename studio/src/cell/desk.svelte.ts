@@ -5,6 +5,7 @@ import { Away, Refused, type PlanDocument, type StationDocument } from '../api/c
 import { connection } from '../api/connection.svelte';
 import { readDrafts, removeDraft, removeOlderDraft, storeDraft, type Draft } from '../lib/draft';
 import { History } from '../lib/history';
+import { CONTACT_FIELD, noteLine, type Contact } from './contact';
 import { Jogger } from './jogger.svelte';
 import { Forgotten, Timeline } from './timeline.svelte';
 import type { CellView } from './viewer';
@@ -92,6 +93,15 @@ export class Desk {
     }
     if (whole) named.push('platform', ...robot!.axes.slice(0, 3).map(({ name }) => name));
     return new Set([chosen, ...named]);
+  });
+  /** A station that waits for the confirmation that it is taught in contact. */
+  #contact = $state.raw<Contact | null>(null);
+  /** The same, as long as text and pose are those that were checked. */
+  contact = $derived.by(() => {
+    const { jog } = this;
+    const asked = this.#contact;
+    if (!asked || asked.cell !== this.texts.cell) return null;
+    return jog.positions?.every((value, k) => Math.abs(value - asked.positions[k]!) < 1e-9) ? asked : null;
   });
   /** A station while it is dragged. */
   dragged = $state.raw<StationDocument | null>(null);
@@ -298,32 +308,55 @@ export class Desk {
     }
   }
 
-  /** New values of a station, written into the text of the cell, after those that are under way. */
-  setStation(station: string, change: api.StationChange): Promise<void> {
+  /**
+   * New values of a station, written into the text of the cell, after those that are under way.
+   *
+   * A contact in the pose `taught_by` needs a confirmation first; `taken` is called when the text is there, in the same step of undo.
+   */
+  setStation(station: string, change: api.StationChange, taken: () => void = () => undefined): Promise<void> {
+    this.#contact = null;
     // A text that is being typed is whole now.
     if (this.texts.cell !== this.#history.present.texts.cell || this.texts.program !== this.#history.present.texts.program) {
       clearTimeout(this.#timer);
       if (this.#history.commit({ texts: this.texts, points: this.points })) this.#steps();
     }
     this.#changing += 1;
-    this.#changes = this.#changes.then(() => this.#change(station, change));
+    this.#changes = this.#changes.then(() => this.#change(station, change, taken));
     return this.#changes;
   }
 
-  async #change(station: string, change: api.StationChange): Promise<void> {
+  async #change(station: string, change: api.StationChange, taken: () => void): Promise<void> {
     try {
       let before: string;
       let after: string;
+      let touching: string[][];
       // A text that was typed in the meantime is changed instead of the earlier one.
       do {
         before = this.texts.cell;
-        after = (await api.setStation(before, station, change)).cell;
+        ({ cell: after, touching } = await api.setStation(before, station, change));
+        // The note of an earlier point stays.
+        const { taught_by, ...values } = change;
+        if (taught_by && touching.length === 0 && !change.position_m) after = (await api.setStation(before, station, values)).cell;
       } while (this.texts.cell !== before);
       this.texts = { ...this.texts, cell: after };
+      taken();
       this.settle();
+      if (touching.length > 0) this.find(noteLine(after, station), 'cell');
     } catch (error) {
       this.dragged = null;
-      if (error instanceof Away) this.notice = `${station} was not changed: the server does not answer.`;
+      const by = change.taught_by;
+      if (by && error instanceof Refused && error.field === CONTACT_FIELD)
+        this.#contact = {
+          station,
+          message: error.message,
+          cell: this.texts.cell,
+          positions: by.positions,
+          confirm: () => {
+            this.#contact = null;
+            void this.setStation(station, { ...change, taught_by: { ...by, confirm_contact: true } }, taken);
+          },
+        };
+      else if (error instanceof Away) this.notice = `${station} was not changed: the server does not answer.`;
       else this.failed(error);
     } finally {
       this.#changing -= 1;
@@ -331,8 +364,13 @@ export class Desk {
   }
 
   /** A point of a station's plane; from the third on they make it. */
-  async teachPoint(station: StationDocument, point: number[]): Promise<void> {
-    await this.teachPlane(station, [...this.pointsOf(station), point]);
+  async teachPoint(station: StationDocument, point: number[], by: api.TaughtBy): Promise<void> {
+    await this.teachPlane(station, [...this.pointsOf(station), point], by);
+  }
+
+  /** Does not teach in contact. */
+  cancelContact(): void {
+    this.#contact = null;
   }
 
   /** All points of a station's plane, those that wait for more among them [m]. */
@@ -340,17 +378,22 @@ export class Desk {
     return this.points[name] ?? taught_m;
   }
 
-  async teachPlane({ name, plane, taught_m }: StationDocument, points: number[][]): Promise<void> {
+  async teachPlane({ name, plane, taught_m }: StationDocument, points: number[][], by?: api.TaughtBy): Promise<void> {
     const { [name]: _, ...others } = this.points;
     if (points.length >= ENOUGH_POINTS) {
       const threshold_m = plane ? plane.threshold_um / 1e6 : USUAL_THRESHOLD;
-      this.points = others;
-      await this.setStation(name, { taught: { points_m: points, threshold_m } });
+      const taken = () => (this.points = others);
+      await this.setStation(name, { taught: { points_m: points, threshold_m }, ...(by ? { taught_by: by } : {}) }, taken);
       return;
     }
     // Fewer than a plane needs: they wait beside a plane that there may be.
-    this.points = points.length > 0 || taught_m.length > 0 ? { ...this.points, [name]: points } : others;
-    this.settle();
+    const waiting = points.length > 0 || taught_m.length > 0 ? { ...this.points, [name]: points } : others;
+    const taken = () => (this.points = waiting);
+    if (by) await this.setStation(name, { taught_by: by }, taken);
+    else {
+      taken();
+      this.settle();
+    }
   }
 
   /** Saves both texts in their files; files that have changed on the disk meanwhile, only with `replace`. */

@@ -11,6 +11,9 @@ export interface Bench {
   /** Whether the cell can be read. */
   readonly movable: boolean;
   readonly time: number;
+  readonly playing: boolean;
+  /** Whether the plan on show is not that of the texts. */
+  readonly outdated: boolean;
   failed(error: unknown): void;
 }
 
@@ -32,6 +35,10 @@ export class Jogger {
   /** The slot from which it is seen. */
   station = $state('');
   slot = $state(1);
+  /** Whether the robot stops before two bodies touch; a real one has to. */
+  stopAtContact = $state(true);
+  /** Whether the document answers the last question. */
+  #current = $state(false);
 
   readonly #bench: Bench;
   #next: Question | null = null;
@@ -45,6 +52,17 @@ export class Jogger {
 
   get positions(): number[] | null {
     return this.document?.axes.map(({ position }) => position) ?? null;
+  }
+
+  /** Whether the check of the pose is not that of the state on the page. */
+  get outdated(): boolean {
+    return !this.#current || this.#bench.outdated || this.#bench.playing;
+  }
+
+  /** The pose of the robot as one to teach by. */
+  taughtBy({ axes }: JogDocument, slot: number): api.TaughtBy {
+    const effector = this.effector ? { effector: this.effector } : {};
+    return { positions: axes.map(({ position }) => position), time_s: this.active ? this.#left : this.#bench.time, slot, ...effector };
   }
 
   /** Toward a place. */
@@ -91,6 +109,7 @@ export class Jogger {
     // A move that waits is not lost to a mere look.
     if (question.to === null && this.#next?.to && !question.anew) return;
     this.#next = question;
+    this.#current = false;
     if (!this.#busy) void this.#work();
   }
 
@@ -103,14 +122,16 @@ export class Jogger {
       if (!planned || !movable) break;
       try {
         const seen = this.station ? { seen_from: { station: this.station, slot: this.slot } } : {};
-        this.document = await api.jog(planned, { ...this.#where(anew), ...seen, ...(to ? { to } : {}) });
+        this.document = await api.jog(planned, { ...this.#where(anew), ...seen, ...(to ? { to, stop_at_contact: this.stopAtContact } : {}) });
+        this.#current = this.#next === null;
       } catch (error) {
         // A slot or an axis that is there no longer is no reason to stay without the robot.
         if (error instanceof Refused && error.field?.startsWith('seen_from')) this.station = '';
         else if (error instanceof Refused && error.field?.startsWith('from')) this.active = false;
         else if (error instanceof Refused && error.field === 'effector') this.effector = '';
         else if (to || !(error instanceof Refused)) this.#bench.failed(error);
-        if (error instanceof Refused && !to && error.field) this.#next ??= { to: null, anew: !this.active };
+        // After a refused move the robot is where it was, which is checked again.
+        if (error instanceof Refused && (to || error.field)) this.#next ??= { to: null, anew: !this.active };
       }
     }
     this.wanted = null;

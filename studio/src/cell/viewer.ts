@@ -94,7 +94,16 @@ export class CellViewer extends Stage {
 
   /** Names of the parts that are marked as chosen. */
   get marked(): string[] {
-    return [...new Set([...this.#materials.keys()].filter(({ material }) => material === this.#chosen).map((mesh) => nameOf(mesh)))];
+    return this.#wearing(this.#chosen);
+  }
+
+  /** Names of the parts that are marked as in contact or in violation. */
+  get broken(): string[] {
+    return this.#wearing(this.#broken);
+  }
+
+  #wearing(mark: Material): string[] {
+    return [...new Set([...this.#materials.keys()].filter(({ material }) => material === mark).map((mesh) => nameOf(mesh)))];
   }
 
   /** Names of all parts that are there. */

@@ -20,7 +20,7 @@ class Measure {
 
   /** The cell's picture: how often it was drawn, and the names of its parts. */
   cellPictures = 0;
-  cell: { parts: () => string[]; origin: (name: string) => number[] | null; grip: (freedom: Freedom) => { x: number; y: number } | null; marked: () => string[]; brokenColour: () => string } | null = null;
+  cell: { parts: () => string[]; origin: (name: string) => number[] | null; grip: (freedom: Freedom) => { x: number; y: number } | null; marked: () => string[]; broken: () => string[]; brokenColour: () => string } | null = null;
 
   /** Verdicts on the cell that were shown, and when the last was, as `performance.now` tells it. */
   verdicts = 0;

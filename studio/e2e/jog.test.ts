@@ -1,0 +1,154 @@
+// Jogging: the check of each pose, the stop at contact, and teaching in contact.
+
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import axe from 'axe-core';
+import type { Browser, Page } from 'playwright-core';
+import { afterAll, afterEach, beforeAll, expect, test } from 'vitest';
+import { browse, complaints, ROOT, serve, until, visit, type Server } from './studio';
+
+const CELL = readFileSync(resolve(ROOT, 'cells/example.toml'), 'utf8');
+const NOTE = '# Taught in contact: ';
+
+let browser: Browser;
+let server: Server;
+let page: Page;
+let heard: string[];
+let folder: string;
+
+beforeAll(async () => {
+  folder = mkdtempSync(join(tmpdir(), 'studio-'));
+  writeFileSync(join(folder, 'mine.toml'), CELL);
+  writeFileSync(join(folder, 'mine.program'), 'HOME\nGET LP1 SLOT 1 WITH A\nPUT ALIGN WITH A\nHOME\n');
+  [browser, server] = await Promise.all([browse(), serve(0, ['--cell', join(folder, 'mine.toml')])]);
+  page = await visit(browser);
+  heard = complaints(page);
+  await page.goto(server.address);
+});
+afterAll(async () => {
+  await browser?.close();
+  await server?.stop();
+  rmSync(folder, { recursive: true });
+});
+afterEach(() => {
+  expect(heard.splice(0)).toEqual([]);
+});
+
+const value = async (name: string) => Number(await page.getByTestId(`field-jog-${name}`).inputValue());
+async function set(name: string, to: number): Promise<void> {
+  await page.getByTestId(`field-jog-${name}`).fill(String(to));
+  await page.getByTestId(`field-jog-${name}`).press('Enter');
+}
+const state = (want: string) => until(`the pose is ${want}`, async () => (await page.getByTestId('jog-check').getAttribute('data-state')) === want);
+const marked = () => page.evaluate(() => window.jointplay.measure.cell!.broken());
+const text = () => page.getByTestId('text-cell').locator('.cm-content').innerText();
+/** Blade A turned toward the wall and stretched through it. */
+async function intoTheWall(): Promise<void> {
+  await set('T', -90);
+  await until('it turned', async () => (await value('T')) === -90);
+  await state('sound');
+  await set('RA', 60);
+}
+
+test('a jogged pose has its minimum distances, and without contact nothing is marked', async () => {
+  await until('the cell is drawn', () => page.evaluate(() => (window.jointplay.measure.cell?.parts().length ?? 0) > 0));
+  await state('sound');
+  expect(await page.getByTestId('jog-stop').isChecked(), 'the safe choice is the first').toBe(true);
+  const rows = await page.getByTestId('jog-distances').locator('td:last-child').allTextContents();
+  const distances = rows.map((row) => Number(/^([\d.]+) mm$/.exec(row)![1]));
+  expect(distances.length).toBeGreaterThan(0);
+  expect(distances).toEqual([...distances].sort((a, b) => a - b));
+  expect(await marked()).toEqual([]);
+});
+
+test('with "Stop at contact" the robot stops before the wall', async () => {
+  await intoTheWall();
+  await page.getByTestId('jog-stopped').filter({ hasText: 'wall' }).filter({ hasText: 'would touch' }).waitFor();
+  expect(await value('RA')).toBeGreaterThan(-40);
+  expect(await value('RA')).toBeLessThan(59);
+  // It does not touch, but is nearer than the clearance that the cell asks for.
+  await state('violations');
+  await page.getByTestId('jog-violations').filter({ hasText: 'wall' }).waitFor();
+  expect(await marked()).toEqual([]);
+});
+
+test('a blade in the wall is a violation in the panel, and both are marked in the picture', async () => {
+  await page.getByTestId('jog-stop').uncheck();
+  await set('RA', 60);
+  await until('it is in the wall', async () => (await value('RA')) === 60);
+  await state('violations');
+  expect(await page.getByTestId('jog-stopped').innerText()).toBe('');
+  await page.getByTestId('jog-violations').locator('li', { hasText: 'blade-A' }).filter({ hasText: 'wall' }).waitFor();
+  await page.getByTestId('jog-distances').locator('tr', { hasText: 'wall' }).filter({ hasText: 'contact' }).first().waitFor();
+  await page.getByTestId('broken-now').filter({ hasText: 'wall' }).waitFor();
+  for (const name of ['wall', 'blade-A']) expect(await marked()).toContain(name);
+  if (process.env.SCREENSHOT) await page.screenshot({ path: process.env.SCREENSHOT });
+  await page.evaluate(axe.source);
+  const found = await page.evaluate(async () => {
+    const { axe } = window as unknown as { axe: typeof import('axe-core') };
+    const { violations } = await axe.run(document, { resultTypes: ['violations'] });
+    return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ html }) => html.slice(0, 160)).join(' | ')}`);
+  });
+  expect(found).toEqual([]);
+});
+
+test('while a newer answer is awaited, the check of the pose is outdated', async () => {
+  const held: (() => void)[] = [];
+  await page.route('**/cell/jog', async (route) => {
+    await new Promise<void>((go) => held.push(go));
+    await route.continue();
+  });
+  await page.getByRole('button', { name: 'RA less by 1 °' }).click();
+  await state('outdated');
+  expect(await page.getByTestId('jog-check').innerText()).toContain('Outdated');
+  expect(await page.evaluate(() => window.jointplay.measure.cell!.brokenColour()), 'the marks lose their colour').toBe('8a9099');
+  await until('the answer is there', async () => {
+    for (const go of held.splice(0)) go();
+    return (await page.getByTestId('jog-check').getAttribute('data-state')) === 'violations';
+  });
+  await page.unroute('**/cell/jog');
+  expect(await page.evaluate(() => window.jointplay.measure.cell!.brokenColour())).toBe('d62f1f');
+  expect(await value('RA')).toBe(59);
+});
+
+test('teaching in contact asks, naming the pairs, and leaves a note in the file', async () => {
+  const teach = page.getByTestId('teach-LP2-position');
+  await page.locator('summary', { hasText: 'LP2' }).click();
+  await teach.click();
+  const asked = page.getByTestId('contact-LP2');
+  await asked.filter({ hasText: 'wall' }).filter({ hasText: 'blade-A' }).waitFor();
+  expect(await page.getByTestId('save').isDisabled(), 'nothing is changed').toBe(true);
+  await asked.getByRole('button', { name: 'Cancel' }).click();
+  await until('the question is gone', async () => (await asked.count()) === 0);
+  expect(await page.getByTestId('save').isDisabled()).toBe(true);
+  // The question is about this pose: another one withdraws it.
+  await teach.click();
+  await asked.waitFor();
+  await set('RA', 58);
+  await until('the question is gone', async () => (await asked.count()) === 0);
+  await teach.click();
+  await page.getByTestId('contact-confirm').click();
+  await page.getByTestId('text-cell').locator('.cm-line', { hasText: NOTE }).filter({ hasText: 'wall' }).waitFor();
+  await until('it can be saved', () => page.getByTestId('save').isEnabled());
+  expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
+  await page.getByRole('button', { name: 'Undo' }).click();
+  await until('one step takes it back', async () => !(await text()).includes(NOTE) && (await page.getByTestId('save').isDisabled()));
+});
+
+test('a point of a plane taught in contact asks too, and its note stays with the points after it', async () => {
+  await state('violations');
+  await page.getByTestId('teach-ALIGN-point').evaluate((button: HTMLElement) => button.closest('details')!.querySelector('summary')!.click());
+  await page.getByTestId('teach-ALIGN-point').click();
+  await page.getByTestId('contact-ALIGN').filter({ hasText: 'wall' }).waitFor();
+  expect(await page.getByTestId('points-ALIGN').count(), 'no point is taken yet').toBe(0);
+  await page.getByTestId('contact-confirm').click();
+  await until('the point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === 1);
+  await page.getByTestId('text-cell').locator('.cm-line', { hasText: NOTE }).waitFor();
+  await set('RA', 20);
+  await until('it is out of the wall', async () => (await value('RA')) === 20 && (await page.getByTestId('jog-check').getAttribute('data-state')) === 'sound');
+  await page.getByTestId('teach-ALIGN-point').click();
+  await until('the second point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === 2);
+  expect(await text()).toContain(NOTE);
+  expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
+});
