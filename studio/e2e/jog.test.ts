@@ -152,3 +152,21 @@ test('a point of a plane taught in contact asks too, and its note stays with the
   expect(await text()).toContain(NOTE);
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
 });
+
+test('a station is taught by the pose that was asked for, although its answer is still awaited', async () => {
+  const held: (() => void)[] = [];
+  await page.route('**/cell/jog', async (route) => {
+    await new Promise<void>((go) => held.push(go));
+    await route.continue();
+  });
+  await set('RA', 60);
+  await state('outdated');
+  await page.getByTestId('teach-ALIGN-point').click();
+  await until('the question is there', async () => {
+    for (const go of held.splice(0)) go();
+    return (await page.getByTestId('contact-ALIGN').count()) === 1;
+  });
+  await page.unroute('**/cell/jog');
+  expect(await page.getByTestId('points-ALIGN').locator('li').count()).toBe(2);
+  expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
+});

@@ -43,6 +43,8 @@ export class Jogger {
   readonly #bench: Bench;
   #next: Question | null = null;
   #busy = false;
+  /** When all questions are answered. */
+  #done: Promise<void> = Promise.resolve();
   /** The moment at which it left the program [s]. */
   #left = 0;
 
@@ -88,6 +90,8 @@ export class Jogger {
 
   /** The robot where it is, as seen from a slot; what is shown stays. */
   async look(station: string, slot: number): Promise<JogDocument | null> {
+    // A move that is under way is a part of where it is.
+    await this.#done;
     const { planned } = this.#bench;
     if (!planned) return null;
     try {
@@ -110,7 +114,7 @@ export class Jogger {
     if (question.to === null && this.#next?.to && !question.anew) return;
     this.#next = question;
     this.#current = false;
-    if (!this.#busy) void this.#work();
+    if (!this.#busy) this.#done = this.#work();
   }
 
   async #work(): Promise<void> {
