@@ -115,8 +115,7 @@ pub fn near_mobility<S: System + ?Sized>(
 /// Singular vectors of the scaled Jacobian with values up to 0.1 make candidates.
 /// Vectors of nearly equal values are arbitrary mixtures, so that for each number of motions several subspaces of the candidates are followed, each turned to where its motions lead; the least tolerance counts.
 /// Each way holds its direction among those of the subspace and fits all other coordinates by Gauss–Newton steps with damping in proportion to the residual: singular values below what the loops miss move nothing.
-/// The same is done at configurations found a tenth away, since branches may cross at the given one.
-/// Deterministic: the directions are the same at every call.
+/// The same is done at configurations found a tenth away, since branches may cross at the given one; all random directions are the same at every call.
 pub fn near_tolerances<S: System + ?Sized>(
     system: &S,
     at: &Configuration,

@@ -15,6 +15,7 @@ mod station;
 mod study;
 mod suggest;
 mod totals;
+mod violation;
 
 use jointplay_core::gpr::BrokenLimit;
 use jointplay_core::virtualization::{Motion, VirtualJoint};
@@ -26,7 +27,7 @@ use crate::units::{deg, mm};
 pub use beyond::beyond_limits;
 pub use cell::{
     AxisReport, CellReport, DistanceReport, InstructionReport, ShareReport, ViolationReport, cell,
-    excerpt, explain_violation, flaws,
+    excerpt, flaws,
 };
 pub use compare::{CompareReport, ModelReport, compare};
 pub use expected::{DisagreementReport, disagreements};
@@ -45,6 +46,7 @@ pub use station::{PlaneReport, StationReport, TeachReport, UncertaintyReport, te
 pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
 pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
 pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};
+pub use violation::explain_violation;
 
 /// Displacements of virtual joints grouped by symbol, such as `l_mm` → three lengths; written as a map.
 #[derive(Debug, Clone, PartialEq)]
