@@ -26,7 +26,7 @@ pub enum Refused {
     NotAFile,
     /// The file is larger than the limit.
     TooLong {
-        /// The limit [bytes].
+        /// The limit, in bytes.
         allowed: u64,
     },
     /// The system cannot read the file.
@@ -61,7 +61,7 @@ impl std::error::Error for Refused {}
 ///
 /// # Arguments
 /// * `folder` – the folder of the file that names it; empty for the current one
-/// * `allowed` – its largest size [bytes]
+/// * `allowed` – its largest size, in bytes
 ///
 /// # Errors
 /// [`Refused`], with the reason.

@@ -46,7 +46,7 @@ pub struct Straight {
 
 /// What is wrong with one pose: limits of axes and of the tilt, play, droop, distances and zones.
 ///
-/// Poses, pairs, allowed pairs and distances asked for are those of [`check`](super::check::check); the robot stands still.
+/// Poses, pairs, allowed pairs and distances asked for are those of [`check`](super::check); the robot stands still.
 /// `distances` of the report lists the minimum distance of each relevant pair that is nearer than `near` of the options.
 ///
 /// # Errors
