@@ -3,12 +3,12 @@
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{CheckOptions, Moment, check_pose};
-use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::trajectory::{Motion, MotionOptions, timed};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::Pose;

@@ -3,7 +3,6 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::{
     Handover, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };
@@ -11,6 +10,7 @@ use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::trajectory::{MotionOptions, timed};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, leaning};

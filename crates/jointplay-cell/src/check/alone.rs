@@ -14,10 +14,10 @@ use super::slip::Carried;
 use super::travel::Gearing;
 use crate::CellError;
 use crate::cell::Cell;
-use crate::motion::{State, limits_of};
 use crate::program::{Phase, Step};
 use crate::robot::{Axis, Dynamics, EffectorId, HybridRobot, MotionKind, Positions};
 use crate::solid::{self, Placed};
+use crate::trajectory::{State, limits_of};
 use crate::wafer::Droop;
 
 /// Relative slack of limits, so that a motion planned to lie on one is not beyond it by round-off.

@@ -14,10 +14,10 @@ use super::levers::{Levers, common};
 use super::scene::{Holder, Scene};
 use super::travel::{Gearing, Travel};
 use crate::cell::{Body, Carrier, Cell, Shape};
-use crate::motion::{Motion, MotionOptions, Sample, straight, timed};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::{MotionKind, PlatformModel, RODS};
 use crate::solid::Solids;
+use crate::trajectory::{Motion, MotionOptions, Sample, straight, timed};
 use crate::wafer::{Droop, DroopRow};
 
 /// Parts of an interval of which the path of a point is added up.

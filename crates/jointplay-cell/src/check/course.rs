@@ -10,9 +10,9 @@ use super::levers::Levers;
 use super::report::{Kind, Unit};
 use super::scene::{Places, Scene, Unplaced};
 use super::travel::{Gearing, Moved, Odometer};
-use crate::motion::{Motion, State, Track};
 use crate::robot::{Positions, RODS};
 use crate::solid::Span;
+use crate::trajectory::{Motion, State, Track};
 
 /// Samples from one place that a box around a way is made of to the next.
 const STRIDE: usize = 16;

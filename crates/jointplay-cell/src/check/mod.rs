@@ -38,8 +38,8 @@ use std::sync::Arc;
 
 use crate::cell::{Cell, ZoneRule};
 use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, each, whole};
-use crate::motion::{Motion, Way};
 use crate::solid::Solids;
+use crate::trajectory::{Motion, Way};
 use alone::Alone;
 use near::Near;
 use scene::Scene;

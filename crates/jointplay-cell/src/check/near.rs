@@ -10,8 +10,8 @@ use super::levers::Levers;
 use super::report::{Kind, Unit};
 use super::scene::{Holder, Places, Rule, Scene};
 use super::travel::{Gearing, Travel};
-use crate::motion::{Motion, Sample};
 use crate::solid::{Placed, apart, between_balls, depth, distance, gap_along};
+use crate::trajectory::{Motion, Sample};
 
 /// By how much a least distance may be passed over, as a share of it.
 const PASSED_SHARE: f64 = 0.02;

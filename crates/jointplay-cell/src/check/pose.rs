@@ -7,11 +7,11 @@ use super::{CheckOptions, examine};
 use crate::CellError;
 use crate::cell::Cell;
 use crate::memory::{Run, whole};
-use crate::motion::{Motion, straight};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::EffectorId;
 use crate::solid::Solids;
 use crate::station::SlotId;
+use crate::trajectory::{Motion, straight};
 
 /// How often the last part before a contact is halved: what is left of a metre is a nanometre.
 const HALVINGS: usize = 30;

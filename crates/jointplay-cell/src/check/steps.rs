@@ -11,9 +11,9 @@ use super::near::{Look, Near, Pair, Pairs};
 use super::scene::{Holder, Rule, Scene};
 use super::travel::Gearing;
 use crate::memory::{Interrupted, Key, Run, each};
-use crate::motion::Motion;
 use crate::program::{Phase, Step};
 use crate::solid::Solids;
+use crate::trajectory::Motion;
 
 /// Some steps of a motion, and what they are among.
 pub(super) struct Steps<'a> {

@@ -8,7 +8,7 @@ use super::near::{Near, passed};
 use super::report::{InstructionRow, Kind, PairDistance, Report, Share, Verdict, Violation};
 use super::scene::{Role, Scene, effector_name};
 use crate::cell::Cell;
-use crate::motion::Motion;
+use crate::trajectory::Motion;
 
 /// The report as it grows.
 pub(super) struct Summary<'a> {

@@ -26,8 +26,8 @@ mod solidworks;
 mod timeline;
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::Motion;
 use jointplay_cell::robot::EffectorId;
+use jointplay_cell::trajectory::Motion;
 
 pub use error::Error;
 pub use gltf::gltf;

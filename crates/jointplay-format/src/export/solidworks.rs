@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::Sample;
 use jointplay_cell::robot::Axis;
+use jointplay_cell::trajectory::Sample;
 
 use super::samples::turns;
 use super::{Error, Recording};

@@ -9,10 +9,10 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::{Motion, Sample};
 use jointplay_cell::program::Phase;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::SlotId;
+use jointplay_cell::trajectory::{Motion, Sample};
 use jointplay_core::spatial::Pose;
 
 use super::scene::{Held, Wafers, rounded};
