@@ -9,6 +9,7 @@
 //! | `cell`   | Do other programs read exported motions?             |
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
+//! | `book`   | Does the documentation build, without dead links?   |
 
 #![allow(
     clippy::print_stdout,
@@ -16,6 +17,7 @@
     reason = "a chore reports to the person who runs it"
 )]
 
+mod book;
 mod cell;
 mod command;
 mod deps;
@@ -41,7 +43,8 @@ usage: cargo xtask CHORE
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
   studio   the studio's server, held to its own description
-  page     the studio's page: built, and tested in a browser";
+  page     the studio's page: built, and tested in a browser
+  book     the documentation as a book, with every link checked";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -54,6 +57,10 @@ fn main() -> ExitCode {
         ["cell"] => cell::run(&root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
+        ["book"] => book::run(&root),
+        // Asked by mdbook alone.
+        ["chapters"] => book::chapters(),
+        ["chapters", "supports", renderer] => renderer == "html",
         // Asked by maturin alone.
         ["rustc", ref arguments @ ..] => python::rustc(arguments, &root),
         [] | ["help" | "-h" | "--help"] => {
