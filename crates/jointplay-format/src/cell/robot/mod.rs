@@ -14,7 +14,7 @@ mod base;
 
 pub use base::virtualization_name;
 
-use jointplay_cell::robot::{Arm, Axis, HybridRobot, MotionKind, Part, RODS};
+use jointplay_cell::robot::{Arm, Axis, AxisKind, HybridRobot, Part, RODS};
 
 use super::explain::explain as explain_cell;
 use super::problem::{Fault, Problem};
@@ -33,7 +33,7 @@ const MAX_BYTES: usize = 1_000_000;
 /// Names of the rods, as axes.
 const ROD_NAMES: [&str; RODS] = ["q1", "q2", "q3"];
 
-const MOTIONS: [(&str, MotionKind); 2] = [("turn", MotionKind::Turn), ("slide", MotionKind::Slide)];
+const MOTIONS: [(&str, AxisKind); 2] = [("turn", AxisKind::Rotary), ("slide", AxisKind::Linear)];
 
 /// The names of the robots with arms in the catalogue.
 pub fn names() -> impl Iterator<Item = &'static str> {
