@@ -151,7 +151,7 @@ fn steps(cell: &Cell, text: &str) -> Vec<Step> {
     for (index, step) in steps.iter().enumerate() {
         assert_eq!(step.from, before, "step {index}");
         assert_eq!(step.loaded, loaded, "step {index}");
-        assert_eq!(cell.robot.broken_limits(&step.to).unwrap(), []);
+        assert_eq!(cell.robot.limit_violations(&step.to).unwrap(), []);
         before.clone_from(&step.to);
         match step.handover {
             Some(Handover::Picked(effector, _)) => loaded.push(effector),

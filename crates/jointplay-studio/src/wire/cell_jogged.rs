@@ -3,7 +3,7 @@
 use jointplay::cell::cell::Cell;
 use jointplay::cell::jog::{FromSlot, Stopped};
 use jointplay::cell::robot::{
-    AxisKind, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
+    self, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
 };
 use jointplay::cell::station::{SlotId, teach};
 use jointplay::cell::wafer::{DroopError, Unreachable};
@@ -275,8 +275,8 @@ pub(crate) fn axes(cell: &Cell, positions: &[f64]) -> Vec<AxisDocument> {
     let of = |(axis, &position): (&jointplay::cell::robot::Axis, &f64)| AxisDocument {
         name: axis.name.clone(),
         kind: match axis.kind {
-            AxisKind::Rotary => AxisKind::Turn,
-            AxisKind::Linear => AxisKind::Slide,
+            robot::AxisKind::Rotary => AxisKind::Turn,
+            robot::AxisKind::Linear => AxisKind::Slide,
         },
         position,
         min: axis.min,
