@@ -4,6 +4,7 @@
 //! | -------- | --------------------------------------------------- |
 //! | `test`   | May this change go in? Runs everything below too.   |
 //! | `tidy`   | Do the documents and sources keep the house rules?  |
+//! | `circles` | Do the files of each crate import each other in one direction? |
 //! | `deps`   | Does each crate import only what its ring may?      |
 //! | `python` | Does the Python package work where it is installed? |
 //! | `cell`   | Do other programs read exported motions?             |
@@ -17,6 +18,7 @@
 )]
 
 mod cell;
+mod circles;
 mod command;
 mod deps;
 mod finding;
@@ -37,6 +39,7 @@ usage: cargo xtask CHORE
 
   test     everything a change must pass, stopping at the first failure
   tidy     paths, links, source keys, sizes and unfinished code
+  circles  files that import each other
   deps     who may import whom
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
     let passed = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test::run(&root),
         ["tidy"] => tidy::run(&root),
+        ["circles"] => circles::run(&root),
         ["deps"] => deps::run(&root),
         ["python"] => python::run(&root),
         ["cell"] => cell::run(&root),
