@@ -5,6 +5,7 @@
 //! | `test`   | May this change go in? Runs everything below too.   |
 //! | `tidy`   | Do the documents and sources keep the house rules?  |
 //! | `circles` | Do the files of each crate import each other in one direction? |
+//! | `words` | Do documents, messages and names use the field's terms? |
 //! | `deps`   | Does each crate import only what its ring may?      |
 //! | `python` | Does the Python package work where it is installed? |
 //! | `cell`   | Do other programs read exported motions?             |
@@ -31,6 +32,7 @@ mod studio;
 mod test;
 mod tidy;
 mod tree;
+mod words;
 
 use std::process::ExitCode;
 
@@ -41,6 +43,7 @@ usage: cargo xtask CHORE
   tidy     paths, links, source keys, sizes and unfinished code
   circles  files that import each other
   deps     who may import whom
+  words    words to avoid, and the field's terms for them
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
   studio   the studio's server, held to its own description
@@ -53,6 +56,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(&root),
         ["tidy"] => tidy::run(&root),
         ["circles"] => circles::run(&root),
+        ["words"] => words::run(&root),
         ["deps"] => deps::run(&root),
         ["python"] => python::run(&root),
         ["cell"] => cell::run(&root),
