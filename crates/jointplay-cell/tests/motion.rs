@@ -5,11 +5,11 @@
 mod common;
 
 use common::A;
-use jointplay_cell::cell::Cell;
 use jointplay_cell::motion::{MOST_DURATION, Motion, MotionOptions, Sample, limits_of, timed};
 use jointplay_cell::program::{Path, Phase, Place, Step};
 use jointplay_cell::robot::{Dynamics, RODS, WaferTarget};
 use jointplay_cell::wafer::Droop;
+use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;

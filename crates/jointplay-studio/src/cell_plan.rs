@@ -3,11 +3,11 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use jointplay::cell::cell::Cell;
 use jointplay::cell::check::CheckOptions;
 use jointplay::cell::check::Report;
 use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, wrong_lines};
+use jointplay::cell::workcell::Cell;
 use jointplay::cell::{Interrupted, Memory, Stop, Unplanned};
 use jointplay::format::export::{self, Flaw, Recording, Timeline};
 use jointplay::format::{program, report};

@@ -7,10 +7,10 @@ use super::Way;
 use super::blend::Blend;
 use super::cubic::State;
 use super::limits::dynamics;
-use crate::cell::Cell;
+use crate::geometry::{Placed, Solid, outside};
 use crate::program::{Phase, Step};
 use crate::robot::{AxesMotion, Dynamics, EffectorId, Planar, Positions, RODS};
-use crate::solid::{Placed, Solid, outside};
+use crate::workcell::Cell;
 
 /// Halvings by which the longest overlap is found.
 const HALVINGS: usize = 12;

@@ -26,7 +26,7 @@ pub(crate) use track::Track;
 
 use std::sync::Arc;
 
-use crate::memory::{Key, extend};
+use crate::incremental::{Key, extend};
 use crate::program::Step;
 
 /// All axes at one time.

@@ -11,10 +11,10 @@ use super::line::{Line, Task};
 use super::pace::Pace;
 use super::spline::Spline;
 use super::{Motion, Way};
-use crate::cell::Cell;
-use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
+use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
 use crate::program::{Path, Place, Step};
 use crate::robot::{Dynamics, EffectorId, MotionKind, Planar, RODS};
+use crate::workcell::Cell;
 
 /// The longest motion that is timed: a day [s].
 pub const MOST_DURATION: f64 = 86_400.0;

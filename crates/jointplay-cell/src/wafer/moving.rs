@@ -5,8 +5,8 @@ use nalgebra::{Vector2, Vector3};
 use super::compensation::{Unreachable, drooped, turn};
 use super::droop::DroopError;
 use super::{Droop, SHORTEST, Slip};
-use crate::cell::Cell;
 use crate::robot::{AxesMotion, EffectorId, FrameMotion, Planar};
+use crate::workcell::Cell;
 
 /// Nearer to its joint an arm points nowhere [m].
 const POINTLESS: f64 = 1e-9;

@@ -1,10 +1,10 @@
 //! Robots of every kind that the inverse tells apart, and a cell around one.
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
 };
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::{Gpr, Limb};
 
 use MotionKind::{Slide, Turn};

@@ -6,9 +6,9 @@ use jointplay_core::spatial::Pose;
 use nalgebra::Point3;
 
 use crate::CellError;
-use crate::cell::Cell;
 use crate::robot::{ChainPose, EffectorId};
 use crate::wafer::{Deflection, Droop, DroopError, drooped};
+use crate::workcell::Cell;
 
 impl Cell {
     /// Adds the poses of one arm in the base frame: its links from the first on, all of them rigid, and then for each effector the last link as that effector deflects it, and its wafer.
