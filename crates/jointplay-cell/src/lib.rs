@@ -13,7 +13,7 @@
 //! | [`station`] | where wafers are put: frames, slots, approach, and frames from taught points |
 //! | [`workcell`] | robot, stations, wafers, bodies and zones together |
 //! | [`program`] | what the robot is told, and the steps that it comes to |
-//! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
+//! | [`trajectory`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
 //! | [`jog`] | the robot moved by hand: as far as its limits let it go, and what stops it there |
 //! | [`Memory`] | both for a plan that changes, at the cost of what changes |
@@ -31,11 +31,11 @@ mod error;
 pub mod geometry;
 mod incremental;
 pub mod jog;
-pub mod motion;
 mod planner;
 pub mod program;
 pub mod robot;
 pub mod station;
+pub mod trajectory;
 mod violation;
 pub mod wafer;
 pub mod workcell;

@@ -2,15 +2,15 @@
 
 use crate::check::{CheckOptions, Checks, Report};
 use crate::incremental::{Interrupted, Job, Reuse, Run, Stop, never, whole};
-use crate::motion::{Motion, MotionError, MotionOptions, Ways};
 use crate::program::{Places, Program, ProgramError, Step, expand_by};
+use crate::trajectory::{Motion, MotionError, MotionOptions, Ways};
 use crate::workcell::Cell;
 
 /// Steps, motions and checks of the last plan, move by move.
 ///
 /// A place is looked for anew where its station is another or the robot comes from elsewhere.
 /// A move is timed and checked anew where anything that it depends on has other bits than in the last plan: its ends, limits, what is carried, and what stands within reach of its way.
-/// What comes out is the same as without a memory, to the bit: [`expand`](crate::program::expand), [`timed`](crate::motion::timed) and [`check`](crate::check::check) are these functions of an empty one.
+/// What comes out is the same as without a memory, to the bit: [`expand`](crate::program::expand), [`timed`](crate::trajectory::timed) and [`check`](crate::check::check) are these functions of an empty one.
 ///
 /// It holds what the last plan came to, and no more.
 pub struct Memory {
@@ -77,10 +77,10 @@ impl Memory {
         whole(expand_by(cell, program, &mut self.places, &never))
     }
 
-    /// As [`timed`](crate::motion::timed).
+    /// As [`timed`](crate::trajectory::timed).
     ///
     /// # Errors
-    /// As [`timed`](crate::motion::timed).
+    /// As [`timed`](crate::trajectory::timed).
     pub fn timed(
         &mut self,
         cell: &Cell,

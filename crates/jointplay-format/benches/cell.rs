@@ -6,8 +6,8 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use jointplay_cell::Memory;
 use jointplay_cell::check::{CheckOptions, check};
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{MotionOptions, timed};
 use jointplay_cell::workcell::Cell;
 use jointplay_format::{cell, program};
 

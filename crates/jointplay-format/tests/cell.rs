@@ -4,10 +4,10 @@
 
 use jointplay_cell::check::{CheckOptions, Report, check};
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
 use jointplay_cell::robot::RODS;
 use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
+use jointplay_cell::trajectory::{MotionOptions, timed};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Tilt;
 use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};

@@ -2,12 +2,12 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_cell::check::{CheckOptions, Moment, check_pose};
-use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::trajectory::{Motion, MotionOptions, timed};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::Gpr;

@@ -1,8 +1,8 @@
 //! Samples between which lines are the motion.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{MotionOptions, timed};
 use jointplay_format::export::{Recording, samples, samples_with_peaks};
 use jointplay_format::table::{Column, Values};
 use jointplay_format::{cell, program};

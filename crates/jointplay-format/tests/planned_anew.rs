@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
 use jointplay_cell::geometry::Shape;
-use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
 use jointplay_cell::robot::{AxesMotion, EffectorId};
 use jointplay_cell::station::SlotId;
+use jointplay_cell::trajectory::{Motion, MotionOptions, timed};
 use jointplay_cell::wafer::Droop;
 use jointplay_cell::workcell::Cell;
 use jointplay_cell::{Memory, Reuse, Unplanned};

@@ -2,7 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::{
     Handover, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };
@@ -10,6 +9,7 @@ use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::trajectory::{MotionOptions, timed};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::Gpr;

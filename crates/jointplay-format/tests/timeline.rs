@@ -2,8 +2,8 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{MotionOptions, timed};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::Kernel;

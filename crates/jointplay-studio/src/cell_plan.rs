@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use jointplay::cell::check::CheckOptions;
 use jointplay::cell::check::Report;
-use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, wrong_lines};
+use jointplay::cell::trajectory::{Motion, MotionError, MotionOptions};
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{Interrupted, Memory, Stop, Unplanned};
 use jointplay::format::export::{self, Flaw, Recording, Timeline};

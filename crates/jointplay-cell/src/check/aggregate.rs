@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use super::report::{InstructionRow, PairDistance, Report, Share, Verdict};
 use super::segment_findings::{Alone, raise};
 use crate::collision::{Near, Role, Scene, effector_name, passed};
-use crate::motion::Motion;
+use crate::trajectory::Motion;
 use crate::violation::{About, Kind, Stretch, Violation};
 use crate::workcell::Cell;
 

@@ -12,7 +12,7 @@ use super::segments::{Start, Steps};
 use crate::collision::{Among, Near, Scene};
 use crate::geometry::Solids;
 use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, each, whole};
-use crate::motion::{Motion, Way};
+use crate::trajectory::{Motion, Way};
 use crate::workcell::{Cell, ZoneRule};
 
 /// Everything that is wrong with a motion, none hidden by the first.

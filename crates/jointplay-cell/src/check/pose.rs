@@ -8,10 +8,10 @@ use crate::CellError;
 use crate::collision::Scene;
 use crate::geometry::Solids;
 use crate::incremental::{Run, whole};
-use crate::motion::{Motion, straight};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
+use crate::trajectory::{Motion, straight};
 use crate::violation::Kind;
 use crate::workcell::Cell;
 

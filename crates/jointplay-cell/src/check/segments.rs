@@ -8,8 +8,8 @@ use super::segment_findings::Alone;
 use crate::collision::{Among, Cast, Course, Gearing, Look, Near, Pair, Pairs, Samples, Scene};
 use crate::geometry::Solids;
 use crate::incremental::{Interrupted, Key, Run, each};
-use crate::motion::Motion;
 use crate::program::Phase;
+use crate::trajectory::Motion;
 
 /// Some steps of a motion, and what they are among.
 pub(super) struct Steps<'a> {

@@ -1,6 +1,6 @@
 //! States of some axes, sample by sample.
 
-use crate::motion::State;
+use crate::trajectory::State;
 
 /// What some axes do.
 pub(crate) struct Axes<'a, const N: usize> {

@@ -13,7 +13,7 @@ use super::sampled_segment::Course;
 use super::scene::Scene;
 use super::unknown_pose::Lost;
 use crate::geometry::{Placed, apart, between_balls, depth, distance, gap_along};
-use crate::motion::{Motion, Sample};
+use crate::trajectory::{Motion, Sample};
 use crate::violation::{Found, Hit, Kind, Stretch, Unit, When};
 
 /// By how much a least distance may be passed over, as a share of it.

@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 
 use super::in_plane_motion::{Drift, Rates};
 use super::motion_bound_coefficients::Levers;
-use crate::motion::{State, Track};
 use crate::robot::{HybridRobot, MAX_AXES, RODS};
+use crate::trajectory::{State, Track};
 
 /// How far points of an item went, at most.
 #[derive(Debug, Clone, Copy, Default)]

@@ -17,9 +17,9 @@ use super::sample_times::Samples;
 use super::sampled_segment::Course;
 use super::scene::Scene;
 use crate::geometry::{Shape, Solids};
-use crate::motion::{Motion, MotionOptions, Sample, straight, timed};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::{MotionKind, PlatformModel, RODS};
+use crate::trajectory::{Motion, MotionOptions, Sample, straight, timed};
 use crate::wafer::{Droop, DroopRow};
 use crate::workcell::{Body, Carrier, Cell};
 

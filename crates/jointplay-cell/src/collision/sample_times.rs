@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::motion::Motion;
+use crate::trajectory::Motion;
 
 /// Intervals between samples in one window: what is held at a time does not grow with the duration of a step.
 const WINDOW: usize = 1 << 14;

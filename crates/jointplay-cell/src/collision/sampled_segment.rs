@@ -14,8 +14,8 @@ use super::scene::Scene;
 use super::swept_aabb::{Around, with};
 use super::unknown_pose::Lost;
 use crate::geometry::Span;
-use crate::motion::{Motion, State, Track};
 use crate::robot::{Positions, RODS};
+use crate::trajectory::{Motion, State, Track};
 use crate::violation::{Kind, When};
 
 /// Samples from one place that a box around a way is made of to the next.

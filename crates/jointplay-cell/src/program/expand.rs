@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
-use super::places::Places;
-use super::presence::Presence;
+use super::ik_cache::Places;
+use super::occupancy::Presence;
 use super::resolve::{Act, Line, Number, Resolved, Slot, resolve};
 use super::sequence::Robot;
 use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use jointplay_core::spatial::Tilt;
 
-use super::extent::{WHOLE, ends};
+use super::bounds::{WHOLE, ends};
 use super::{
     AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
     SlotNumber,

@@ -6,10 +6,10 @@ use std::sync::Arc;
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
-use super::places::Places;
-use super::presence::slot_name;
+use super::explain_limits::{limit_told, why};
+use super::ik_cache::Places;
+use super::occupancy::slot_name;
 use super::resolve::effector_name;
-use super::stops::{limit_told, why};
 use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
 use crate::robot::{EffectorId, MotionKind, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};

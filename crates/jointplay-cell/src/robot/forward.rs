@@ -4,7 +4,7 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
-use super::planar::Planar;
+use super::arm_chain::Planar;
 use super::{Arm, Effector, EffectorId, HybridRobot, MotionKind, RODS};
 use crate::CellError;
 

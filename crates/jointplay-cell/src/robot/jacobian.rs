@@ -4,8 +4,8 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::virtualization::Kernel;
 use nalgebra::{Rotation3, Vector3};
 
-use super::moving::turn_between;
-use super::planar::Planar;
+use super::acceleration::turn_between;
+use super::arm_chain::Planar;
 use super::{EffectorId, HybridRobot, MAX_AXES, RODS};
 use crate::CellError;
 

@@ -2,33 +2,33 @@
 //!
 //! | file | role |
 //! | --- | --- |
-//! | `checked` | what makes a robot |
+//! | `validate` | what makes a robot |
 //! | `model` | where the platform sits over the rods, by a virtualization |
-//! | `planar` | an arm as arrows that turn in its plane |
-//! | `forward`, `jacobian`, `moving` | from positions to poses, how fast, and with which accelerations |
+//! | `arm_chain` | an arm as arrows that turn in its plane |
+//! | `forward`, `jacobian`, `acceleration` | from positions to poses, how fast, and with which accelerations |
 //! | `reach` | how far an effector comes |
 //! | `inverse` | from a wafer's plane, centre and heading to all positions that reach it |
 
-mod checked;
+mod acceleration;
+mod arm_chain;
 mod forward;
 mod inverse;
 mod jacobian;
 mod model;
-mod moving;
-mod planar;
 mod positions;
 mod reach;
+mod validate;
 
-pub use checked::Part;
+pub use acceleration::{AxesMotion, FrameMotion};
+pub(crate) use arm_chain::Planar;
 pub use forward::{ChainPose, Effect};
 pub use inverse::{
     Branch, BrokenLimit, Configuration, Elbow, Inverse, OutOfReach, Reaching, Standing, WaferTarget,
 };
 pub use jacobian::EffectorJacobian;
 pub use model::PlatformModel;
-pub use moving::{AxesMotion, FrameMotion};
-pub(crate) use planar::Planar;
 pub use positions::Positions;
+pub use validate::Part;
 
 use jointplay_core::gpr::Gpr;
 

@@ -15,7 +15,7 @@ use std::io::Cursor;
 
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::{McapError, WriteOptions, Writer};
-use jointplay_cell::motion::Sample;
+use jointplay_cell::trajectory::Sample;
 
 use self::cdr::Cdr;
 use super::scene::{Scene, is_key};

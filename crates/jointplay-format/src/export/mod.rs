@@ -25,8 +25,8 @@ mod segment;
 mod solidworks;
 mod timeline;
 
-use jointplay_cell::motion::Motion;
 use jointplay_cell::robot::EffectorId;
+use jointplay_cell::trajectory::Motion;
 use jointplay_cell::workcell::Cell;
 
 pub use error::Error;

@@ -1,7 +1,7 @@
 //! A motion as a table: one row a sample.
 
-use jointplay_cell::motion::Sample;
 use jointplay_cell::robot::{ChainPose, EffectorId, MotionKind};
+use jointplay_cell::trajectory::Sample;
 
 use super::{Error, Recording, peaks};
 use crate::table::{Column, Values};

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use jointplay_cell::motion::Sample;
 use jointplay_cell::robot::Axis;
+use jointplay_cell::trajectory::Sample;
 use jointplay_cell::workcell::Cell;
 
 use super::samples::turns;

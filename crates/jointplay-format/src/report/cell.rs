@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use jointplay_cell::check::{PairDistance, Report, Share, Verdict, Violation};
-use jointplay_cell::motion::{Blend, Motion, Straightness};
 use jointplay_cell::program::{Carried, Place, carried};
 use jointplay_cell::robot::MotionKind;
 use jointplay_cell::station::Origin;
+use jointplay_cell::trajectory::{Blend, Motion, Straightness};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::virtualization::Kernel;
 use serde::Serialize;

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::super::planar::{Arrow, Planar, ahead, dot, turned};
+use super::super::arm_chain::{Arrow, Planar, ahead, dot, turned};
 use super::plan::{Carried, Link, Pair, Plan};
 use super::{Configuration, Elbow, OutOfReach, Reaching};
 

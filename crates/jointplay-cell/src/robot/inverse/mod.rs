@@ -1,13 +1,13 @@
 //! From a wafer's plane, centre and heading to all positions that reach it.
 
 mod barrier;
+mod branches;
 mod closed;
 mod newton;
 mod plan;
 mod polish;
 mod redundant;
-mod turns;
-mod whole;
+mod revolutions;
 
 use std::fmt;
 

@@ -3,8 +3,8 @@
 use jointplay_core::linalg::least_norm_of_three;
 use nalgebra::{Vector2, Vector3};
 
-use super::super::planar::{Planar, Slopes};
-use super::turns::Ranges;
+use super::super::arm_chain::{Planar, Slopes};
+use super::revolutions::Ranges;
 
 /// Starts along each axis, between its limits.
 const STARTS: usize = 5;

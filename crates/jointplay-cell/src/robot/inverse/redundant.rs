@@ -4,12 +4,12 @@ use std::array::from_fn;
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::super::planar::{Planar, Slopes, ahead, turned};
+use super::super::arm_chain::{Planar, Slopes, ahead, turned};
 use super::Configuration;
 use super::barrier::{AXES, Bent, ENDS, Each, Gain, LEAST, Model, Pole, of_limits};
 use super::closed::Found;
 use super::plan::{Pair, Plan};
-use super::turns::{Ranges, Turns};
+use super::revolutions::{Ranges, Turns};
 
 /// Steps of the descent at most; it takes three to five, and more only out of a nearly stretched arm.
 const MOST_STEPS: usize = 100;

@@ -5,8 +5,8 @@ use jointplay_core::spatial::Pose;
 
 use super::Way;
 use super::blend::Blend;
-use super::cubic::State;
 use super::limits::dynamics;
+use super::profile::State;
 use crate::geometry::{Placed, Solid, outside};
 use crate::program::{Phase, Step};
 use crate::robot::{AxesMotion, Dynamics, EffectorId, Planar, Positions, RODS};

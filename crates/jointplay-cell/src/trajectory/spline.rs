@@ -2,7 +2,7 @@
 
 use std::hash::Hasher;
 
-use super::cubic::put;
+use super::profile::put;
 
 /// Value and three derivatives of one axis.
 pub(crate) type Jet = [f64; 4];

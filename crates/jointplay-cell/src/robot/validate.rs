@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector2;
 
-use super::planar::Planar;
+use super::arm_chain::Planar;
 use super::{
     Arm, ArmJoint, Axis, Effector, EffectorId, HybridRobot, MAX_ARMS, MAX_AXES, MAX_JOINTS,
     MotionKind, RODS,

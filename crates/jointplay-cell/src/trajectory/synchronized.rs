@@ -5,7 +5,7 @@ use rsruckig::prelude::{
 };
 use rsruckig::ruckig::Ruckig;
 
-use super::cubic::Curve;
+use super::profile::Curve;
 use crate::robot::Dynamics;
 
 /// Axes that go from rest to rest together, and the one that takes the whole time.

@@ -1,6 +1,6 @@
 //! A step at many times, axis by axis.
 
-use super::cubic::State;
+use super::profile::State;
 use super::{Motion, Way, on_line};
 
 /// What the axes of a step do at times that grow.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector4;
 
-use super::super::planar::Slopes;
+use super::super::arm_chain::Slopes;
 use super::plan::{Pair, Plan};
 
 /// Most combinations of whole turns that are tried; with axes of at most ten turns there are fewer on any usual arm.

@@ -4,18 +4,18 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{Translation3, Vector2, Vector3};
 
-use super::super::planar::{Planar, Slopes};
+use super::super::arm_chain::{Planar, Slopes};
 use super::super::{EffectorId, HybridRobot, Positions, RODS};
 use super::closed::Ways;
 use super::newton::{solutions, wrapped};
 use super::plan::{Pair, Plan};
 use super::redundant::Redundant;
-use super::turns::{Ranges, Turns};
+use super::revolutions::{Ranges, Turns};
 use super::{
     Branch, BrokenLimit, Configuration, Elbow, Inverse, OutOfReach, Reaching, Standing, WaferTarget,
 };
 use crate::CellError;
-use crate::robot::planar::turned;
+use crate::robot::arm_chain::turned;
 
 /// A branch that is farther from its target is none [m].
 const RESIDUAL: f64 = 1e-12;

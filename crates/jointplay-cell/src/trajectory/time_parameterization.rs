@@ -1,8 +1,8 @@
 //! How fast a path is run through: one parameter in time, so that every axis stays within its limits.
 
-use super::axes::{NoProfile, together};
-use super::cubic::Curve;
+use super::profile::Curve;
 use super::spline::{self, Jet, Spline};
+use super::synchronized::{NoProfile, together};
 use crate::robot::Dynamics;
 
 /// Stages at which the fastest way under speed and acceleration limits is decided.

@@ -5,24 +5,24 @@
 //!   Path::Line   from ──▶ to     q(s): the wafer's centre straight, its plane turning evenly;  s(t): every axis within its limits
 //! ```
 
-mod axes;
 mod blend;
+mod cartesian_path;
 mod corner;
-mod cubic;
 mod limits;
-mod line;
-mod pace;
-mod plan;
+mod profile;
+mod sampler;
+mod segment_planner;
 mod spline;
 mod steps;
-mod track;
+mod synchronized;
+mod time_parameterization;
 
 pub use blend::Blend;
-pub(crate) use cubic::State;
 pub use limits::{dynamics, limits_of, moves};
-pub use plan::{MOST_DURATION, MotionError, MotionOptions, StepProblem, timed};
-pub(crate) use plan::{Ways, straight};
-pub(crate) use track::Track;
+pub(crate) use profile::State;
+pub(crate) use sampler::Track;
+pub use segment_planner::{MOST_DURATION, MotionError, MotionOptions, StepProblem, timed};
+pub(crate) use segment_planner::{Ways, straight};
 
 use std::sync::Arc;
 
@@ -74,8 +74,8 @@ pub struct Straightness {
 #[derive(Debug, Clone)]
 pub(crate) enum Way {
     Still { duration: f64 },
-    Axes(axes::Together),
-    Line { line: Arc<line::Line>, pace: cubic::Curve },
+    Axes(synchronized::Together),
+    Line { line: Arc<cartesian_path::Line>, pace: profile::Curve },
 }
 
 impl Way {
@@ -91,7 +91,7 @@ impl Way {
     fn slowed(&self, factor: f64) -> Self {
         match self {
             Self::Still { duration } => Self::Still { duration: *duration },
-            Self::Axes(together) => Self::Axes(axes::Together {
+            Self::Axes(together) => Self::Axes(synchronized::Together {
                 curves: together.curves.iter().map(|curve| curve.slowed(factor)).collect(),
                 duration: together.duration * factor,
                 slowest: together.slowest,
@@ -115,7 +115,9 @@ impl Way {
     fn breaks(&self) -> Vec<f64> {
         match self {
             Self::Still { .. } => Vec::new(),
-            Self::Axes(together) => together.curves.iter().flat_map(cubic::Curve::breaks).collect(),
+            Self::Axes(together) => {
+                together.curves.iter().flat_map(profile::Curve::breaks).collect()
+            }
             Self::Line { line, pace } => {
                 let knots = line.spline.knots().iter().map(|&knot| pace.when(knot));
                 pace.breaks().chain(knots).collect()
@@ -124,7 +126,7 @@ impl Way {
     }
 
     /// One axis, some time after its start [s].
-    fn state(&self, step: &Step, axis: usize, since: f64) -> cubic::State {
+    fn state(&self, step: &Step, axis: usize, since: f64) -> profile::State {
         match self {
             Self::Still { .. } => [step.to[axis], 0.0, 0.0, 0.0],
             Self::Axes(together) => together.curves[axis].at(since),
@@ -172,11 +174,11 @@ impl Way {
 
 /// One axis where the share of a line's way is in a state.
 fn on_line(
-    line: &line::Line,
+    line: &cartesian_path::Line,
     interval: usize,
     axis: usize,
-    [s, rate, acceleration, jerk]: cubic::State,
-) -> cubic::State {
+    [s, rate, acceleration, jerk]: profile::State,
+) -> profile::State {
     let [q, slope, curvature, third] = line.spline.jet(interval, axis, s);
     [
         q,
@@ -362,7 +364,7 @@ impl Motion {
 }
 
 impl Sample {
-    fn set(&mut self, axis: usize, state: cubic::State) {
+    fn set(&mut self, axis: usize, state: profile::State) {
         self.positions[axis] = state[0];
         self.velocities[axis] = state[1];
         self.accelerations[axis] = state[2];

@@ -4,7 +4,7 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
-use super::planar::{Planar, Slopes, ahead, dot, turned};
+use super::arm_chain::{Planar, Slopes, ahead, dot, turned};
 use super::{EffectorId, HybridRobot, Positions, RODS};
 use crate::CellError;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hasher};
 use std::sync::Arc;
 
-use super::cubic::put;
+use super::profile::put;
 use super::{Motion, Sample, Way};
 
 impl Way {

@@ -5,9 +5,9 @@
 mod common;
 
 use common::A;
-use jointplay_cell::motion::{MOST_DURATION, Motion, MotionOptions, Sample, limits_of, timed};
 use jointplay_cell::program::{Path, Phase, Place, Step};
 use jointplay_cell::robot::{Dynamics, RODS, WaferTarget};
+use jointplay_cell::trajectory::{MOST_DURATION, Motion, MotionOptions, Sample, limits_of, timed};
 use jointplay_cell::wafer::Droop;
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::AxisHeight;

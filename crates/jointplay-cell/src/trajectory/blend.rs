@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::Way;
 use super::corner::Corner;
-use super::plan::key;
+use super::segment_planner::key;
 use crate::geometry::{Solid, Solids};
 use crate::incremental::{Interrupted, Kept, Key, Run, anew, extend};
 use crate::program::Step;

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::axes::together;
 use super::blend::{Blend, Blends};
-use super::cubic::Curve;
+use super::cartesian_path::{Line, Task};
 use super::limits::{dynamics, moves};
-use super::line::{Line, Task};
-use super::pace::Pace;
+use super::profile::Curve;
 use super::spline::Spline;
+use super::synchronized::together;
+use super::time_parameterization::Pace;
 use super::{Motion, Way};
 use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
 use crate::program::{Path, Place, Step};
