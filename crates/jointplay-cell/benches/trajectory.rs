@@ -17,7 +17,7 @@ use jointplay_cell::program::{
     Command, Instruction, Name, Place, Program, SlotName, SlotNumber, Step, expand,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
-use jointplay_cell::trajectory::{MotionOptions, timed};
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::{Body, Carrier, Cell};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
@@ -106,13 +106,13 @@ fn lot(cell: &Cell) -> Vec<Step> {
 fn motion(criterion: &mut Criterion) {
     let cell = cell();
     let steps = lot(&cell);
-    let options = MotionOptions::default();
-    let motion = timed(&cell, steps.clone(), &options).unwrap();
+    let options = TrajectoryOptions::default();
+    let motion = plan_trajectory(&cell, steps.clone(), &options).unwrap();
     let named = format!("{} steps, {:.0} s", steps.len(), motion.duration());
     let mut group = criterion.benchmark_group("lot of 25");
     group.sample_size(10);
-    group.bench_function(format!("timed: {named}"), |bench| {
-        bench.iter(|| timed(&cell, black_box(steps.clone()), &options).unwrap());
+    group.bench_function(format!("plan_trajectory: {named}"), |bench| {
+        bench.iter(|| plan_trajectory(&cell, black_box(steps.clone()), &options).unwrap());
     });
     group.bench_function(format!("checked at 1 kHz: {named}"), |bench| {
         bench.iter(|| check(&cell, black_box(&motion), &CheckOptions::default()));

@@ -7,7 +7,7 @@ use nalgebra::Point3;
 
 use crate::CellError;
 use crate::robot::{ChainPose, EffectorId};
-use crate::wafer::{Deflection, Droop, DroopError, drooped};
+use crate::wafer::{Deflection, Droop, DroopError, apply_deflection};
 use crate::workcell::Cell;
 
 impl Cell {
@@ -16,7 +16,7 @@ impl Cell {
     /// ```text
     ///    base_from_wafer  =  D · base_from_last · last_from_wafer,      base_from_tip  =  D · base_from_last
     /// ```
-    /// D: the deflection of the arm at that effector's reach and load, see [`drooped`].
+    /// D: the deflection of the arm at that effector's reach and load, see [`apply_deflection`].
     ///
     /// # Arguments
     /// * `loaded` – whether an effector carries a wafer
@@ -46,7 +46,7 @@ impl Cell {
             }
             let loaded = loaded(EffectorId { arm, effector });
             let deflection = known(self.deflection(arm, &rigid, &joint, loaded))?;
-            let wafer = drooped(&rigid, &joint, deflection);
+            let wafer = apply_deflection(&rigid, &joint, deflection);
             to.extend([wafer * last_from_wafer.inverse(), wafer]);
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Hybrid robots and offline programming: from stations to a checked, timed motion.
 //!
 //! ```text
-//!   Program ──expand──▶ Step… ──timed──▶ Motion ──check──▶ Report
+//!   Program ──expand──▶ Step… ──plan_trajectory──▶ Trajectory ──check──▶ Report
 //!               ▲                  ▲                 ▲
 //!             Cell               limits       bodies, zones, budgets
 //! ```

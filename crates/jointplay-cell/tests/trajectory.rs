@@ -6,8 +6,10 @@ mod common;
 
 use common::A;
 use jointplay_cell::program::{Path, Phase, Place, Step};
-use jointplay_cell::robot::{Dynamics, RODS, WaferTarget};
-use jointplay_cell::trajectory::{MOST_DURATION, Motion, MotionOptions, Sample, limits_of, timed};
+use jointplay_cell::robot::{KinematicLimits, RODS, WaferTarget};
+use jointplay_cell::trajectory::{
+    MAX_DURATION, Sample, Trajectory, TrajectoryOptions, axis_limits, plan_trajectory,
+};
 use jointplay_cell::wafer::Droop;
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::AxisHeight;
@@ -48,7 +50,7 @@ fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step 
 }
 
 /// Limits at every sample, derivatives as differences, and exact ends.
-fn keeps(cell: &Cell, motion: &Motion) {
+fn keeps(cell: &Cell, motion: &Trajectory) {
     const RATE: f64 = 4000.0;
     let samples: Vec<Sample> = motion.samples(RATE).collect();
     let (first, last) = (&samples[0], &samples[samples.len() - 1]);
@@ -70,7 +72,7 @@ fn keeps(cell: &Cell, motion: &Motion) {
             continue;
         }
         for axis in 0..now.positions.len() {
-            let limits = limits_of(&cell.robot, axis, &motion.steps[now.step]);
+            let limits = axis_limits(&cell.robot, axis, &motion.steps[now.step]);
             let share = motion.steps[now.step].speed;
             let (v, a, j) = (now.velocities[axis], now.accelerations[axis], now.jerks[axis]);
             let name = &cell.robot.axes[axis].name;
@@ -134,14 +136,14 @@ proptest! {
         let [a, b, c] = [(0, first), (1, second), (2, third)]
             .map(|(k, shares)| positions(&cell, tilts[k], heights[k], shares));
         let steps = vec![
-            step(&a, &b, Path::Axes, 1.0, loaded),
-            step(&b, &b, Path::Still(0.1), 1.0, loaded),
-            step(&b, &c, Path::Axes, speed, !loaded),
+            step(&a, &b, Path::PointToPoint, 1.0, loaded),
+            step(&b, &b, Path::Dwell(0.1), 1.0, loaded),
+            step(&b, &c, Path::PointToPoint, speed, !loaded),
         ];
-        let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+        let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
         keeps(&cell, &motion);
         // The slowest axis of a step is at its limits all the time, the others no longer.
-        prop_assert!(motion.slowest_axis(0).is_some() && motion.slowest_axis(1).is_none());
+        prop_assert!(motion.limiting_axis(0).is_some() && motion.limiting_axis(1).is_none());
     }
 
     #[test]
@@ -169,7 +171,7 @@ proptest! {
         let near = from.iter().zip(&to).all(|(a, b)| (a - b).abs() < 1.2);
         prop_assume!(near);
         let steps = vec![step(&from, &to, Path::Line(A), 1.0, loaded)];
-        let motion = match timed(&cell, steps, &MotionOptions::default()) {
+        let motion = match plan_trajectory(&cell, steps, &TrajectoryOptions::default()) {
             Ok(motion) => motion,
             // Past a singular position there may be none; it is said where.
             Err(error) => {
@@ -218,16 +220,16 @@ proptest! {
         prop_assume!(reached.is_ok());
         let out = reached.unwrap().positions;
         let mut steps = vec![
-            step(&a, &b, Path::Axes, speeds[0], loaded),
+            step(&a, &b, Path::PointToPoint, speeds[0], loaded),
             step(&b, &out, Path::Line(A), speeds[1], loaded),
-            step(&out, &c, Path::Axes, speeds[2], loaded),
-            step(&c, &a, Path::Axes, speeds[3], loaded),
+            step(&out, &c, Path::PointToPoint, speeds[2], loaded),
+            step(&c, &a, Path::PointToPoint, speeds[3], loaded),
         ];
-        let Ok(apart) = timed(&cell, steps.clone(), &MotionOptions::default()) else {
+        let Ok(apart) = plan_trajectory(&cell, steps.clone(), &TrajectoryOptions::default()) else {
             return Ok(());
         };
         steps.iter_mut().zip(radii).for_each(|(step, radius)| step.blend = radius);
-        let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+        let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
         keeps(&cell, &motion);
         for k in 0..3 {
             let Some(blend) = motion.blend(k) else { continue };
@@ -254,17 +256,17 @@ fn moves_run_into_each_other_within_a_radius() {
     back[3] -= 0.8;
     let steps = |radius: f64| {
         let mut steps = vec![
-            step(&from, &turned, Path::Axes, 1.0, true),
-            step(&turned, &up, Path::Axes, 1.0, true),
-            step(&up, &back, Path::Axes, 1.0, true),
-            step(&back, &back, Path::Still(0.1), 1.0, true),
+            step(&from, &turned, Path::PointToPoint, 1.0, true),
+            step(&turned, &up, Path::PointToPoint, 1.0, true),
+            step(&up, &back, Path::PointToPoint, 1.0, true),
+            step(&back, &back, Path::Dwell(0.1), 1.0, true),
         ];
         steps.iter_mut().for_each(|step| step.blend = radius);
         steps
     };
-    let options = MotionOptions::default();
-    let apart = timed(&cell, steps(0.0), &options).unwrap();
-    let centers = |motion: &Motion| -> Vec<Vector3<f64>> {
+    let options = TrajectoryOptions::default();
+    let apart = plan_trajectory(&cell, steps(0.0), &options).unwrap();
+    let centers = |motion: &Trajectory| -> Vec<Vector3<f64>> {
         motion
             .samples(2000.0)
             .map(|s| cell.wafer_pose(A, &s.positions, true).unwrap().translation.vector)
@@ -273,7 +275,7 @@ fn moves_run_into_each_other_within_a_radius() {
     let way = centers(&apart);
     let mut before = apart.duration();
     for radius in [0.002, 0.02] {
-        let motion = timed(&cell, steps(radius), &options).unwrap();
+        let motion = plan_trajectory(&cell, steps(radius), &options).unwrap();
         keeps(&cell, &motion);
         assert!(motion.duration() < before - 1e-3, "{} {before}", motion.duration());
         before = motion.duration();
@@ -309,7 +311,7 @@ fn a_line_has_its_own_speed_limit() {
         from.iter().enumerate().map(|(k, q)| if k < RODS { q + 0.02 } else { *q }).collect();
     let mut lift = step(&from, &to, Path::Line(A), 1.0, false);
     lift.line_speed = Some(0.05);
-    let motion = timed(&cell, vec![lift], &MotionOptions::default()).unwrap();
+    let motion = plan_trajectory(&cell, vec![lift], &TrajectoryOptions::default()).unwrap();
     let fastest =
         motion.samples(1000.0).map(|sample| sample.velocities[0].abs()).fold(0.0, f64::max);
     assert!((fastest - 0.05).abs() < 2e-4, "{fastest}");
@@ -322,15 +324,18 @@ fn a_station_is_waited_for_from_when_its_wafer_was_left() {
     let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
     let mut to = from.clone();
     to[3] += 0.5;
-    let wait = |since, seconds| step(&to, &to, Path::Processed { since, seconds }, 1.0, false);
-    let go = || step(&from, &to, Path::Axes, 1.0, false);
-    let still = step(&to, &to, Path::Still(2.0), 1.0, false);
-    let motion =
-        timed(&cell, vec![go(), still, wait(0, 5.0), wait(0, 1.0)], &MotionOptions::default())
-            .unwrap();
+    let wait = |since, seconds| step(&to, &to, Path::ProcessDwell { since, seconds }, 1.0, false);
+    let go = || step(&from, &to, Path::PointToPoint, 1.0, false);
+    let still = step(&to, &to, Path::Dwell(2.0), 1.0, false);
+    let motion = plan_trajectory(
+        &cell,
+        vec![go(), still, wait(0, 5.0), wait(0, 1.0)],
+        &TrajectoryOptions::default(),
+    )
+    .unwrap();
     assert!((motion.step_duration(2) - 3.0).abs() < 1e-12);
     assert_eq!(motion.step_duration(3), 0.0);
-    assert_eq!([0, 1, 2, 3].map(|step| motion.lasts(step)), [true, true, true, false]);
+    assert_eq!([0, 1, 2, 3].map(|step| motion.has_duration(step)), [true, true, true, false]);
 }
 
 #[test]
@@ -340,13 +345,13 @@ fn all_that_cannot_be_timed_is_said() {
     let mut to = from.clone();
     to[3] += 0.5;
     let steps = vec![
-        step(&from, &to, Path::Axes, 0.0, false),
-        step(&from, &to, Path::Axes, 1.0, false),
-        step(&to, &from, Path::Still(1.0), 1.0, false),
+        step(&from, &to, Path::PointToPoint, 0.0, false),
+        step(&from, &to, Path::PointToPoint, 1.0, false),
+        step(&to, &from, Path::Dwell(1.0), 1.0, false),
         // The arm has no motor that moves its wafer aside along a straight line this far.
-        step(&from, &from, Path::Still(f64::NAN), 1.0, false),
+        step(&from, &from, Path::Dwell(f64::NAN), 1.0, false),
     ];
-    let error = timed(&cell, steps, &MotionOptions::default()).unwrap_err();
+    let error = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err();
     let said: Vec<String> = error.problems.iter().map(ToString::to_string).collect();
     assert_eq!(said.len(), 4, "{said:#?}");
     assert!(said[0].contains("share of speed is 0"), "{}", said[0]);
@@ -372,7 +377,8 @@ fn a_line_on_which_the_arm_would_have_to_jump_is_refused() {
     };
     let to = cell.reach(A, &target, false, &from).unwrap().positions;
     let steps = vec![step(&from, &to, Path::Line(A), 1.0, false)];
-    let error = timed(&cell, steps, &MotionOptions::default()).unwrap_err().to_string();
+    let error =
+        plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err().to_string();
     for words in ["25.0 % along the line, at x ", "the axes jump from one branch", "`retract_mm`"] {
         assert!(error.contains(words), "{words}: {error}");
     }
@@ -383,18 +389,22 @@ fn a_motion_ends_within_a_day() {
     let mut cell = cell(0, Droop::Rigid);
     let from = vec![0.5, 0.5, 0.5, 0.0, 0.9];
     let to = vec![0.5, 0.5, 0.5, 1.2, 0.9];
-    let there_and_back =
-        || vec![step(&from, &to, Path::Axes, 1.0, false), step(&to, &from, Path::Axes, 1.0, false)];
+    let there_and_back = || {
+        vec![
+            step(&from, &to, Path::PointToPoint, 1.0, false),
+            step(&to, &from, Path::PointToPoint, 1.0, false),
+        ]
+    };
     // Triangles of speed: t = 2 √(d / a) where the jerk is no limit.
     for (hours, problem) in [(11.0_f64, None), (13.0, Some(1)), (25.0, Some(0)), (1e3, Some(0))] {
         let acceleration = 1.2 * (2.0 / (3600.0 * hours)).powi(2);
-        cell.robot.axes[3].empty = Dynamics { velocity: 1e3, acceleration, jerk: 1e3 };
-        let found = timed(&cell, there_and_back(), &MotionOptions::default());
+        cell.robot.axes[3].empty = KinematicLimits { velocity: 1e3, acceleration, jerk: 1e3 };
+        let found = plan_trajectory(&cell, there_and_back(), &TrajectoryOptions::default());
         match (found, problem) {
             (Ok(motion), None) => {
                 let expected = 2.0 * 3600.0 * hours;
                 assert!((motion.duration() / expected - 1.0).abs() < 1e-3);
-                assert!(motion.duration() <= MOST_DURATION);
+                assert!(motion.duration() <= MAX_DURATION);
             }
             (Err(error), Some(step)) => {
                 assert_eq!((error.problems.len(), error.problems[0].step), (1, step), "{error}");

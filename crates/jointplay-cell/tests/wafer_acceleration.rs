@@ -6,7 +6,7 @@ mod common;
 
 use common::{KINDS, cell, kind};
 use jointplay_cell::CellError;
-use jointplay_cell::robot::{AxesMotion, EffectorId, FrameMotion, MotionKind, PlatformModel, RODS};
+use jointplay_cell::robot::{AxesMotion, AxisKind, EffectorId, FrameMotion, PlatformModel, RODS};
 use jointplay_cell::wafer::{Droop, DroopRow, Unreachable};
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt};
@@ -76,7 +76,7 @@ proptest! {
             let k = if even && k % 12 < RODS { k - k % 12 } else { k };
             rates[k] * most
         };
-        let slides = |k: usize| axes[k].kind == MotionKind::Slide;
+        let slides = |k: usize| axes[k].kind == AxisKind::Linear;
         let velocities: Vec<f64> =
             (0..axes.len()).map(|k| rate(k, if slides(k) { 0.2 } else { 1.0 })).collect();
         let accelerations: Vec<f64> =

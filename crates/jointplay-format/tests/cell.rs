@@ -7,7 +7,7 @@ use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::expand;
 use jointplay_cell::robot::RODS;
 use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
-use jointplay_cell::trajectory::{MotionOptions, timed};
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Tilt;
 use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};
@@ -85,7 +85,11 @@ HOME
 /// What is wrong with a short program in a cell.
 fn checked(cell: &Cell) -> Report {
     let steps = expand(cell, &program::parse(PROGRAM).unwrap()).unwrap();
-    check(cell, &timed(cell, steps, &MotionOptions::default()).unwrap(), &CheckOptions::default())
+    check(
+        cell,
+        &plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap(),
+        &CheckOptions::default(),
+    )
 }
 
 #[test]

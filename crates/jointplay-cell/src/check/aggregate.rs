@@ -5,14 +5,14 @@ use std::collections::{BTreeMap, HashMap};
 use super::report::{InstructionRow, PairDistance, Report, Share, Verdict};
 use super::segment_findings::{Alone, raise};
 use crate::collision::{Near, Role, Scene, effector_name, passed};
-use crate::trajectory::Motion;
+use crate::trajectory::Trajectory;
 use crate::violation::{About, Kind, Stretch, Violation};
 use crate::workcell::Cell;
 
 /// The report as it grows.
 pub(super) struct Summary<'a> {
     cell: &'a Cell,
-    motion: &'a Motion,
+    motion: &'a Trajectory,
     rows: Vec<InstructionRow>,
     violations: Vec<Violation>,
     /// What may go on in the next step: the violation, its severity, and the step at whose end it was broken.
@@ -39,7 +39,7 @@ struct Nearest {
 }
 
 impl<'a> Summary<'a> {
-    pub(super) fn new(cell: &'a Cell, motion: &'a Motion) -> Self {
+    pub(super) fn new(cell: &'a Cell, motion: &'a Trajectory) -> Self {
         Self {
             cell,
             motion,

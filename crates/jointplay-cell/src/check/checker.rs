@@ -12,7 +12,7 @@ use super::segments::{Start, Steps};
 use crate::collision::{Among, Near, Scene};
 use crate::geometry::Solids;
 use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, each, whole};
-use crate::trajectory::{Motion, Way};
+use crate::trajectory::{Segment, Trajectory};
 use crate::workcell::{Cell, ZoneRule};
 
 /// Everything that is wrong with a motion, none hidden by the first.
@@ -40,7 +40,7 @@ use crate::workcell::{Cell, ZoneRule};
 ///
 /// A distance is compared with the one asked for to a resolution of 10⁻⁸ m, which is how exactly distances are tested to be found.
 #[must_use]
-pub fn check(cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
+pub fn check(cell: &Cell, motion: &Trajectory, options: &CheckOptions) -> Report {
     whole(Checks::default().check(cell, motion, options, Run::one_by_one()))
 }
 
@@ -52,7 +52,7 @@ const AT_A_TIME: usize = 1024;
 pub(crate) struct Checks {
     solids: Solids,
     /// With the ways that the keys of both tell apart by where they are kept.
-    moves: Kept<(Alone, [Option<Arc<Way>>; 3])>,
+    moves: Kept<(Alone, [Option<Arc<Segment>>; 3])>,
     distances: Kept<Near>,
 }
 
@@ -61,7 +61,7 @@ impl Checks {
     pub(crate) fn check(
         &mut self,
         cell: &Cell,
-        motion: &Motion,
+        motion: &Trajectory,
         options: &CheckOptions,
         run: Run<'_>,
     ) -> Result<Report, Interrupted> {
@@ -89,7 +89,7 @@ impl Checks {
         &mut self,
         (steps, starts): (&Steps<'_>, &[Start]),
         first: usize,
-        motion: &Motion,
+        motion: &Trajectory,
         run: Run<'_>,
         summary: &mut Summary<'_>,
     ) -> Result<(), Interrupted> {
@@ -113,7 +113,7 @@ impl Checks {
                     by_themselves.remove(&start.key).expect("what is not known was looked at");
                 nears.extend(near.map(|near| (among.key.clone(), near)));
                 near_it.insert(place, among);
-                Ok((found, motion.way_of(first + place)))
+                Ok((found, motion.segments_of(first + place)))
             });
             alone.push(found);
         }
@@ -153,7 +153,12 @@ impl Checks {
 }
 
 /// Checks all steps once, nothing being remembered.
-pub(super) fn examine(cell: &Cell, motion: &Motion, steps: Steps<'_>, starts: &[Start]) -> Report {
+pub(super) fn examine(
+    cell: &Cell,
+    motion: &Trajectory,
+    steps: Steps<'_>,
+    starts: &[Start],
+) -> Report {
     let mut summary = Summary::new(cell, motion);
     for (index, start) in starts.iter().enumerate() {
         let (alone, among, near) = steps.with_course(|course| {

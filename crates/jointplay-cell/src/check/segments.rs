@@ -9,11 +9,11 @@ use crate::collision::{Among, Cast, Course, Gearing, Look, Near, Pair, Pairs, Sa
 use crate::geometry::Solids;
 use crate::incremental::{Interrupted, Key, Run, each};
 use crate::program::Phase;
-use crate::trajectory::Motion;
+use crate::trajectory::Trajectory;
 
 /// Some steps of a motion, and what they are among.
 pub(super) struct Steps<'a> {
-    motion: &'a Motion,
+    motion: &'a Trajectory,
     options: &'a CheckOptions,
     gearing: Gearing,
     /// From one handing over of a wafer to the next.
@@ -31,7 +31,7 @@ pub(super) struct Start {
 }
 
 impl Start {
-    fn new(motion: &Motion, index: usize, (scene, cast): (usize, &Cast)) -> Self {
+    fn new(motion: &Trajectory, index: usize, (scene, cast): (usize, &Cast)) -> Self {
         let step = &motion.steps[index];
         let mut key = motion.key(index);
         key.push(u64::from(step.phase == Phase::Turn));
@@ -48,7 +48,7 @@ impl<'a> Steps<'a> {
     /// # Arguments
     /// * `scene` – before the first of them
     pub(super) fn new(
-        (motion, range): (&'a Motion, Range<usize>),
+        (motion, range): (&'a Trajectory, Range<usize>),
         options: &'a CheckOptions,
         scene: Scene<'a>,
         solids: &mut Solids,

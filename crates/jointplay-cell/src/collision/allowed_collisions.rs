@@ -36,7 +36,7 @@ impl Rule {
 pub(crate) fn acting(step: &Step) -> Option<EffectorId> {
     match (step.path, step.handover) {
         (Path::Line(id), _) => Some(id),
-        (_, Some(Handover::Taken(id, _) | Handover::Left(id, _))) => Some(id),
+        (_, Some(Handover::Picked(id, _) | Handover::Placed(id, _))) => Some(id),
         _ => None,
     }
 }

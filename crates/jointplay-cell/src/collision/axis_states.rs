@@ -1,11 +1,11 @@
 //! States of some axes, sample by sample.
 
-use crate::trajectory::State;
+use crate::trajectory::AxisState;
 
 /// What some axes do.
 pub(crate) struct Axes<'a, const N: usize> {
     /// By sample, of those that do anything.
-    pub(super) moving: [Option<&'a [State]>; N],
+    pub(super) moving: [Option<&'a [AxisState]>; N],
     /// Where the others stand.
     pub(super) standing: [f64; N],
 }

@@ -13,7 +13,7 @@ use super::sampled_segment::Course;
 use super::scene::Scene;
 use super::unknown_pose::Lost;
 use crate::geometry::{Placed, apart, between_balls, depth, distance, gap_along};
-use crate::trajectory::{Motion, Sample};
+use crate::trajectory::{Sample, Trajectory};
 use crate::violation::{Found, Hit, Kind, Stretch, Unit, When};
 
 /// By how much a least distance may be passed over, as a share of it.
@@ -80,7 +80,7 @@ impl<'p> Pairs<'p> {
 /// A window of a step, and what is near its way.
 pub(crate) struct Look<'a> {
     pub(crate) scene: &'a Scene<'a>,
-    pub(crate) motion: &'a Motion,
+    pub(crate) motion: &'a Trajectory,
     pub(crate) step: usize,
     pub(crate) course: &'a mut Course,
     /// Items of the scene, those that move first, as in the course.
@@ -319,7 +319,7 @@ impl Search<'_, '_> {
         let when = When { time, sample };
         let look = &mut *self.look;
         let mut state = Sample::default();
-        look.motion.fill_since(look.step, time, &mut state);
+        look.motion.fill_in_step(look.step, time, &mut state);
         let places = look.scene.places(&state.positions, Vec::new());
         let places = places.map_err(|why| Lost { when, why })?;
         let [a, b] = look.placed(&places, self.pair.items);

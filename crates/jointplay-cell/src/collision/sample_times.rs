@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::trajectory::Motion;
+use crate::trajectory::Trajectory;
 
 /// Intervals between samples in one window: what is held at a time does not grow with the duration of a step.
 const WINDOW: usize = 1 << 14;
@@ -20,10 +20,10 @@ pub(crate) struct Samples {
 
 impl Samples {
     /// The start of a step, `rate` times a second, and its end.
-    pub(crate) fn of(motion: &Motion, step: usize, rate: f64) -> Self {
-        let length = motion.length(step);
+    pub(crate) fn of(motion: &Trajectory, step: usize, rate: f64) -> Self {
+        let length = motion.intrinsic_step_duration(step);
         // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
-        let whole = if motion.stands(step) {
+        let whole = if motion.is_dwell(step) {
             usize::from(length > 0.0)
         } else {
             (length * rate - 1e-3).ceil().max(0.0) as usize

@@ -15,7 +15,7 @@ use super::swept_aabb::{Around, with};
 use super::unknown_pose::Lost;
 use crate::geometry::Span;
 use crate::robot::{Positions, RODS};
-use crate::trajectory::{Motion, State, Track};
+use crate::trajectory::{AxisSampler, AxisState, Trajectory};
 use crate::violation::{Kind, When};
 
 /// Samples from one place that a box around a way is made of to the next.
@@ -39,7 +39,7 @@ pub(crate) struct Course {
     times: Vec<f64>,
     /// Where all axes start.
     from: Vec<f64>,
-    track: Track,
+    track: AxisSampler,
     odometer: Odometer,
     /// Poses of all that moves by sample, or why they are unknown, as far as that was asked for.
     places: Vec<Option<Result<Places, Unplaced>>>,
@@ -51,7 +51,7 @@ impl Course {
     /// Takes up a window of a step.
     pub(crate) fn take(
         &mut self,
-        motion: &Motion,
+        motion: &Trajectory,
         (step, window): (usize, usize),
         samples: &Samples,
         gearing: &Gearing,
@@ -91,7 +91,7 @@ impl Course {
     }
 
     /// What the axes do that do anything.
-    pub(crate) fn track(&self) -> &Track {
+    pub(crate) fn track(&self) -> &AxisSampler {
         &self.track
     }
 
@@ -123,7 +123,7 @@ impl Course {
     }
 
     /// What an axis does by sample, if it does anything.
-    fn states(&self, axis: usize) -> Option<&[State]> {
+    fn states(&self, axis: usize) -> Option<&[AxisState]> {
         let place = self.track.moving().binary_search(&axis).ok()?;
         Some(&self.track.states()[place])
     }

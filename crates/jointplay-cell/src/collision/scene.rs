@@ -9,7 +9,7 @@ use super::link_poses::{Places, Unplaced};
 use super::object::{Holder, Item, Role};
 use crate::geometry::{Placed, Shape, Solid, Solids};
 use crate::program::Handover;
-use crate::robot::{EffectorId, Planar};
+use crate::robot::{ArmChain, EffectorId};
 use crate::station::SlotId;
 use crate::workcell::{Carrier, Cell, ZoneRule};
 
@@ -23,7 +23,7 @@ pub(crate) struct Scene<'a> {
     /// Zones that wafers' centres have to stay in while the robot turns, by index in the cell.
     pub(crate) safe: Vec<(usize, Solid)>,
     /// By arm and effector.
-    arms: Vec<Vec<Planar>>,
+    arms: Vec<Vec<ArmChain>>,
 }
 
 impl<'a> Scene<'a> {
@@ -82,7 +82,7 @@ impl<'a> Scene<'a> {
         }
         let planar = |arm: usize| {
             let effectors = 0..cell.robot.arms[arm].effectors.len();
-            effectors.map(move |effector| Planar::new(&cell.robot, EffectorId { arm, effector }))
+            effectors.map(move |effector| ArmChain::new(&cell.robot, EffectorId { arm, effector }))
         };
         let arms = (0..cell.robot.arms.len()).map(|arm| planar(arm).collect()).collect();
         let items = items.into_iter().map(Arc::new).collect();
@@ -121,7 +121,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The arm to an effector.
-    pub(crate) fn planar(&self, id: EffectorId) -> &Planar {
+    pub(crate) fn planar(&self, id: EffectorId) -> &ArmChain {
         &self.arms[id.arm][id.effector]
     }
 
@@ -173,13 +173,13 @@ impl<'a> Scene<'a> {
     /// Does what the end of a step does to wafers.
     pub(crate) fn hand_over(&mut self, handover: Handover, solids: &mut Solids) {
         let (from, to) = match handover {
-            Handover::Taken(id, slot) => (Holder::Slot(slot), Holder::Effector(id)),
-            Handover::Left(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
+            Handover::Picked(id, slot) => (Holder::Slot(slot), Holder::Effector(id)),
+            Handover::Placed(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
         };
         let Some(index) = self.items.iter().position(|item| item.holder == from) else { return };
         match handover {
-            Handover::Taken(id, _) => self.carried.push((id, index)),
-            Handover::Left(id, _) => self.carried.retain(|(by, _)| *by != id),
+            Handover::Picked(id, _) => self.carried.push((id, index)),
+            Handover::Placed(id, _) => self.carried.retain(|(by, _)| *by != id),
         }
         let item = Arc::make_mut(&mut self.items[index]);
         item.holder = to;

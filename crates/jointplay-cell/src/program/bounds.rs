@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::problem::Count;
-use super::resolve::{Act, Line, Resolved};
+use super::resolve::{Line, Resolved, ResolvedCommand};
 use super::{Place, Program, ProgramProblem};
 
 /// Most instructions that a program may come to, routines and passes counted out.
@@ -16,14 +16,15 @@ pub const MAX_CALLS: usize = 64;
 pub(super) const WHOLE: &str = "the program";
 
 /// Where a program becomes too long or too deep, and how.
-type Endless = (Place, ProgramProblem);
+type UnboundedProgram = (Place, ProgramProblem);
 
 /// That a program comes to its end within [`MAX_INSTRUCTIONS`] and [`MAX_CALLS`].
 ///
 /// # Errors
 /// The first place that keeps it from that.
-pub(super) fn ends(program: &Program, resolved: &Resolved) -> Result<(), Endless> {
-    let mut counter = Counter { program, resolved, known: BTreeMap::new(), running: Vec::new() };
+pub(super) fn check_bounds(program: &Program, resolved: &Resolved) -> Result<(), UnboundedProgram> {
+    let mut counter =
+        BlockCounter { program, resolved, known: BTreeMap::new(), running: Vec::new() };
     let extent = counter.block(&resolved.body, 0)?;
     if extent.instructions <= MAX_INSTRUCTIONS {
         return Ok(());
@@ -32,41 +33,41 @@ pub(super) fn ends(program: &Program, resolved: &Resolved) -> Result<(), Endless
     Err(too_long(place, WHOLE, extent.instructions))
 }
 
-fn too_long(place: Place, what: &'static str, found: u64) -> Endless {
+fn too_long(place: Place, what: &'static str, found: u64) -> UnboundedProgram {
     (place, ProgramProblem::TooLong { what, found: Count(found), allowed: MAX_INSTRUCTIONS })
 }
 
 /// What a block comes to.
 #[derive(Clone, Copy)]
-struct Extent {
+struct BlockSize {
     instructions: u64,
     /// How many blocks and routines stand within each other.
     depth: usize,
 }
 
 /// Counts how many instructions a program comes to, before any is run.
-struct Counter<'p> {
+struct BlockCounter<'p> {
     program: &'p Program,
     resolved: &'p Resolved,
     /// Of routines that have been counted.
-    known: BTreeMap<usize, Extent>,
+    known: BTreeMap<usize, BlockSize>,
     /// Routines that are being counted, the caller before the called.
     running: Vec<usize>,
 }
 
-impl Counter<'_> {
-    fn block(&mut self, body: &[Line], outer: usize) -> Result<Extent, Endless> {
-        let mut sum = Extent { instructions: 0, depth: 0 };
+impl BlockCounter<'_> {
+    fn block(&mut self, body: &[Line], outer: usize) -> Result<BlockSize, UnboundedProgram> {
+        let mut sum = BlockSize { instructions: 0, depth: 0 };
         for line in body {
             let (what, instructions, depth) = match &line.act {
-                Act::Repeat { times, body } => {
+                ResolvedCommand::Repeat { times, body } => {
                     self.enter(line.place, outer + 1)?;
                     let each = self.block(body, outer + 1)?;
                     // An empty pass takes its time to run through as well.
                     let all = each.instructions.max(1).saturating_mul(*times);
                     ("this REPEAT", all, 1 + each.depth)
                 }
-                Act::Call(routine) => {
+                ResolvedCommand::Call(routine) => {
                     self.enter(line.place, outer + 1)?;
                     let called = self.routine(line.place, *routine, outer + 1)?;
                     self.enter(line.place, outer + 1 + called.depth)?;
@@ -83,7 +84,7 @@ impl Counter<'_> {
         Ok(sum)
     }
 
-    fn enter(&self, place: Place, depth: usize) -> Result<(), Endless> {
+    fn enter(&self, place: Place, depth: usize) -> Result<(), UnboundedProgram> {
         if depth <= MAX_CALLS {
             return Ok(());
         }
@@ -91,7 +92,12 @@ impl Counter<'_> {
         Err((place, problem))
     }
 
-    fn routine(&mut self, place: Place, index: usize, outer: usize) -> Result<Extent, Endless> {
+    fn routine(
+        &mut self,
+        place: Place,
+        index: usize,
+        outer: usize,
+    ) -> Result<BlockSize, UnboundedProgram> {
         if let Some(from) = self.running.iter().position(|&running| running == index) {
             let circle = self.running[from..].iter().chain([&index]);
             let name = |&routine: &usize| self.program.routines[routine].name.text.clone();

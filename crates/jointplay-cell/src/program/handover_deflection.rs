@@ -17,7 +17,7 @@ use crate::workcell::Cell;
 ///    laid down:  where it comes to rest, in the plane
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Carried {
+pub struct HandoverDeflection {
     /// Index of the step at whose end it changes hands.
     pub step: usize,
     /// What carries it.
@@ -40,12 +40,12 @@ pub struct Carried {
 
 /// All wafers of a program as they change hands, in order; those of arms whose droop is not known there are left out.
 #[must_use]
-pub fn carried(cell: &Cell, steps: &[Step]) -> Vec<Carried> {
+pub fn handover_deflections(cell: &Cell, steps: &[Step]) -> Vec<HandoverDeflection> {
     let mut sags = BTreeMap::new();
     let of = |(step, it): (usize, &Step)| {
         let (effector, slot, at, lift) = match it.handover? {
-            Handover::Left(effector, slot) => (effector, slot, &it.to, 0.0),
-            Handover::Taken(effector, slot) => {
+            Handover::Placed(effector, slot) => (effector, slot, &it.to, 0.0),
+            Handover::Picked(effector, slot) => {
                 let above = cell.stations[slot.station].stroke.above;
                 (effector, slot, &steps.get(step + 1)?.to, above)
             }
@@ -60,7 +60,7 @@ pub fn carried(cell: &Cell, steps: &[Step]) -> Vec<Carried> {
         let jump = loaded?.translation.vector - empty?.translation.vector;
         let center = rest.translation.vector + normal * sag.plane_height;
         let place = slot_frame.translation.vector + wanted * lift;
-        Some(Carried {
+        Some(HandoverDeflection {
             step,
             effector,
             slot,

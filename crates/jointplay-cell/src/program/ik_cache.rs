@@ -11,7 +11,7 @@ use crate::workcell::Cell;
 
 /// Places that the last program came to, by what they depend on.
 #[derive(Default)]
-pub(crate) struct Places {
+pub(crate) struct IkCache {
     /// Numbers of the stations of the last program, by all that is known of each.
     stations: Kept<u64>,
     /// How many there have been.
@@ -22,7 +22,7 @@ pub(crate) struct Places {
     reached: Kept<Vec<f64>>,
 }
 
-impl Places {
+impl IkCache {
     pub(super) fn begin(&mut self, cell: &Cell) {
         // Numbers are printed so that no two of them look alike.
         let shared = format!(

@@ -21,10 +21,10 @@ mod syntax;
 pub use bounds::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use expand::expand;
 pub(crate) use expand::expand_by;
-pub use handover_deflection::{Carried, carried};
-pub(crate) use ik_cache::Places;
+pub use handover_deflection::{HandoverDeflection, handover_deflections};
+pub(crate) use ik_cache::IkCache;
 pub use problem::{Count, ProgramError, ProgramProblem};
-pub use resolve::wrong_lines;
+pub use resolve::name_errors;
 pub use step::{Handover, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,

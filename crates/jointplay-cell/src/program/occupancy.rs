@@ -19,25 +19,25 @@ enum Holds {
 
 /// What is known of an effector or a slot, and which line changed it last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct State {
+struct Holding {
     holds: Holds,
     since: Option<Place>,
 }
 
 /// Wafers in the cell while a program is gone through.
-pub(super) struct Presence<'c> {
+pub(super) struct WaferOccupancy<'c> {
     cell: &'c Cell,
-    effectors: BTreeMap<EffectorId, State>,
-    slots: BTreeMap<SlotId, State>,
+    effectors: BTreeMap<EffectorId, Holding>,
+    slots: BTreeMap<SlotId, Holding>,
     /// What holds for slots that are not in the list.
     elsewhere: Holds,
     /// Steps at whose end wafers were left, for stations that work on them.
     left: BTreeMap<SlotId, usize>,
 }
 
-impl<'c> Presence<'c> {
+impl<'c> WaferOccupancy<'c> {
     pub(super) fn new(cell: &'c Cell) -> Self {
-        let full = State { holds: Holds::Wafer, since: None };
+        let full = Holding { holds: Holds::Wafer, since: None };
         Self {
             cell,
             effectors: cell.carried.iter().map(|&id| (id, full)).collect(),
@@ -56,13 +56,13 @@ impl<'c> Presence<'c> {
         self.left.clear();
     }
 
-    fn effector(&self, id: EffectorId) -> State {
-        let other = State { holds: self.elsewhere, since: None };
+    fn effector(&self, id: EffectorId) -> Holding {
+        let other = Holding { holds: self.elsewhere, since: None };
         self.effectors.get(&id).copied().unwrap_or(other)
     }
 
-    fn slot(&self, slot: SlotId) -> State {
-        self.slots.get(&slot).copied().unwrap_or(State { holds: self.elsewhere, since: None })
+    fn slot(&self, slot: SlotId) -> Holding {
+        self.slots.get(&slot).copied().unwrap_or(Holding { holds: self.elsewhere, since: None })
     }
 
     /// Effectors that carry a wafer, in order.
@@ -116,15 +116,15 @@ impl<'c> Presence<'c> {
 
     /// The wafer goes from the slot to the effector.
     pub(super) fn get(&mut self, id: EffectorId, slot: SlotId, place: Place) {
-        self.effectors.insert(id, State { holds: Holds::Wafer, since: Some(place) });
-        self.slots.insert(slot, State { holds: Holds::Nothing, since: Some(place) });
+        self.effectors.insert(id, Holding { holds: Holds::Wafer, since: Some(place) });
+        self.slots.insert(slot, Holding { holds: Holds::Nothing, since: Some(place) });
         self.left.remove(&slot);
     }
 
     /// The wafer goes from the effector to the slot, at the end of a step if that is known.
     pub(super) fn put(&mut self, id: EffectorId, slot: SlotId, place: Place, step: Option<usize>) {
-        self.effectors.insert(id, State { holds: Holds::Nothing, since: Some(place) });
-        self.slots.insert(slot, State { holds: Holds::Wafer, since: Some(place) });
+        self.effectors.insert(id, Holding { holds: Holds::Nothing, since: Some(place) });
+        self.slots.insert(slot, Holding { holds: Holds::Wafer, since: Some(place) });
         if let Some(step) = step {
             self.left.insert(slot, step);
         }

@@ -4,7 +4,7 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
-use super::arm_chain::{Planar, Slopes, ahead, dot, turned};
+use super::arm_chain::{ArmChain, AxisCoefficients, dot, perpendicular, turned};
 use super::{EffectorId, HybridRobot, Positions, RODS};
 use crate::CellError;
 
@@ -109,14 +109,14 @@ impl FrameMotion {
     }
 }
 
-impl Planar {
+impl ArmChain {
     /// Positions, velocities and accelerations of its axes, of those of all axes.
-    pub(crate) fn own_rates(&self, motion: &AxesMotion<'_>) -> [Slopes; 3] {
+    pub(crate) fn own_rates(&self, motion: &AxesMotion<'_>) -> [AxisCoefficients; 3] {
         [motion.positions, motion.velocities, motion.accelerations].map(|rates| self.own(rates))
     }
 
     /// How the wafer moves on the platform, by positions, velocities and accelerations of its axes.
-    pub(crate) fn moving(&self, own: &[Slopes; 3]) -> FrameMotion {
+    pub(crate) fn moving(&self, own: &[AxisCoefficients; 3]) -> FrameMotion {
         let [tip, velocity, acceleration] = self.tip_motion(own, 0.0);
         let [_, speed, hurry] = own.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
@@ -129,32 +129,32 @@ impl Planar {
     }
 
     /// The same as the wafer sees it.
-    pub(crate) fn seen(&self, own: &[Slopes; 3]) -> Seen {
+    pub(crate) fn seen(&self, own: &[AxisCoefficients; 3]) -> FrameAcceleration {
         let heading = own.each_ref().map(|rates| dot(&self.heading.1, rates));
         let [place, velocity, acceleration] = self.tip_motion(own, -heading[0]);
-        Seen { place, velocity, acceleration, heading }
+        FrameAcceleration { place, velocity, acceleration, heading }
     }
 
     /// Place, velocity and acceleration of the tip on the platform, turned by an angle.
-    fn tip_motion(&self, own: &[Slopes; 3], turn: f64) -> [Vector2<f64>; 3] {
+    fn tip_motion(&self, own: &[AxisCoefficients; 3], turn: f64) -> [Vector2<f64>; 3] {
         let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
         let mut tip = turned(&self.origin, turn);
-        let by = |slopes: &Slopes| own.each_ref().map(|rates| dot(slopes, rates));
+        let by = |slopes: &AxisCoefficients| own.each_ref().map(|rates| dot(slopes, rates));
         for arrow in self.arrows() {
             let [angle, speed, hurry] = by(&arrow.turn);
             let arrow = turned(&arrow.vector, turn + angle);
             tip += arrow;
-            velocity += ahead(&arrow) * speed;
-            acceleration += ahead(&arrow) * hurry - arrow * (speed * speed);
+            velocity += perpendicular(&arrow) * speed;
+            acceleration += perpendicular(&arrow) * hurry - arrow * (speed * speed);
         }
         for slide in self.slides() {
             let [angle, speed, hurry] = by(&slide.along.turn);
             let [length, growth, urge] = by(&slide.growth);
             let along = turned(&slide.along.vector, turn + angle);
             tip += along * length;
-            velocity += along * growth + ahead(&along) * (length * speed);
+            velocity += along * growth + perpendicular(&along) * (length * speed);
             acceleration += along * (urge - length * speed * speed)
-                + ahead(&along) * (2.0 * growth * speed + length * hurry);
+                + perpendicular(&along) * (2.0 * growth * speed + length * hurry);
         }
         [tip, velocity, acceleration]
     }
@@ -162,7 +162,7 @@ impl Planar {
 
 /// How a wafer moves on the platform, along its own axes.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Seen {
+pub(crate) struct FrameAcceleration {
     /// Of its centre from the platform's origin [m].
     pub(crate) place: Vector2<f64>,
     /// [m/s]
@@ -194,7 +194,7 @@ impl HybridRobot {
         self.check_motion(motion)?;
         let platform = self.platform(motion.positions)?;
         let platform = self.platform_motion(&platform, motion)?;
-        let planar = Planar::new(self, id);
+        let planar = ArmChain::new(self, id);
         Ok(platform.carrying(&planar.moving(&planar.own_rates(motion))))
     }
 

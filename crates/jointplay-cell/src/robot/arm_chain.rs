@@ -4,27 +4,27 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{Translation3, Vector2};
 
 use super::forward::about_normal;
-use super::{EffectorId, HybridRobot, MAX_JOINTS, MotionKind};
+use super::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
 
-/// One number for each axis of an arm, in the order of [`Planar::axes`].
-pub(super) type Slopes = [f64; MAX_JOINTS];
+/// One number for each axis of an arm, in the order of [`ArmChain::axes`].
+pub(super) type AxisCoefficients = [f64; MAX_JOINTS];
 
 /// An arrow, fixed in a frame that turns by Σ slopes · positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Arrow {
+pub(super) struct LinkVector {
     /// At all axes zero, in the platform frame [m].
     pub(super) vector: Vector2<f64>,
     /// Turn by position.
-    pub(super) turn: Slopes,
+    pub(super) turn: AxisCoefficients,
 }
 
 /// An arrow of unit length that also grows, by Σ slopes · positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Slide {
+pub(super) struct PrismaticJoint {
     /// Its direction, and how it turns.
-    pub(super) along: Arrow,
+    pub(super) along: LinkVector,
     /// Length by position.
-    pub(super) growth: Slopes,
+    pub(super) growth: AxisCoefficients,
 }
 
 /// An arm from the platform to one of its wafers, in its plane.
@@ -34,7 +34,7 @@ pub(super) struct Slide {
 /// ```
 /// a: positions of the arm's axes, m and σ: slopes. Constants of joints are turned into the arrows, and arrows that turn alike are one.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Planar {
+pub(crate) struct ArmChain {
     /// Axes that move it, as indices into those of the robot; the first `count` count.
     axes: [usize; MAX_JOINTS],
     count: usize,
@@ -42,16 +42,16 @@ pub(crate) struct Planar {
     pub(super) origin: Vector2<f64>,
     /// Height of the wafer's plane over the platform plane [m].
     pub(super) height: f64,
-    arrows: [Arrow; MAX_JOINTS],
+    arrows: [LinkVector; MAX_JOINTS],
     arrow_count: usize,
-    slides: [Slide; MAX_JOINTS],
+    slides: [PrismaticJoint; MAX_JOINTS],
     slide_count: usize,
     /// The wafer's heading where all axes are at zero [rad], and how it turns.
-    pub(super) heading: (f64, Slopes),
+    pub(super) heading: (f64, AxisCoefficients),
 }
 
 #[inline]
-pub(super) fn dot(slopes: &Slopes, positions: &Slopes) -> f64 {
+pub(super) fn dot(slopes: &AxisCoefficients, positions: &AxisCoefficients) -> f64 {
     slopes[0] * positions[0]
         + slopes[1] * positions[1]
         + slopes[2] * positions[2]
@@ -66,16 +66,16 @@ pub(super) fn turned(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
 
 /// The vector a quarter turn ahead.
 #[inline]
-pub(super) fn ahead(vector: &Vector2<f64>) -> Vector2<f64> {
+pub(super) fn perpendicular(vector: &Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-vector.y, vector.x)
 }
 
-impl Planar {
+impl ArmChain {
     /// Of an effector that exists, on an arm of at most [`MAX_JOINTS`] joints and axes.
     pub(crate) fn new(robot: &HybridRobot, id: EffectorId) -> Self {
         let arm = &robot.arms[id.arm];
         let effector = &arm.effectors[id.effector];
-        let still = Arrow { vector: Vector2::zeros(), turn: [0.0; MAX_JOINTS] };
+        let still = LinkVector { vector: Vector2::zeros(), turn: [0.0; MAX_JOINTS] };
         let mut planar = Self {
             axes: [0; MAX_JOINTS],
             count: 0,
@@ -83,7 +83,7 @@ impl Planar {
             height: arm.mount[2] + effector.wafer_center[2],
             arrows: [still; MAX_JOINTS],
             arrow_count: 0,
-            slides: [Slide { along: still, growth: still.turn }; MAX_JOINTS],
+            slides: [PrismaticJoint { along: still, growth: still.turn }; MAX_JOINTS],
             slide_count: 0,
             heading: (0.0, still.turn),
         };
@@ -95,16 +95,19 @@ impl Planar {
                 slopes[planar.axis(axis)] += ratio;
             }
             match joint.kind {
-                MotionKind::Turn => {
+                AxisKind::Rotary => {
                     constant += joint.zero;
                     for (sum, slope) in turn.iter_mut().zip(slopes) {
                         *sum += slope;
                     }
                 }
-                MotionKind::Slide => {
+                AxisKind::Linear => {
                     let along = turned(&Vector2::x(), constant);
-                    planar.slide(Slide { along: Arrow { vector: along, turn }, growth: slopes });
-                    planar.arrow(Arrow { vector: along * joint.zero, turn });
+                    planar.slide(PrismaticJoint {
+                        along: LinkVector { vector: along, turn },
+                        growth: slopes,
+                    });
+                    planar.arrow(LinkVector { vector: along * joint.zero, turn });
                 }
             }
             let link = if k + 1 == arm.joints.len() {
@@ -112,7 +115,7 @@ impl Planar {
             } else {
                 Vector2::new(joint.length, joint.offset)
             };
-            planar.arrow(Arrow { vector: turned(&link, constant), turn });
+            planar.arrow(LinkVector { vector: turned(&link, constant), turn });
         }
         planar.heading = (constant + effector.heading, turn);
         planar
@@ -126,7 +129,7 @@ impl Planar {
         })
     }
 
-    fn arrow(&mut self, arrow: Arrow) {
+    fn arrow(&mut self, arrow: LinkVector) {
         if arrow.turn == [0.0; MAX_JOINTS] {
             self.origin += arrow.vector;
             return;
@@ -141,7 +144,7 @@ impl Planar {
         }
     }
 
-    fn slide(&mut self, slide: Slide) {
+    fn slide(&mut self, slide: PrismaticJoint) {
         self.slides[self.slide_count] = slide;
         self.slide_count += 1;
     }
@@ -158,18 +161,18 @@ impl Planar {
     }
 
     #[inline]
-    pub(super) fn arrows(&self) -> &[Arrow] {
+    pub(super) fn arrows(&self) -> &[LinkVector] {
         &self.arrows[..self.arrow_count]
     }
 
     #[inline]
-    pub(super) fn slides(&self) -> &[Slide] {
+    pub(super) fn slides(&self) -> &[PrismaticJoint] {
         &self.slides[..self.slide_count]
     }
 
     /// Positions of its axes, of those of all axes.
     #[inline]
-    pub(super) fn own(&self, positions: &[f64]) -> Slopes {
+    pub(super) fn own(&self, positions: &[f64]) -> AxisCoefficients {
         let mut own = [0.0; MAX_JOINTS];
         for (own, &axis) in own.iter_mut().zip(self.axes()) {
             *own = positions[axis];
@@ -179,7 +182,7 @@ impl Planar {
 
     /// Centre of the wafer, in the platform plane [m].
     #[inline]
-    pub(super) fn tip(&self, own: &Slopes) -> Vector2<f64> {
+    pub(super) fn tip(&self, own: &AxisCoefficients) -> Vector2<f64> {
         let mut tip = self.origin;
         for arrow in self.arrows() {
             tip += turned(&arrow.vector, dot(&arrow.turn, own));
@@ -199,29 +202,29 @@ impl Planar {
 
     /// platform_from_wafer, its centre known.
     #[inline]
-    pub(super) fn at(&self, tip: &Vector2<f64>, own: &Slopes) -> Pose {
+    pub(super) fn at(&self, tip: &Vector2<f64>, own: &AxisCoefficients) -> Pose {
         let center = tip.push(self.height);
         Pose::from_parts(Translation3::from(center), about_normal(self.heading(own)))
     }
 
     /// Heading of the wafer, from the platform's x axis [rad].
     #[inline]
-    pub(super) fn heading(&self, own: &Slopes) -> f64 {
+    pub(super) fn heading(&self, own: &AxisCoefficients) -> f64 {
         self.heading.0 + dot(&self.heading.1, own)
     }
 
     /// Velocity of the tip by each of its axes [m/m or m/rad].
-    pub(super) fn tip_velocities(&self, own: &Slopes) -> [Vector2<f64>; MAX_JOINTS] {
+    pub(super) fn tip_velocities(&self, own: &AxisCoefficients) -> [Vector2<f64>; MAX_JOINTS] {
         let mut velocities = [Vector2::zeros(); MAX_JOINTS];
         for arrow in self.arrows() {
-            let turning = ahead(&turned(&arrow.vector, dot(&arrow.turn, own)));
+            let turning = perpendicular(&turned(&arrow.vector, dot(&arrow.turn, own)));
             for (velocity, slope) in velocities.iter_mut().zip(arrow.turn) {
                 *velocity += turning * slope;
             }
         }
         for slide in self.slides() {
             let along = turned(&slide.along.vector, dot(&slide.along.turn, own));
-            let turning = ahead(&along) * dot(&slide.growth, own);
+            let turning = perpendicular(&along) * dot(&slide.growth, own);
             for (a, velocity) in velocities.iter_mut().enumerate() {
                 *velocity += along * slide.growth[a] + turning * slide.along.turn[a];
             }

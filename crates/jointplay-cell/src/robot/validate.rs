@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use nalgebra::Vector2;
 
-use super::arm_chain::Planar;
+use super::arm_chain::ArmChain;
 use super::{
-    Arm, ArmJoint, Axis, Effector, EffectorId, HybridRobot, MAX_ARMS, MAX_AXES, MAX_JOINTS,
-    MotionKind, RODS,
+    Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, MAX_ARMS, MAX_AXES,
+    MAX_JOINTS, RODS,
 };
 use crate::CellError;
 use crate::wafer::Droop;
@@ -26,27 +26,27 @@ const LONGEST_REACH: f64 = 100.0;
 /// Velocities whose parallelogram is flatter than this share of their squares have one direction.
 const FLAT: f64 = 1e-9;
 
-impl MotionKind {
+impl AxisKind {
     /// `m` or `rad`.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
-            Self::Turn => "rad",
-            Self::Slide => "m",
+            Self::Rotary => "rad",
+            Self::Linear => "m",
         }
     }
 
     fn verb(self) -> &'static str {
         match self {
-            Self::Turn => "turns",
-            Self::Slide => "slides",
+            Self::Rotary => "turns",
+            Self::Linear => "slides",
         }
     }
 }
 
 /// The part of a robot that a fault is about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum RobotPart {
     /// All of it.
     Robot,
     /// An axis, by index.
@@ -59,9 +59,9 @@ pub enum Part {
     Effector(usize, usize),
 }
 
-type Fault = (Part, Box<CellError>);
+type Fault = (RobotPart, Box<CellError>);
 
-impl Part {
+impl RobotPart {
     fn at_fault(self) -> impl Fn(CellError) -> Fault {
         move |error| (self, Box::new(error))
     }
@@ -86,27 +86,27 @@ impl HybridRobot {
     ///
     /// # Errors
     /// The first fault found.
-    pub fn check(&self) -> Result<(), (Part, Box<CellError>)> {
-        let whole = Part::Robot.at_fault();
+    pub fn check(&self) -> Result<(), (RobotPart, Box<CellError>)> {
+        let whole = RobotPart::Robot.at_fault();
         if self.name.trim().is_empty() {
             return Err(whole(CellError::NoName { what: "the robot".to_owned() }));
         }
         count("arms", self.arms.len(), 1, MAX_ARMS).map_err(&whole)?;
         count("axes, rods included", self.axes.len(), RODS + 1, MAX_AXES).map_err(&whole)?;
         unique("axes", self.axes.iter().map(|axis| &axis.name))
-            .map_err(|(index, error)| Part::Axis(index).at_fault()(error))?;
+            .map_err(|(index, error)| RobotPart::Axis(index).at_fault()(error))?;
         unique("arms", self.arms.iter().map(|arm| &arm.name))
-            .map_err(|(index, error)| Part::Arm(index).at_fault()(error))?;
+            .map_err(|(index, error)| RobotPart::Arm(index).at_fault()(error))?;
         let effectors: Vec<(usize, usize)> = (0..self.arms.len())
             .flat_map(|arm| (0..self.arms[arm].effectors.len()).map(move |k| (arm, k)))
             .collect();
         let names = effectors.iter().map(|&(arm, k)| &self.arms[arm].effectors[k].name);
         unique("effectors", names).map_err(|(index, error)| {
             let (arm, k) = effectors[index];
-            Part::Effector(arm, k).at_fault()(error)
+            RobotPart::Effector(arm, k).at_fault()(error)
         })?;
         for (index, axis) in self.axes.iter().enumerate() {
-            self.check_axis_of(index, axis).map_err(Part::Axis(index).at_fault())?;
+            self.check_axis_of(index, axis).map_err(RobotPart::Axis(index).at_fault())?;
         }
         let home = [0, 1, 2].map(|rod| self.axes[rod].home);
         let pitch = self.gpr.plane_tilt(&home).pitch;
@@ -120,7 +120,7 @@ impl HybridRobot {
             let mut drives = joints.flat_map(|joint| &joint.drives);
             if !drives.any(|&(driven, _)| driven == index) {
                 let idle = CellError::IdleAxis { axis: axis.name.clone() };
-                return Err(Part::Axis(index).at_fault()(idle));
+                return Err(RobotPart::Axis(index).at_fault()(idle));
             }
         }
         Ok(())
@@ -138,12 +138,12 @@ impl HybridRobot {
             return Err(CellError::LimitsReversed { what, min: *min, max: *max, unit });
         }
         in_range(of("home position"), *home, *min, *max, unit)?;
-        if *kind == MotionKind::Turn {
+        if *kind == AxisKind::Rotary {
             in_range(of("range"), max - min, 0.0, WIDEST_TURN, unit)?;
         }
         let units = match kind {
-            MotionKind::Turn => ["rad/s", "rad/s²", "rad/s³"],
-            MotionKind::Slide => ["m/s", "m/s²", "m/s³"],
+            AxisKind::Rotary => ["rad/s", "rad/s²", "rad/s³"],
+            AxisKind::Linear => ["m/s", "m/s²", "m/s³"],
         };
         let rows = [
             ("velocity", empty.velocity, loaded.velocity),
@@ -156,7 +156,7 @@ impl HybridRobot {
             in_range(of(&format!("{what} with a wafer")), loaded, 0.0, empty, unit)?;
         }
         if index < RODS {
-            if *kind != MotionKind::Slide {
+            if *kind != AxisKind::Linear {
                 let why = "the first three axes are those of the rods, and have to slide";
                 return Err(CellError::WrongAxis { axis: name.clone(), why: why.to_owned() });
             }
@@ -170,7 +170,7 @@ impl HybridRobot {
 
     fn check_arm(&self, index: usize, arm: &Arm) -> Result<(), Fault> {
         let of = |what: &str| format!("{what} of arm {}", arm.name);
-        let at_fault = Part::Arm(index).at_fault();
+        let at_fault = RobotPart::Arm(index).at_fault();
         for value in arm.mount {
             finite(of("the mount"), value).map_err(&at_fault)?;
         }
@@ -180,7 +180,7 @@ impl HybridRobot {
         let mut motors = BTreeSet::new();
         for (k, joint) in arm.joints.iter().enumerate() {
             let of = |what: &str| format!("{what} of joint {} of arm {}", k + 1, arm.name);
-            self.check_joint(joint, of).map_err(Part::Joint(index, k).at_fault())?;
+            self.check_joint(joint, of).map_err(RobotPart::Joint(index, k).at_fault())?;
             motors.extend(joint.drives.iter().map(|&(axis, _)| axis));
         }
         // More could not be told apart, and their positions would be anyone's choice.
@@ -188,7 +188,7 @@ impl HybridRobot {
         for (k, effector) in arm.effectors.iter().enumerate() {
             let id = EffectorId { arm: index, effector: k };
             let checked = self.check_effector_of(id, arm, effector);
-            checked.map_err(Part::Effector(index, k).at_fault())?;
+            checked.map_err(RobotPart::Effector(index, k).at_fault())?;
         }
         Ok(())
     }
@@ -258,7 +258,7 @@ impl HybridRobot {
 
     /// Independent directions in which an effector's motors move its wafer, the most over a few positions.
     fn directions(&self, id: EffectorId) -> usize {
-        let planar = Planar::new(self, id);
+        let planar = ArmChain::new(self, id);
         let axes = planar.axes();
         let at = |share: f64| {
             let mut own = [0.0; MAX_JOINTS];

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use super::Way;
+use super::Segment;
 use super::corner::Corner;
 use super::segment_planner::key;
 use crate::geometry::{Solid, Solids};
@@ -25,7 +25,7 @@ pub struct Blend {
 pub(super) struct Blends {
     /// By how much the steps at a corner are slowed.
     slower: Kept<f64>,
-    slowed: Kept<Way>,
+    slowed: Kept<Segment>,
     blends: Kept<Option<Blend>>,
     solids: Solids,
     /// Zones that wafers' centres have to stay in while the robot turns.
@@ -56,7 +56,7 @@ impl Blends {
         &mut self,
         cell: &Cell,
         steps: &[Step],
-        ways: &mut [Arc<Way>],
+        ways: &mut [Arc<Segment>],
         run: Run<'_>,
     ) -> Result<Vec<f64>, Interrupted> {
         let corners: Vec<usize> = (0..steps.len().saturating_sub(1))
@@ -77,10 +77,11 @@ impl Blends {
                 *factor_of = factor_of.max(*factor);
             }
         }
-        let slowed: Vec<Arc<Way>> =
+        let slowed: Vec<Arc<Segment>> =
             (0..steps.len()).map(|k| self.slowed(&steps[k], &ways[k], factors[k])).collect();
-        let blend =
-            |ways: &[Arc<Way>], before: usize| at((cell, &self.safe), steps, ways, before)?.blend();
+        let blend = |ways: &[Arc<Segment>], before: usize| {
+            at((cell, &self.safe), steps, ways, before)?.blend()
+        };
         fill(&mut self.blends, &plain, run, |before| blend(ways, before))?;
         fill(&mut self.blends, &keys(&factors), run, |before| blend(&slowed, before))?;
         // Each corner gains by its own factor; whether all do together is seen from rest to rest.
@@ -106,7 +107,7 @@ impl Blends {
         Ok(factors)
     }
 
-    fn slowed(&mut self, step: &Step, way: &Arc<Way>, factor: f64) -> Arc<Way> {
+    fn slowed(&mut self, step: &Step, way: &Arc<Segment>, factor: f64) -> Arc<Segment> {
         if factor == 1.0 {
             return Arc::clone(way);
         }
@@ -117,7 +118,13 @@ impl Blends {
     }
 
     /// How long steps take that run into each other [s].
-    fn duration(&mut self, cell: &Cell, steps: &[Step], ways: &[Arc<Way>], factors: &[f64]) -> f64 {
+    fn duration(
+        &mut self,
+        cell: &Cell,
+        steps: &[Step],
+        ways: &[Arc<Segment>],
+        factors: &[f64],
+    ) -> f64 {
         let corners = 0..steps.len() - 1;
         let blends: Vec<Option<Blend>> =
             corners.map(|before| self.at(cell, steps, ways, factors, before)).collect();
@@ -130,7 +137,7 @@ impl Blends {
         &mut self,
         cell: &Cell,
         steps: &[Step],
-        ways: &[Arc<Way>],
+        ways: &[Arc<Segment>],
         factors: &[f64],
         before: usize,
     ) -> Option<Blend> {
@@ -159,7 +166,7 @@ fn fill<T: Send + Sync>(
 fn at<'a>(
     (cell, safe): (&'a Cell, &'a [Solid]),
     steps: &'a [Step],
-    ways: &'a [Arc<Way>],
+    ways: &'a [Arc<Segment>],
     before: usize,
 ) -> Option<Corner<'a>> {
     Corner::new(

@@ -4,7 +4,7 @@ use jointplay_core::spatial::{Pose, leaning};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::spline::Spline;
-use crate::robot::{EffectorJacobian, HybridRobot, MotionKind};
+use crate::robot::{AxisKind, EffectorJacobian, HybridRobot};
 
 /// Where the line leads, and which axes may follow it.
 pub(crate) struct Task<'a> {
@@ -109,8 +109,8 @@ impl Stuck {
             Obstacle::OtherBranch { axis, off } => {
                 let axis = &robot.axes[*axis];
                 let off = match axis.kind {
-                    MotionKind::Turn => format!("{:.3}°", off.to_degrees()),
-                    MotionKind::Slide => format!("{:.3} mm", off * 1e3),
+                    AxisKind::Rotary => format!("{:.3}°", off.to_degrees()),
+                    AxisKind::Linear => format!("{:.3} mm", off * 1e3),
                 };
                 format!(
                     "the line leads to another posture than that of its end, axis {} is off by {off}: both ends are on different branches of the arm; {change}",

@@ -3,13 +3,13 @@
 use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 
-use super::Way;
+use super::Segment;
 use super::blend::Blend;
-use super::limits::dynamics;
-use super::profile::State;
+use super::limits::scaled_axis_limits;
+use super::profile::AxisState;
 use crate::geometry::{Placed, Solid, outside};
 use crate::program::{Phase, Step};
-use crate::robot::{AxesMotion, Dynamics, EffectorId, Planar, Positions, RODS};
+use crate::robot::{ArmChain, AxesMotion, EffectorId, KinematicLimits, Positions, RODS};
 use crate::workcell::Cell;
 
 /// Halvings by which the longest overlap is found.
@@ -32,14 +32,14 @@ pub(super) struct Corner<'a> {
     /// Zones that wafers' centres have to stay in while the robot turns.
     safe: &'a [Solid],
     steps: [&'a Step; 2],
-    ways: [&'a Way; 2],
+    ways: [&'a Segment; 2],
     /// How far a wafer may stray [m].
     radius: f64,
     /// Axes that move in either step, as indices.
     moving: Vec<usize>,
     /// Of each of these in either step.
-    limits: [Vec<Dynamics>; 2],
-    effectors: Vec<(EffectorId, Planar)>,
+    limits: [Vec<KinematicLimits>; 2],
+    effectors: Vec<(EffectorId, ArmChain)>,
     /// The platform where the steps meet.
     platform: Option<Forward>,
 }
@@ -49,13 +49,13 @@ impl<'a> Corner<'a> {
     pub(super) fn new(
         (cell, safe): (&'a Cell, &'a [Solid]),
         steps: [&'a Step; 2],
-        ways: [&'a Way; 2],
+        ways: [&'a Segment; 2],
     ) -> Option<Self> {
         let radius = steps[0].blend.min(steps[1].blend);
-        let runs_on = |step: &Step, way: &Way| {
+        let runs_on = |step: &Step, way: &Segment| {
             step.handover.is_none()
                 && !matches!(step.phase, Phase::Lift | Phase::Lower | Phase::Wait)
-                && !matches!(way, Way::Still { .. })
+                && !matches!(way, Segment::Dwell { .. })
         };
         let both = runs_on(steps[0], ways[0]) && runs_on(steps[1], ways[1]);
         if !(both && radius > 0.0 && steps[0].loaded == steps[1].loaded) {
@@ -64,16 +64,16 @@ impl<'a> Corner<'a> {
         let robot = &cell.robot;
         let moves = |axis: &usize| (0..2).any(|k| ways[k].moves(steps[k], *axis));
         let moving: Vec<usize> = (0..robot.axes.len()).filter(moves).collect();
-        let limits =
-            steps.map(|step| moving.iter().map(|&axis| dynamics(robot, axis, step)).collect());
-        let effectors = robot.effectors().map(|id| (id, Planar::new(robot, id))).collect();
+        let limits = steps
+            .map(|step| moving.iter().map(|&axis| scaled_axis_limits(robot, axis, step)).collect());
+        let effectors = robot.effectors().map(|id| (id, ArmChain::new(robot, id))).collect();
         let platform = robot.platform(&steps[1].from).ok();
         Some(Self { cell, safe, steps, ways, radius, moving, limits, effectors, platform })
     }
 
     /// By how much to slow both steps: so that what the overlap saves is more than what that costs.
     pub(super) fn slower(&self) -> f64 {
-        let durations = self.ways.map(Way::duration);
+        let durations = self.ways.map(Segment::duration);
         let (both, most) = (durations[0] + durations[1], longest(durations));
         let mut best = (1.0, 0.0);
         for factor in SLOWER {
@@ -101,9 +101,9 @@ impl<'a> Corner<'a> {
     }
 
     /// The same with other ways, which differ in their pace alone.
-    fn at_pace(&self, ways: [&Way; 2]) -> Option<Blend> {
-        let two = Two { corner: self, ways, breaks: ways.map(Way::breaks) };
-        let most = longest(ways.map(Way::duration));
+    fn at_pace(&self, ways: [&Segment; 2]) -> Option<Blend> {
+        let two = Two { corner: self, ways, breaks: ways.map(Segment::breaks) };
+        let most = longest(ways.map(Segment::duration));
         if let Some(deviation) = two.stray(most) {
             return Some(Blend { overlap: most, deviation });
         }
@@ -134,7 +134,7 @@ fn longest(durations: [f64; 2]) -> f64 {
 /// Two motions at a corner.
 struct Two<'c> {
     corner: &'c Corner<'c>,
-    ways: [&'c Way; 2],
+    ways: [&'c Segment; 2],
     /// Times after the start of either at which a jerk jumps [s].
     breaks: [Vec<f64>; 2],
 }
@@ -189,7 +189,7 @@ impl Two<'_> {
     }
 
     /// What an axis does in either step, by its place among those that move.
-    fn states(&self, place: usize, overlap: f64, since: f64) -> [State; 2] {
+    fn states(&self, place: usize, overlap: f64, since: f64) -> [AxisState; 2] {
         let begin = self.ways[0].duration() - overlap;
         let axis = self.corner.moving[place];
         let [first, second] = self.corner.steps;
@@ -197,7 +197,7 @@ impl Two<'_> {
     }
 
     /// Whether both motions of an axis at once keep to the limits of one of the steps.
-    fn within(&self, place: usize, states: [State; 2], owner: usize) -> bool {
+    fn within(&self, place: usize, states: [AxisState; 2], owner: usize) -> bool {
         let most = [0, 1].map(|step| {
             let limits = &self.corner.limits[step][place];
             [limits.velocity, limits.acceleration, limits.jerk]
@@ -246,7 +246,7 @@ impl Moment {
 
     /// How far wafers' centres are from where either step alone would have them, the nearer of both [m].
     fn stray(&self, corner: &Corner<'_>) -> f64 {
-        let of = |planar: &Planar| {
+        let of = |planar: &ArmChain| {
             let center = |way: usize| {
                 let wafer = planar.wafer(&self.rates[way][0]);
                 (self.platforms[way].base_from_platform * wafer).translation.vector
@@ -259,7 +259,7 @@ impl Moment {
 
     /// Whether a wafer slips that either motion alone would carry.
     fn slips(&self, corner: &Corner<'_>) -> bool {
-        let share = |&(id, planar): &(EffectorId, Planar), way: usize| {
+        let share = |&(id, planar): &(EffectorId, ArmChain), way: usize| {
             let [positions, velocities, accelerations] = &self.rates[way];
             let motion = AxesMotion { positions, velocities, accelerations };
             let robot = &corner.cell.robot;
@@ -282,7 +282,7 @@ impl Moment {
         if corner.steps[owner].phase != Phase::Turn {
             return false;
         }
-        let off = |solid: &Solid, &(id, ref planar): &(EffectorId, Planar), way: usize| {
+        let off = |solid: &Solid, &(id, ref planar): &(EffectorId, ArmChain), way: usize| {
             let loaded = corner.steps[0].loaded.contains(&id);
             let wafer =
                 corner.cell.wafer_pose_by((id, planar), &self.rates[way][0], loaded).ok()?;

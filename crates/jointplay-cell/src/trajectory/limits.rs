@@ -1,11 +1,11 @@
 //! What each axis may do during a step.
 
 use crate::program::Step;
-use crate::robot::{Dynamics, EffectorId, HybridRobot, RODS};
+use crate::robot::{EffectorId, HybridRobot, KinematicLimits, RODS};
 
 /// Whether an axis moves an effector: a rod moves all, a motor those of the arms whose joints it drives.
 #[must_use]
-pub fn moves(robot: &HybridRobot, axis: usize, effector: EffectorId) -> bool {
+pub fn axis_moves_effector(robot: &HybridRobot, axis: usize, effector: EffectorId) -> bool {
     axis < RODS
         || robot.arms[effector.arm]
             .joints
@@ -18,9 +18,9 @@ pub fn moves(robot: &HybridRobot, axis: usize, effector: EffectorId) -> bool {
 ///
 /// The loaded limits hold as soon as one effector that the axis moves carries a wafer.
 #[must_use]
-pub fn dynamics(robot: &HybridRobot, axis: usize, step: &Step) -> Dynamics {
-    let limits = limits_of(robot, axis, step);
-    Dynamics {
+pub fn scaled_axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> KinematicLimits {
+    let limits = axis_limits(robot, axis, step);
+    KinematicLimits {
         velocity: limits.velocity * step.speed,
         acceleration: limits.acceleration * step.speed,
         jerk: limits.jerk * step.speed,
@@ -28,8 +28,8 @@ pub fn dynamics(robot: &HybridRobot, axis: usize, step: &Step) -> Dynamics {
 }
 
 /// Limits of an axis during a step, whatever share of them the program asks for.
-pub fn limits_of(robot: &HybridRobot, axis: usize, step: &Step) -> Dynamics {
-    let loaded = step.loaded.iter().any(|&effector| moves(robot, axis, effector));
+pub fn axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> KinematicLimits {
+    let loaded = step.loaded.iter().any(|&effector| axis_moves_effector(robot, axis, effector));
     let axis = &robot.axes[axis];
     if loaded { axis.loaded } else { axis.empty }
 }

@@ -1,7 +1,7 @@
 //! Steps in time.
 //!
 //! ```text
-//!   Path::Axes   from ──▶ to     every axis jerk-limited, all in the time of the slowest
+//!   Path::PointToPoint   from ──▶ to     every axis jerk-limited, all in the time of the slowest
 //!   Path::Line   from ──▶ to     q(s): the wafer's centre straight, its plane turning evenly;  s(t): every axis within its limits
 //! ```
 
@@ -18,11 +18,13 @@ mod synchronized;
 mod time_parameterization;
 
 pub use blend::Blend;
-pub use limits::{dynamics, limits_of, moves};
-pub(crate) use profile::State;
-pub(crate) use sampler::Track;
-pub use segment_planner::{MOST_DURATION, MotionError, MotionOptions, StepProblem, timed};
-pub(crate) use segment_planner::{Ways, straight};
+pub use limits::{axis_limits, axis_moves_effector, scaled_axis_limits};
+pub(crate) use profile::AxisState;
+pub(crate) use sampler::AxisSampler;
+pub use segment_planner::{
+    MAX_DURATION, StepError, TrajectoryError, TrajectoryOptions, plan_trajectory,
+};
+pub(crate) use segment_planner::{SegmentCache, straight};
 
 use std::sync::Arc;
 
@@ -48,20 +50,20 @@ pub struct Sample {
 
 /// Steps with their times.
 #[derive(Debug, Clone)]
-pub struct Motion {
+pub struct Trajectory {
     /// In order.
     pub steps: Vec<Step>,
     /// Start of each step, and the end of the last; where a step runs into the next, the middle of their overlap [s].
     pub times: Vec<f64>,
     /// How the axes go in each step.
-    ways: Vec<Arc<Way>>,
+    ways: Vec<Arc<Segment>>,
     /// How each step runs into the next.
     blends: Vec<Option<Blend>>,
 }
 
 /// How far a straight line is from straight.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Straightness {
+pub struct LineDeviation {
     /// Its length [m].
     pub length: f64,
     /// Largest distance of the wafer's centre from the straight line [m].
@@ -72,17 +74,17 @@ pub struct Straightness {
 
 /// How all axes go in one step.
 #[derive(Debug, Clone)]
-pub(crate) enum Way {
-    Still { duration: f64 },
-    Axes(synchronized::Together),
-    Line { line: Arc<cartesian_path::Line>, pace: profile::Curve },
+pub(crate) enum Segment {
+    Dwell { duration: f64 },
+    PointToPoint(synchronized::SynchronizedProfile),
+    Line { line: Arc<cartesian_path::Line>, pace: profile::JerkLimitedProfile },
 }
 
-impl Way {
+impl Segment {
     fn duration(&self) -> f64 {
         match self {
-            Self::Still { duration } => *duration,
-            Self::Axes(together) => together.duration,
+            Self::Dwell { duration } => *duration,
+            Self::PointToPoint(together) => together.duration,
             Self::Line { pace, .. } => pace.duration(),
         }
     }
@@ -90,8 +92,8 @@ impl Way {
     /// The same way, `factor` times as long.
     fn slowed(&self, factor: f64) -> Self {
         match self {
-            Self::Still { duration } => Self::Still { duration: *duration },
-            Self::Axes(together) => Self::Axes(synchronized::Together {
+            Self::Dwell { duration } => Self::Dwell { duration: *duration },
+            Self::PointToPoint(together) => Self::PointToPoint(synchronized::SynchronizedProfile {
                 curves: together.curves.iter().map(|curve| curve.slowed(factor)).collect(),
                 duration: together.duration * factor,
                 slowest: together.slowest,
@@ -105,8 +107,8 @@ impl Way {
     /// Whether an axis does anything on it.
     fn moves(&self, step: &Step, axis: usize) -> bool {
         match self {
-            Self::Still { .. } => false,
-            Self::Axes(_) => step.from[axis] != step.to[axis],
+            Self::Dwell { .. } => false,
+            Self::PointToPoint(_) => step.from[axis] != step.to[axis],
             Self::Line { line, .. } => line.spline.moves(axis),
         }
     }
@@ -114,9 +116,9 @@ impl Way {
     /// Times after its start at which a jerk jumps [s].
     fn breaks(&self) -> Vec<f64> {
         match self {
-            Self::Still { .. } => Vec::new(),
-            Self::Axes(together) => {
-                together.curves.iter().flat_map(profile::Curve::breaks).collect()
+            Self::Dwell { .. } => Vec::new(),
+            Self::PointToPoint(together) => {
+                together.curves.iter().flat_map(profile::JerkLimitedProfile::breaks).collect()
             }
             Self::Line { line, pace } => {
                 let knots = line.spline.knots().iter().map(|&knot| pace.when(knot));
@@ -126,10 +128,10 @@ impl Way {
     }
 
     /// One axis, some time after its start [s].
-    fn state(&self, step: &Step, axis: usize, since: f64) -> profile::State {
+    fn state(&self, step: &Step, axis: usize, since: f64) -> profile::AxisState {
         match self {
-            Self::Still { .. } => [step.to[axis], 0.0, 0.0, 0.0],
-            Self::Axes(together) => together.curves[axis].at(since),
+            Self::Dwell { .. } => [step.to[axis], 0.0, 0.0, 0.0],
+            Self::PointToPoint(together) => together.curves[axis].at(since),
             Self::Line { line, pace } => {
                 let along = pace.at(since);
                 on_line(line, line.spline.interval(along[0]), axis, along)
@@ -144,8 +146,8 @@ impl Way {
             return;
         }
         match self {
-            Self::Still { .. } => sample.positions.copy_from_slice(&step.from),
-            Self::Axes(together) => {
+            Self::Dwell { .. } => sample.positions.copy_from_slice(&step.from),
+            Self::PointToPoint(together) => {
                 for (axis, curve) in together.curves.iter().enumerate() {
                     sample.set(axis, curve.at(since));
                 }
@@ -177,8 +179,8 @@ fn on_line(
     line: &cartesian_path::Line,
     interval: usize,
     axis: usize,
-    [s, rate, acceleration, jerk]: profile::State,
-) -> profile::State {
+    [s, rate, acceleration, jerk]: profile::AxisState,
+) -> profile::AxisState {
     let [q, slope, curvature, third] = line.spline.jet(interval, axis, s);
     [
         q,
@@ -188,7 +190,7 @@ fn on_line(
     ]
 }
 
-impl Motion {
+impl Trajectory {
     /// How long it takes [s].
     #[must_use]
     pub fn duration(&self) -> f64 {
@@ -210,13 +212,13 @@ impl Motion {
 
     /// Whether no axis moves in a step.
     #[must_use]
-    pub fn stands(&self, step: usize) -> bool {
-        matches!(*self.ways[step], Way::Still { .. })
+    pub fn is_dwell(&self, step: usize) -> bool {
+        matches!(*self.ways[step], Segment::Dwell { .. })
     }
 
     /// Whether a step takes any time: waiting for a station that is done already takes none.
     #[must_use]
-    pub fn lasts(&self, step: usize) -> bool {
+    pub fn has_duration(&self, step: usize) -> bool {
         self.ways[step].duration() > 0.0
     }
 
@@ -234,9 +236,9 @@ impl Motion {
 
     /// How straight a step is that runs along a line; `None` for any other.
     #[must_use]
-    pub fn straightness(&self, step: usize) -> Option<Straightness> {
+    pub fn straightness(&self, step: usize) -> Option<LineDeviation> {
         match &*self.ways[step] {
-            Way::Line { line, .. } => Some(Straightness {
+            Segment::Line { line, .. } => Some(LineDeviation {
                 length: line.length,
                 deviation: line.deviation,
                 plane: line.plane,
@@ -247,9 +249,9 @@ impl Motion {
 
     /// The axis that would be last in a step if each went as fast as it may; `None` where none moves or a line binds them.
     #[must_use]
-    pub fn slowest_axis(&self, step: usize) -> Option<usize> {
+    pub fn limiting_axis(&self, step: usize) -> Option<usize> {
         match &*self.ways[step] {
-            Way::Axes(together) => together.slowest,
+            Segment::PointToPoint(together) => together.slowest,
             _ => None,
         }
     }
@@ -279,12 +281,12 @@ impl Motion {
     fn fill_in(&self, index: usize, time: f64, sample: &mut Sample) {
         let last = index + 1 == self.steps.len() && time >= self.duration();
         let since = self.times.get(index).map_or(0.0, |start| time - start);
-        self.fill_since(index, if last { f64::INFINITY } else { since }, sample);
+        self.fill_in_step(index, if last { f64::INFINITY } else { since }, sample);
         sample.time = time;
     }
 
     /// All axes some time after a step's start [s].
-    pub(crate) fn fill_since(&self, index: usize, since: f64, sample: &mut Sample) {
+    pub(crate) fn fill_in_step(&self, index: usize, since: f64, sample: &mut Sample) {
         sample.time = since;
         sample.step = index;
         let Some(step) = self.steps.get(index) else { return };
@@ -324,12 +326,12 @@ impl Motion {
         self.ways[index].duration() - lead - tail
     }
 
-    /// What all axes do in a step, as inputs of what is found of it; the ways are those in [`Self::way_of`].
+    /// What all axes do in a step, as inputs of what is found of it; the ways are those in [`Self::segments_of`].
     pub(crate) fn key(&self, index: usize) -> Key {
         let step = &self.steps[index];
         let mut key = Key::new();
         let overlaps = self.overlaps(index);
-        for (way, overlap) in self.way_of(index).iter().zip([0.0, overlaps[0], overlaps[1]]) {
+        for (way, overlap) in self.segments_of(index).iter().zip([0.0, overlaps[0], overlaps[1]]) {
             key.push(way.as_ref().map_or(0, |way| Arc::as_ptr(way) as u64));
             key.push(overlap.to_bits());
         }
@@ -339,7 +341,7 @@ impl Motion {
     }
 
     /// The way of a step, and those of its neighbours where they run into it; whoever keeps a [`Self::key`] keeps them, so that no other way comes to be in their place.
-    pub(crate) fn way_of(&self, index: usize) -> [Option<Arc<Way>>; 3] {
+    pub(crate) fn segments_of(&self, index: usize) -> [Option<Arc<Segment>>; 3] {
         let [lead, tail] = self.overlaps(index);
         let way = |index: usize| Some(Arc::clone(&self.ways[index]));
         [
@@ -364,7 +366,7 @@ impl Motion {
 }
 
 impl Sample {
-    fn set(&mut self, axis: usize, state: profile::State) {
+    fn set(&mut self, axis: usize, state: profile::AxisState) {
         self.positions[axis] = state[0];
         self.velocities[axis] = state[1];
         self.accelerations[axis] = state[2];

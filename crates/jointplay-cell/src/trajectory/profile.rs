@@ -8,24 +8,24 @@ pub(super) fn put(to: &mut impl Hasher, numbers: &[f64]) {
 }
 
 /// Position, velocity, acceleration and jerk of one coordinate at one time.
-pub(crate) type State = [f64; 4];
+pub(crate) type AxisState = [f64; 4];
 
 /// A stretch of constant jerk.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     start: f64,
-    state: State,
+    state: AxisState,
 }
 
 /// A coordinate from rest to rest.
 #[derive(Debug, Clone)]
-pub(crate) struct Curve {
+pub(crate) struct JerkLimitedProfile {
     pieces: Vec<Piece>,
     duration: f64,
     end: f64,
 }
 
-impl Curve {
+impl JerkLimitedProfile {
     /// Standing still for a while.
     pub(crate) fn still(position: f64, duration: f64) -> Self {
         let piece = Piece { start: 0.0, state: [position, 0.0, 0.0, 0.0] };
@@ -75,7 +75,7 @@ impl Curve {
     }
 
     /// The state `time` after its start [s]; at rest outside of it.
-    pub(crate) fn at(&self, time: f64) -> State {
+    pub(crate) fn at(&self, time: f64) -> AxisState {
         if time >= self.duration {
             return [self.end, 0.0, 0.0, 0.0];
         }
@@ -85,7 +85,7 @@ impl Curve {
     }
 
     /// [`Self::at`] of times that grow.
-    pub(crate) fn walk(&self) -> impl FnMut(f64) -> State + '_ {
+    pub(crate) fn walk(&self) -> impl FnMut(f64) -> AxisState + '_ {
         let mut place = 0;
         move |time| {
             if time >= self.duration {
@@ -128,7 +128,7 @@ impl Curve {
     }
 }
 
-fn after(state: &State, t: f64) -> State {
+fn after(state: &AxisState, t: f64) -> AxisState {
     let [p, v, a, j] = *state;
     [p + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0), a + t * j, j]
 }
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn ends_are_met_and_states_are_derivatives_of_each_other() {
-        let curve = Curve::through(
+        let curve = JerkLimitedProfile::through(
             1.0,
             3.0,
             &[(0.5, 8.0), (0.5, -8.0), (0.0, 5.0), (0.5, -8.0), (0.5, 8.0)],

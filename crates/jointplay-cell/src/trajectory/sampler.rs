@@ -1,27 +1,27 @@
 //! A step at many times, axis by axis.
 
-use super::profile::State;
-use super::{Motion, Way, on_line};
+use super::profile::AxisState;
+use super::{Segment, Trajectory, on_line};
 
 /// What the axes of a step do at times that grow.
 ///
 /// It is used for one step after the other, so that its room is taken once.
 #[derive(Default)]
-pub(crate) struct Track {
+pub(crate) struct AxisSampler {
     /// Axes that do anything in the step, as indices in growing order.
     moving: Vec<usize>,
     /// Of each of them, by time; there may be more than there are axes that move.
-    states: Vec<Vec<State>>,
+    states: Vec<Vec<AxisState>>,
     /// Where along a line they are, and in which interval of it.
-    along: Vec<(usize, State)>,
+    along: Vec<(usize, AxisState)>,
 }
 
-impl Track {
+impl AxisSampler {
     /// Takes up a step.
     ///
     /// # Arguments
     /// * `times` – since its start, growing [s]
-    pub(crate) fn take(&mut self, motion: &Motion, index: usize, times: &[f64]) {
+    pub(crate) fn take(&mut self, motion: &Trajectory, index: usize, times: &[f64]) {
         let (step, way) = (&motion.steps[index], &*motion.ways[index]);
         self.moving = motion.moving(index);
         if self.states.len() < self.moving.len() {
@@ -30,7 +30,7 @@ impl Track {
         let [lead, tail] = motion.overlaps(index);
         let duration = way.duration();
         let own = |since: f64| (since + lead).max(0.0);
-        if let Way::Line { line, pace } = way {
+        if let Segment::Line { line, pace } = way {
             let (mut at, mut interval) = (pace.walk(), line.spline.walk());
             self.along.clear();
             self.along.extend(times.iter().map(|&since| {
@@ -43,14 +43,14 @@ impl Track {
             let end = [step.to[axis], 0.0, 0.0, 0.0];
             let ended = |since: f64| own(since) >= duration;
             match way {
-                Way::Still { .. } => states.extend(times.iter().map(|_| end)),
-                Way::Axes(together) => {
+                Segment::Dwell { .. } => states.extend(times.iter().map(|_| end)),
+                Segment::PointToPoint(together) => {
                     let mut at = together.curves[axis].walk();
                     let mut state = |since: f64| if ended(since) { end } else { at(own(since)) };
                     states.extend(times.iter().map(|&since| state(since)));
                 }
-                Way::Line { line, .. } => {
-                    let state = |since: f64, &(interval, along): &(usize, State)| {
+                Segment::Line { line, .. } => {
+                    let state = |since: f64, &(interval, along): &(usize, AxisState)| {
                         if ended(since) { end } else { on_line(line, interval, axis, along) }
                     };
                     let along = times.iter().zip(&self.along);
@@ -83,13 +83,13 @@ impl Track {
     }
 
     /// Of each of [`Self::moving`], by time.
-    pub(crate) fn states(&self) -> &[Vec<State>] {
+    pub(crate) fn states(&self) -> &[Vec<AxisState>] {
         &self.states[..self.moving.len()]
     }
 }
 
 /// Adds what another step does beyond a corner.
-fn add(state: &mut State, other: State, corner: f64) {
+fn add(state: &mut AxisState, other: AxisState, corner: f64) {
     state[0] += other[0] - corner;
     for order in 1..4 {
         state[order] += other[order];

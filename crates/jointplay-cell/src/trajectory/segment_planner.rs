@@ -5,28 +5,28 @@ use std::sync::Arc;
 
 use super::blend::{Blend, Blends};
 use super::cartesian_path::{Line, Task};
-use super::limits::{dynamics, moves};
-use super::profile::Curve;
+use super::limits::{axis_moves_effector, scaled_axis_limits};
+use super::profile::JerkLimitedProfile;
 use super::spline::Spline;
 use super::synchronized::together;
-use super::time_parameterization::Pace;
-use super::{Motion, Way};
+use super::time_parameterization::TimeParameterization;
+use super::{Segment, Trajectory};
 use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
 use crate::program::{Path, Place, Step};
-use crate::robot::{Dynamics, EffectorId, MotionKind, Planar, RODS};
+use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
 use crate::workcell::Cell;
 
 /// The longest motion that is timed: a day [s].
-pub const MOST_DURATION: f64 = 86_400.0;
+pub const MAX_DURATION: f64 = 86_400.0;
 
 /// What is left to choose of a motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct MotionOptions {
+pub struct TrajectoryOptions {
     /// Largest distance of a wafer's centre from a straight line that it is told to keep to [m].
     pub line_deviation: f64,
 }
 
-impl Default for MotionOptions {
+impl Default for TrajectoryOptions {
     fn default() -> Self {
         Self { line_deviation: 1e-6 }
     }
@@ -35,15 +35,15 @@ impl Default for MotionOptions {
 /// Steps that cannot be timed, each with its reason.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
-pub struct MotionError {
+pub struct TrajectoryError {
     /// In the order of the steps; one at least.
-    pub problems: Vec<StepProblem>,
+    pub problems: Vec<StepError>,
 }
 
 /// A step that cannot be timed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("line {}: {message}", place.line)]
-pub struct StepProblem {
+pub struct StepError {
     /// Index of the step.
     pub step: usize,
     /// Index of its instruction in the order of running.
@@ -57,13 +57,13 @@ pub struct StepProblem {
 /// Steps in time: as fast as the limits of the axes allow, from rest to rest or, where that is asked for, one into the next.
 ///
 /// # Errors
-/// Every step that cannot be timed, none hidden by the first: a share of speed out of range, a start that is not the end before, a line that cannot be followed, an end after more than [`MOST_DURATION`].
-pub fn timed(
+/// Every step that cannot be timed, none hidden by the first: a share of speed out of range, a start that is not the end before, a line that cannot be followed, an end after more than [`MAX_DURATION`].
+pub fn plan_trajectory(
     cell: &Cell,
     steps: Vec<Step>,
-    options: &MotionOptions,
-) -> Result<Motion, MotionError> {
-    whole(Ways::default().timed(cell, steps, options, Run::one_by_one()))
+    options: &TrajectoryOptions,
+) -> Result<Trajectory, TrajectoryError> {
+    whole(SegmentCache::default().plan_trajectory(cell, steps, options, Run::one_by_one()))
 }
 
 /// Mean duration of a straight path of all axes by its longest coordinate [s/m or s/rad].
@@ -72,39 +72,39 @@ const STRAIGHT_PACE: f64 = 2.0;
 const STRAIGHT_DURATION: [f64; 2] = [0.02, 20.0];
 
 /// One step whose axes go straight from its start to its end, all in proportion, from rest to rest; for what depends on the path and not on its time.
-pub(crate) fn straight(step: Step) -> Motion {
+pub(crate) fn straight(step: Step) -> Trajectory {
     let way = |(from, to): (&f64, &f64)| (to - from).abs();
     let longest = step.from.iter().zip(&step.to).map(way).fold(0.0, f64::max);
     let way = if longest == 0.0 {
-        Way::Still { duration: 0.0 }
+        Segment::Dwell { duration: 0.0 }
     } else {
         let [least, most] = STRAIGHT_DURATION;
         let quarter = 0.25 * (STRAIGHT_PACE * longest).clamp(least, most);
         let stretches = [(quarter, 1.0), (2.0 * quarter, -1.0), (quarter, 1.0)];
         let spline = Spline::straight(&step.from, &step.to);
         let line = Arc::new(Line { spline, length: 0.0, deviation: 0.0, plane: 0.0 });
-        Way::Line { line, pace: Curve::through(0.0, 1.0, &stretches) }
+        Segment::Line { line, pace: JerkLimitedProfile::through(0.0, 1.0, &stretches) }
     };
     let times = vec![0.0, way.duration()];
-    Motion { steps: vec![step], times, ways: vec![Arc::new(way)], blends: vec![None] }
+    Trajectory { steps: vec![step], times, ways: vec![Arc::new(way)], blends: vec![None] }
 }
 
 /// The ways of the last motion, by what they depend on.
 #[derive(Default)]
-pub(crate) struct Ways {
-    ways: Kept<Way>,
+pub(crate) struct SegmentCache {
+    ways: Kept<Segment>,
     blends: Blends,
 }
 
-impl Ways {
-    /// See [`timed`].
-    pub(crate) fn timed(
+impl SegmentCache {
+    /// See [`plan_trajectory`].
+    pub(crate) fn plan_trajectory(
         &mut self,
         cell: &Cell,
         steps: Vec<Step>,
-        options: &MotionOptions,
+        options: &TrajectoryOptions,
         run: Run<'_>,
-    ) -> Result<Result<Motion, MotionError>, Interrupted> {
+    ) -> Result<Result<Trajectory, TrajectoryError>, Interrupted> {
         let shared = shared(cell, options);
         self.ways.begin(&shared);
         self.blends.begin(cell, &shared);
@@ -118,10 +118,10 @@ impl Ways {
         let mut problems = Vec::new();
         let mut failed = |index: usize, message| {
             let Step { instruction, place, .. } = steps[index];
-            problems.push(StepProblem { step: index, instruction, place, message });
-            Arc::new(Way::Still { duration: 0.0 })
+            problems.push(StepError { step: index, instruction, place, message });
+            Arc::new(Segment::Dwell { duration: 0.0 })
         };
-        let mut ways: Vec<Arc<Way>> = Vec::with_capacity(steps.len());
+        let mut ways: Vec<Arc<Segment>> = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
             let way = match fits(cell, &steps, index) {
                 Some(message) => Err(message),
@@ -136,7 +136,7 @@ impl Ways {
         times.push(now);
         for (index, step) in steps.iter().enumerate() {
             run.poll()?;
-            if let Path::Processed { since, seconds } = step.path {
+            if let Path::ProcessDwell { since, seconds } = step.path {
                 // Known only now that it is known when the wafer was left.
                 let way = if since < index {
                     // By the moves since then alone, so that the same moves make the same wait wherever they are in a program.
@@ -161,7 +161,7 @@ impl Ways {
             now += ways[index].duration();
             times.push(now);
             // The first step that does not end in time; those after it end later still.
-            let is_too_long = now.is_nan() || now > MOST_DURATION;
+            let is_too_long = now.is_nan() || now > MAX_DURATION;
             if is_too_long && !over {
                 over = true;
                 let own = ways[index].duration();
@@ -172,31 +172,31 @@ impl Ways {
         self.blends.end();
         problems.sort_by_key(|problem| problem.step);
         Ok(if problems.is_empty() {
-            Ok(Motion { steps, times, ways, blends })
+            Ok(Trajectory { steps, times, ways, blends })
         } else {
-            Err(MotionError { problems })
+            Err(TrajectoryError { problems })
         })
     }
 
     fn way(
         &mut self,
-        (cell, step, options): (&Cell, &Step, &MotionOptions),
-        made: &mut BTreeMap<Key, Result<Way, String>>,
-    ) -> Result<Arc<Way>, String> {
+        (cell, step, options): (&Cell, &Step, &TrajectoryOptions),
+        made: &mut BTreeMap<Key, Result<Segment, String>>,
+    ) -> Result<Arc<Segment>, String> {
         if let Some(key) = moving(step) {
             // One that cannot be timed is not kept, and told of each step alike.
             let found = made.remove(&key);
             return self.ways.get(key, || found.unwrap_or_else(|| way(cell, step, options)));
         }
         match step.path {
-            Path::Still(duration) => self.still(duration, step),
+            Path::Dwell(duration) => self.still(duration, step),
             // How long is known only when all before it is.
-            _ => Ok(Arc::new(Way::Still { duration: 0.0 })),
+            _ => Ok(Arc::new(Segment::Dwell { duration: 0.0 })),
         }
     }
 
     /// Known by how long it is alone: where it stands is the step's.
-    fn still(&mut self, duration: f64, step: &Step) -> Result<Arc<Way>, String> {
+    fn still(&mut self, duration: f64, step: &Step) -> Result<Arc<Segment>, String> {
         self.ways.get(vec![duration.to_bits()], || still(duration, step))
     }
 
@@ -206,21 +206,21 @@ impl Ways {
 }
 
 /// What every way depends on: numbers are printed so that no two of them look alike.
-fn shared(cell: &Cell, options: &MotionOptions) -> String {
+fn shared(cell: &Cell, options: &TrajectoryOptions) -> String {
     format!("{:?} {:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity, options.line_deviation)
 }
 
 /// What the way of a step depends on besides, unless it stands still.
 fn moving(step: &Step) -> Option<Key> {
-    matches!(step.path, Path::Axes | Path::Line(_)).then(|| key(step))
+    matches!(step.path, Path::PointToPoint | Path::Line(_)).then(|| key(step))
 }
 
 /// How the axes go in a step that moves.
-fn way(cell: &Cell, step: &Step, options: &MotionOptions) -> Result<Way, String> {
+fn way(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Result<Segment, String> {
     match step.path {
         Path::Line(effector) => along(cell, step, effector, options),
-        _ => together(&step.from, &step.to, |axis| dynamics(&cell.robot, axis, step))
-            .map(Way::Axes)
+        _ => together(&step.from, &step.to, |axis| scaled_axis_limits(&cell.robot, axis, step))
+            .map(Segment::PointToPoint)
             .map_err(|error| error.to_string()),
     }
 }
@@ -268,7 +268,7 @@ fn fits(cell: &Cell, steps: &[Step], index: usize) -> Option<String> {
 
 /// Why a step ends too late.
 fn too_long(end: f64, own: f64) -> String {
-    let allowed = MOST_DURATION;
+    let allowed = MAX_DURATION;
     if own > allowed {
         format!(
             "this motion alone takes {own:.0} s, but a program takes at most {allowed:.0} s, a day: raise the speed, acceleration and jerk limits of the axes that move, or SPEED"
@@ -280,28 +280,28 @@ fn too_long(end: f64, own: f64) -> String {
     }
 }
 
-fn still(duration: f64, step: &Step) -> Result<Way, String> {
+fn still(duration: f64, step: &Step) -> Result<Segment, String> {
     if !(duration >= 0.0 && duration.is_finite()) {
         return Err(format!("waits {duration} s, but that has to be a finite time from 0 on"));
     }
     if step.from != step.to {
         return Err("stands still, but ends elsewhere than it starts".into());
     }
-    Ok(Way::Still { duration })
+    Ok(Segment::Dwell { duration })
 }
 
 fn along(
     cell: &Cell,
     step: &Step,
     effector: EffectorId,
-    options: &MotionOptions,
-) -> Result<Way, String> {
+    options: &TrajectoryOptions,
+) -> Result<Segment, String> {
     if step.from == step.to {
-        return Ok(Way::Still { duration: 0.0 });
+        return Ok(Segment::Dwell { duration: 0.0 });
     }
     let robot = &cell.robot;
     let loaded = step.loaded.contains(&effector);
-    let planar = Planar::new(robot, effector);
+    let planar = ArmChain::new(robot, effector);
     let pose = |positions: &[f64]| {
         let found = cell.wafer_pose_by((effector, &planar), positions, loaded);
         found.map_err(|error| error.to_string())
@@ -310,13 +310,13 @@ fn along(
         robot.jacobian_by(&planar, positions).map_err(|error| error.to_string())
     };
     let variables: Vec<usize> =
-        (0..robot.axes.len()).filter(|&axis| moves(robot, axis, effector)).collect();
+        (0..robot.axes.len()).filter(|&axis| axis_moves_effector(robot, axis, effector)).collect();
     // Two motors of an arm place the wafer's centre; from three on they also turn it.
     let free = variables.len() >= RODS + 3;
     let turn: f64 = robot.arms[effector.arm]
         .joints
         .iter()
-        .filter(|joint| joint.kind == MotionKind::Turn)
+        .filter(|joint| joint.kind == AxisKind::Rotary)
         .flat_map(|joint| &joint.drives)
         .map(|&(axis, ratio)| ratio * (step.to[axis] - step.from[axis]))
         .sum();
@@ -330,12 +330,14 @@ fn along(
         deviation: options.line_deviation,
     };
     let line = task.follow().map_err(|stuck| stuck.told(robot))?;
-    let limits: Vec<Dynamics> =
-        (0..robot.axes.len()).map(|axis| dynamics(robot, axis, step)).collect();
+    let limits: Vec<KinematicLimits> =
+        (0..robot.axes.len()).map(|axis| scaled_axis_limits(robot, axis, step)).collect();
     let rate = match step.line_speed {
         Some(speed) if line.length > 0.0 => speed / line.length,
         _ => f64::INFINITY,
     };
-    let pace = Pace::new(&line.spline, &limits, rate).plan().map_err(|error| error.to_string())?;
-    Ok(Way::Line { line: Arc::new(line), pace })
+    let pace = TimeParameterization::new(&line.spline, &limits, rate)
+        .plan()
+        .map_err(|error| error.to_string())?;
+    Ok(Segment::Line { line: Arc::new(line), pace })
 }

@@ -5,17 +5,17 @@ use std::hash::{DefaultHasher, Hasher};
 use std::sync::Arc;
 
 use super::profile::put;
-use super::{Motion, Sample, Way};
+use super::{Sample, Segment, Trajectory};
 
-impl Way {
+impl Segment {
     /// Adds all that it is made of to a hash.
     fn hash(&self, to: &mut impl Hasher) {
         match self {
-            Self::Still { duration } => {
+            Self::Dwell { duration } => {
                 to.write_u8(0);
                 put(to, &[*duration]);
             }
-            Self::Axes(together) => {
+            Self::PointToPoint(together) => {
                 to.write_u8(1);
                 together.curves.iter().for_each(|curve| curve.hash(to));
             }
@@ -28,18 +28,18 @@ impl Way {
     }
 }
 
-impl Motion {
+impl Trajectory {
     /// Time between the start of a step and that of the next; half of an overlap with a neighbour belongs to each of the two [s].
     #[must_use]
-    pub fn step_span(&self, step: usize) -> f64 {
+    pub fn intrinsic_step_duration(&self, step: usize) -> f64 {
         self.length(step)
     }
 
     /// All axes a time after the start of a step, which is the time of the sample [s].
     #[must_use]
-    pub fn within_step(&self, step: usize, since: f64) -> Sample {
+    pub fn sample_in_step(&self, step: usize, since: f64) -> Sample {
         let mut sample = Sample::default();
-        self.fill_since(step, since, &mut sample);
+        self.fill_in_step(step, since, &mut sample);
         sample
     }
 
@@ -51,7 +51,7 @@ impl Motion {
 
     /// Times since the start of a step at which the jerk of an axis jumps, in growing order; both its ends are included [s].
     #[must_use]
-    pub fn breaks_within_step(&self, step: usize) -> Vec<f64> {
+    pub fn jerk_discontinuities(&self, step: usize) -> Vec<f64> {
         let [lead, tail] = self.overlaps(step);
         let (way, length) = (&self.ways[step], self.length(step));
         let mut breaks = vec![0.0, length];
@@ -80,8 +80,8 @@ impl Motion {
     /// It depends on the step and on neighbours that overlap with it, and not on when the step starts.
     #[must_use]
     pub fn fingerprints(&self) -> Vec<u64> {
-        let mut known: BTreeMap<*const Way, u64> = BTreeMap::new();
-        let mut of_way = |way: &Arc<Way>| {
+        let mut known: BTreeMap<*const Segment, u64> = BTreeMap::new();
+        let mut of_way = |way: &Arc<Segment>| {
             *known.entry(Arc::as_ptr(way)).or_insert_with(|| {
                 let mut hasher = DefaultHasher::new();
                 way.hash(&mut hasher);
@@ -91,7 +91,7 @@ impl Motion {
         let of_step = |index: usize| {
             let mut hasher = DefaultHasher::new();
             let overlaps = self.overlaps(index);
-            let ways = self.way_of(index);
+            let ways = self.segments_of(index);
             for (way, overlap) in ways.iter().zip([0.0, overlaps[0], overlaps[1]]) {
                 hasher.write_u64(way.as_ref().map_or(0, &mut of_way));
                 put(&mut hasher, &[overlap]);

@@ -5,14 +5,14 @@ use rsruckig::prelude::{
 };
 use rsruckig::ruckig::Ruckig;
 
-use super::profile::Curve;
-use crate::robot::Dynamics;
+use super::profile::JerkLimitedProfile;
+use crate::robot::KinematicLimits;
 
 /// Axes that go from rest to rest together, and the one that takes the whole time.
 #[derive(Debug, Clone)]
-pub(crate) struct Together {
+pub(crate) struct SynchronizedProfile {
     /// In the order of the axes.
-    pub(crate) curves: Vec<Curve>,
+    pub(crate) curves: Vec<JerkLimitedProfile>,
     /// How long all take [s].
     pub(crate) duration: f64,
     /// The axis that would be last if each went as fast as it may; `None` where none moves.
@@ -34,14 +34,14 @@ const LOWERED: [f64; 4] = [0.0, 1e-12, 1e-10, 1e-8];
 pub(crate) fn together(
     from: &[f64],
     to: &[f64],
-    limits: impl Fn(usize) -> Dynamics,
-) -> Result<Together, NoProfile> {
+    limits: impl Fn(usize) -> KinematicLimits,
+) -> Result<SynchronizedProfile, NoProfile> {
     let moving: Vec<usize> = (0..from.len()).filter(|&axis| from[axis] != to[axis]).collect();
-    let mut curves: Vec<Option<Curve>> = vec![None; from.len()];
+    let mut curves: Vec<Option<JerkLimitedProfile>> = vec![None; from.len()];
     let (mut duration, mut slowest) = (0.0, None);
     if !moving.is_empty() {
         let count = moving.len();
-        let allowed: Vec<Dynamics> = moving.iter().map(|&axis| limits(axis)).collect();
+        let allowed: Vec<KinematicLimits> = moving.iter().map(|&axis| limits(axis)).collect();
         let mut attempts = LOWERED.iter().map(|&lowered| (Units::SI, lowered));
         let found = attempts.find_map(|(units, lowered)| {
             planned((&moving, from, to), &allowed, (units, lowered)).map(|found| (units, found))
@@ -62,15 +62,17 @@ pub(crate) fn together(
             let stretches = profile.t.into_iter().zip(profile.j);
             let stretches: Vec<(f64, f64)> =
                 stretches.map(|(time, value)| (time * units.time, value * jerk)).collect();
-            curves[axis] = Some(Curve::through(from[axis], to[axis], &stretches));
+            curves[axis] = Some(JerkLimitedProfile::through(from[axis], to[axis], &stretches));
         }
     }
     let curves = curves
         .into_iter()
         .zip(from)
-        .map(|(curve, &position)| curve.unwrap_or_else(|| Curve::still(position, duration)))
+        .map(|(curve, &position)| {
+            curve.unwrap_or_else(|| JerkLimitedProfile::still(position, duration))
+        })
         .collect();
-    Ok(Together { curves, duration, slowest })
+    Ok(SynchronizedProfile { curves, duration, slowest })
 }
 
 /// Axes that move, by index, and where all of them start and end.
@@ -93,7 +95,7 @@ impl Units {
     }
 
     /// Units in which the longest displacement and the time that its jerk alone asks for are 1.
-    fn of((moving, from, to): Move<'_>, limits: &[Dynamics]) -> Option<Self> {
+    fn of((moving, from, to): Move<'_>, limits: &[KinematicLimits]) -> Option<Self> {
         let far = |&axis: &usize| (to[axis] - from[axis]).abs();
         let length = moving.iter().map(far).fold(0.0, f64::max);
         let times = moving.iter().zip(limits).map(|(axis, allowed)| far(axis) / allowed.jerk);
@@ -118,9 +120,9 @@ pub(crate) struct NoProfile {
 }
 
 impl NoProfile {
-    fn of((moving, from, to): Move<'_>, limits: &[Dynamics]) -> Self {
+    fn of((moving, from, to): Move<'_>, limits: &[KinematicLimits]) -> Self {
         let far = || moving.iter().map(|&axis| (to[axis] - from[axis]).abs());
-        let most = |of: fn(&Dynamics) -> f64| limits.iter().map(of).fold(0.0, f64::max);
+        let most = |of: fn(&KinematicLimits) -> f64| limits.iter().map(of).fold(0.0, f64::max);
         Self {
             least: far().fold(f64::INFINITY, f64::min),
             most: far().fold(0.0, f64::max),
@@ -134,7 +136,7 @@ impl NoProfile {
 /// A profile of each axis in the units given; `None` where the planner finds none.
 fn planned(
     (moving, from, to): Move<'_>,
-    limits: &[Dynamics],
+    limits: &[KinematicLimits],
     (units, lowered): (Units, f64),
 ) -> Option<Trajectory<0>> {
     let count = moving.len();
@@ -171,12 +173,12 @@ mod tests {
         // 30 mm at 1.5 m/s² and 15 m/s³ are 2 a³ / j²; rods as a lift had them.
         let from = [0.5409999998136328, 0.5410000002384691, 0.5409999999274673];
         let to = [0.5709999998136328, 0.5710000002384691, 0.5709999999274673];
-        let limits = Dynamics { velocity: 0.3, acceleration: 1.5, jerk: 15.0 };
+        let limits = KinematicLimits { velocity: 0.3, acceleration: 1.5, jerk: 15.0 };
         let found = together(&from, &to, |_| limits).unwrap();
         assert!((found.duration - 0.4).abs() < 1e-9, "{}", found.duration);
         for k in 0..4000_u32 {
             let random = |by: u32| f64::from(k.wrapping_mul(by) % 997) / 997.0;
-            let limits = Dynamics {
+            let limits = KinematicLimits {
                 velocity: 100.0,
                 acceleration: 0.5 + 5.0 * random(31),
                 jerk: 10.0 + 100.0 * random(57),
@@ -192,7 +194,7 @@ mod tests {
     #[test]
     fn a_single_axis_takes_the_time_of_the_closed_form() {
         // Long enough to reach all limits: t = d/v + v/a + a/j.
-        let limits = Dynamics { velocity: 1.0, acceleration: 4.0, jerk: 40.0 };
+        let limits = KinematicLimits { velocity: 1.0, acceleration: 4.0, jerk: 40.0 };
         let found = together(&[0.5, 2.0], &[-1.5, 2.0], |_| limits).unwrap();
         assert!((found.duration - (2.0 + 0.25 + 0.1)).abs() < 1e-12, "{}", found.duration);
         assert_eq!(found.slowest, Some(0));
@@ -205,7 +207,7 @@ mod tests {
         // Jerk alone limits: t = 4 (d / 2 j)^(1/3); by an independent closed form.
         for far in [1e-12, 1e-9, 1e-3, 1.0] {
             for jerk in [1e-9, 1e-3, 1.0, 1e6, 1e15] {
-                let limits = Dynamics { velocity: 1e30, acceleration: 1e30, jerk };
+                let limits = KinematicLimits { velocity: 1e30, acceleration: 1e30, jerk };
                 let expected = 4.0 * (far / (2.0 * jerk)).cbrt();
                 match together(&[0.5], &[0.5 + far], |_| limits) {
                     Ok(found) => {
@@ -224,7 +226,7 @@ mod tests {
 
     #[test]
     fn nothing_to_do_takes_no_time() {
-        let limits = Dynamics { velocity: 1.0, acceleration: 1.0, jerk: 1.0 };
+        let limits = KinematicLimits { velocity: 1.0, acceleration: 1.0, jerk: 1.0 };
         let found = together(&[0.5], &[0.5], |_| limits).unwrap();
         assert_eq!((found.duration, found.slowest), (0.0, None));
     }

@@ -1,9 +1,9 @@
 //! How fast a path is run through: one parameter in time, so that every axis stays within its limits.
 
-use super::profile::Curve;
+use super::profile::JerkLimitedProfile;
 use super::spline::{self, Jet, Spline};
 use super::synchronized::{NoProfile, together};
-use crate::robot::Dynamics;
+use crate::robot::KinematicLimits;
 
 /// Stages at which the fastest way under speed and acceleration limits is decided.
 const STAGES: usize = 80;
@@ -21,11 +21,11 @@ const SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.42, 0.28];
 const EVEN: f64 = 0.02;
 
 /// A path, what the axes may do on it, and the largest rate of its parameter [1/s].
-pub(crate) struct Pace<'a> {
+pub(crate) struct TimeParameterization<'a> {
     /// Positions over the parameter.
     spline: &'a Spline,
     /// Of each axis that moves.
-    limits: Vec<(usize, Dynamics)>,
+    limits: Vec<(usize, KinematicLimits)>,
     /// One by each of them: speed, acceleration and jerk.
     by: Vec<[f64; 3]>,
     /// For each interval of the spline the jets of these axes at its start.
@@ -34,13 +34,13 @@ pub(crate) struct Pace<'a> {
     rate: f64,
 }
 
-impl<'a> Pace<'a> {
+impl<'a> TimeParameterization<'a> {
     /// # Arguments
     /// * `limits` – of each axis
     /// * `rate` – the largest of the parameter [1/s]
-    pub(crate) fn new(spline: &'a Spline, limits: &[Dynamics], rate: f64) -> Self {
+    pub(crate) fn new(spline: &'a Spline, limits: &[KinematicLimits], rate: f64) -> Self {
         let limits = limits.iter().copied().enumerate();
-        let limits: Vec<(usize, Dynamics)> =
+        let limits: Vec<(usize, KinematicLimits)> =
             limits.filter(|(axis, _)| spline.moves(*axis)).collect();
         let by = limits.iter().map(|(_, limits)| {
             [limits.velocity, limits.acceleration, limits.jerk].map(|limit| 1.0 / limit)
@@ -61,7 +61,7 @@ impl<'a> Pace<'a> {
     ///
     /// # Source
     /// [TOPPRA] for the stages; the window is own derivation: it keeps ends and rest, and its jerk is a difference of accelerations over its width
-    pub(crate) fn plan(&self) -> Result<Curve, NoProfile> {
+    pub(crate) fn plan(&self) -> Result<JerkLimitedProfile, NoProfile> {
         let single = self.like_one_axis()?;
         if single.duration() == 0.0 || self.evenly_geared() {
             return Ok(self.slower_where_it_bends(single));
@@ -106,16 +106,16 @@ impl<'a> Pace<'a> {
     }
 
     /// What is planned like a single axis: where the path bends, the parameter's speed adds to what the axes do.
-    fn slower_where_it_bends(&self, single: Curve) -> Curve {
+    fn slower_where_it_bends(&self, single: JerkLimitedProfile) -> JerkLimitedProfile {
         let excess = self.excess(&single);
         if excess > 1.0 + EXACT { single.slowed(excess * (1.0 + SLACK)) } else { single }
     }
 
     /// Constant limits of the parameter from the steepest axis, as if the path were straight.
-    fn like_one_axis(&self) -> Result<Curve, NoProfile> {
+    fn like_one_axis(&self) -> Result<JerkLimitedProfile, NoProfile> {
         let steepest: Vec<f64> =
             self.limits.iter().map(|&(axis, _)| self.spline.steepest(axis)).collect();
-        let least = |of: &dyn Fn(&Dynamics) -> f64| {
+        let least = |of: &dyn Fn(&KinematicLimits) -> f64| {
             steepest
                 .iter()
                 .zip(&self.limits)
@@ -123,13 +123,13 @@ impl<'a> Pace<'a> {
                 .map(|(slope, (_, limits))| of(limits) / slope)
                 .fold(f64::INFINITY, f64::min)
         };
-        let limits = Dynamics {
+        let limits = KinematicLimits {
             velocity: least(&|limits| limits.velocity).min(self.rate),
             acceleration: least(&|limits| limits.acceleration),
             jerk: least(&|limits| limits.jerk),
         };
         if !limits.acceleration.is_finite() {
-            return Ok(Curve::still(1.0, 0.0));
+            return Ok(JerkLimitedProfile::still(1.0, 0.0));
         }
         let found = together(&[0.0], &[1.0], |_| limits)?;
         Ok(found.curves.into_iter().next().expect("one axis was asked for"))
@@ -199,13 +199,13 @@ impl<'a> Pace<'a> {
     }
 
     /// The same, as fast as every limit is kept.
-    fn within(&self, curve: Curve) -> Curve {
+    fn within(&self, curve: JerkLimitedProfile) -> JerkLimitedProfile {
         let factor = self.excess(&curve) * (1.0 + SLACK);
         curve.slowed(factor)
     }
 
     /// How long it would have to take so that it just keeps every limit, at a glance; `None` if no less than is asked for.
-    fn glance(&self, curve: &Curve, less_than: f64) -> Option<f64> {
+    fn glance(&self, curve: &JerkLimitedProfile, less_than: f64) -> Option<f64> {
         let mut worst = 1e-9;
         for k in 1..GLANCES {
             // All over the way first: what is too long is so somewhere near a dozen of them.
@@ -220,7 +220,7 @@ impl<'a> Pace<'a> {
     }
 
     /// The same, closely.
-    fn excess(&self, curve: &Curve) -> f64 {
+    fn excess(&self, curve: &JerkLimitedProfile) -> f64 {
         let duration = curve.duration();
         let mut worst = 1e-9;
         let (mut at, mut interval) = (curve.walk(), self.spline.walk());
@@ -334,7 +334,7 @@ fn starts(way: &[(f64, f64)]) -> Vec<f64> {
 ///
 /// # Arguments
 /// * `starts` – when each stretch begins, and the last ends [s]
-fn averaged(way: &[(f64, f64)], starts: &[f64], width: f64) -> Curve {
+fn averaged(way: &[(f64, f64)], starts: &[f64], width: f64) -> JerkLimitedProfile {
     // Where a stretch begins, now or a window ago, one after the other.
     let acceleration = |begun: usize| match begun {
         0 => 0.0,
@@ -351,15 +351,15 @@ fn averaged(way: &[(f64, f64)], starts: &[f64], width: f64) -> Curve {
         last = time;
         if next.is_some() { now += 1 } else { before += 1 }
     }
-    Curve::through(0.0, 1.0, &stretches)
+    JerkLimitedProfile::through(0.0, 1.0, &stretches)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn limits(count: usize) -> Vec<Dynamics> {
-        vec![Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 200.0 }; count]
+    fn limits(count: usize) -> Vec<KinematicLimits> {
+        vec![KinematicLimits { velocity: 2.0, acceleration: 10.0, jerk: 200.0 }; count]
     }
 
     fn spline(of: impl Fn(f64) -> Vec<f64>) -> Spline {
@@ -368,7 +368,7 @@ mod tests {
         Spline::through(&knots, &values)
     }
 
-    fn worst(spline: &Spline, curve: &Curve, limits: &[Dynamics]) -> [f64; 3] {
+    fn worst(spline: &Spline, curve: &JerkLimitedProfile, limits: &[KinematicLimits]) -> [f64; 3] {
         let mut worst = [0.0_f64; 3];
         for k in 1..20_000 {
             let [s, r, a, j] = curve.at(curve.duration() * f64::from(k) / 20_000.0);
@@ -386,9 +386,9 @@ mod tests {
     #[test]
     fn an_even_path_is_as_fast_as_one_axis() {
         let (spline, limits) = (spline(|s| vec![3.0 * s, -s]), limits(2));
-        let curve = Pace::new(&spline, &limits, 1e9).plan().unwrap();
+        let curve = TimeParameterization::new(&spline, &limits, 1e9).plan().unwrap();
         assert!((curve.duration() - (1.5 + 0.2 + 0.05)).abs() < 1e-9, "{}", curve.duration());
-        let slow = Pace::new(&spline, &limits, 0.25).plan().unwrap();
+        let slow = TimeParameterization::new(&spline, &limits, 0.25).plan().unwrap();
         assert!(slow.duration() > 4.0);
     }
 
@@ -397,7 +397,7 @@ mod tests {
         // A turn past an axis at a distance of a tenth: fast in the middle, as near a singular position.
         let turn = |s: f64| vec![((s - 0.5) / 0.1).atan(), 2.0 * s];
         let (spline, limits) = (spline(turn), limits(2));
-        let pace = Pace::new(&spline, &limits, 1e9);
+        let pace = TimeParameterization::new(&spline, &limits, 1e9);
         let curve = pace.plan().unwrap();
         let worst = worst(&spline, &curve, &limits);
         assert!(worst.iter().all(|&share| share < 1.0), "{worst:?}");

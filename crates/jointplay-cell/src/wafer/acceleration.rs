@@ -2,14 +2,14 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use super::compensation::{Unreachable, drooped, turn};
+use super::compensation::{Unreachable, apply_deflection, turn};
 use super::droop::DroopError;
-use super::{Droop, SHORTEST, Slip};
-use crate::robot::{AxesMotion, EffectorId, FrameMotion, Planar};
+use super::{Droop, FrictionMargin, SHORTEST};
+use crate::robot::{ArmChain, AxesMotion, EffectorId, FrameMotion};
 use crate::workcell::Cell;
 
 /// Nearer to its joint an arm points nowhere [m].
-const POINTLESS: f64 = 1e-9;
+const MIN_HEADING_RADIUS: f64 = 1e-9;
 
 impl Cell {
     /// How the wafer of an effector moves, its arm drooping as if it stood; the wafer's own sag left aside.
@@ -31,7 +31,7 @@ impl Cell {
         robot.check_motion(motion)?;
         let now = robot.platform(motion.positions)?;
         let platform = robot.platform_motion(&now, motion)?;
-        let planar = Planar::new(robot, effector);
+        let planar = ArmChain::new(robot, effector);
         let on_platform = planar.moving(&planar.own_rates(motion));
         Ok(self.lowered_motion(&platform, &on_platform, effector, loaded)?)
     }
@@ -40,14 +40,18 @@ impl Cell {
     ///
     /// # Errors
     /// As [`Self::wafer_motion`].
-    pub fn slip(&self, effector: EffectorId, motion: &AxesMotion<'_>) -> Result<Slip, Unreachable> {
+    pub fn slip(
+        &self,
+        effector: EffectorId,
+        motion: &AxesMotion<'_>,
+    ) -> Result<FrictionMargin, Unreachable> {
         Ok(self.slip_of(effector, &self.wafer_motion(effector, motion, true)?))
     }
 
     /// The same of a carried wafer that moves so.
-    pub(crate) fn slip_of(&self, effector: EffectorId, wafer: &FrameMotion) -> Slip {
+    pub(crate) fn slip_of(&self, effector: EffectorId, wafer: &FrameMotion) -> FrictionMargin {
         let described = &self.robot.arms[effector.arm].effectors[effector.effector];
-        Slip::of(wafer, &self.wafer, &described.support, described.friction, self.gravity)
+        FrictionMargin::of(wafer, &self.wafer, &described.support, described.friction, self.gravity)
     }
 
     /// [`Self::wafer_motion`], the platform's known, and that of the rigid arm on it.
@@ -86,7 +90,7 @@ impl Cell {
         let alpha = acceleration + delta.cross(&acceleration) * 0.5;
         let turning = turned * rigid.angular_velocity;
         Ok(FrameMotion {
-            base_from_frame: drooped(&rigid.base_from_frame, &joint[0], by),
+            base_from_frame: apply_deflection(&rigid.base_from_frame, &joint[0], by),
             velocity: rigid.velocity - Vector3::z() * (first.drop * growth),
             acceleration: rigid.acceleration - Vector3::z() * drop,
             angular_velocity: omega + turning,
@@ -100,7 +104,7 @@ impl Cell {
 /// Length of a vector, with its first and second derivative; they are zero where it has no direction.
 fn length([vector, velocity, acceleration]: [Vector2<f64>; 3]) -> [f64; 3] {
     let length = vector.norm();
-    if length <= POINTLESS {
+    if length <= MIN_HEADING_RADIUS {
         return [length, 0.0, 0.0];
     }
     let growth = vector.dot(&velocity) / length;

@@ -21,7 +21,7 @@ use crate::wafer::{Support, Wafer};
 /// # Source
 /// own derivation, docs/theory.md
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Slip {
+pub struct FrictionMargin {
     /// Needed along the wafer's plane; infinite where the wafer lifts off what it rests on [m/s²].
     pub needed: f64,
     /// Held by friction [m/s²].
@@ -30,7 +30,7 @@ pub struct Slip {
 
 /// What has to act on a wafer that moves with its effector, by mass and in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Burden {
+struct RequiredWrench {
     /// Force [m/s²].
     force: Vector3<f64>,
     /// Moment about the middle of its resting plane [m²/s²].
@@ -39,7 +39,7 @@ struct Burden {
     normal: Vector3<f64>,
 }
 
-impl Slip {
+impl FrictionMargin {
     /// Of a wafer that moves so.
     pub(super) fn of(
         motion: &FrameMotion,
@@ -48,7 +48,7 @@ impl Slip {
         friction: f64,
         gravity: f64,
     ) -> Self {
-        gripped(&burden(motion, wafer, gravity), wafer, support, friction)
+        friction_check(&burden(motion, wafer, gravity), wafer, support, friction)
     }
 
     /// What is needed as a share of what is held.
@@ -70,7 +70,7 @@ impl Support {
 }
 
 /// What moves a wafer so.
-fn burden(motion: &FrameMotion, wafer: &Wafer, gravity: f64) -> Burden {
+fn burden(motion: &FrameMotion, wafer: &Wafer, gravity: f64) -> RequiredWrench {
     let half = 0.5 * wafer.thickness;
     let [.., acceleration] = motion.point(&Vector3::new(0.0, 0.0, half));
     let force = acceleration + Vector3::new(0.0, 0.0, gravity);
@@ -82,12 +82,17 @@ fn burden(motion: &FrameMotion, wafer: &Wafer, gravity: f64) -> Burden {
     let n = motion.base_from_frame.rotation.matrix().column(2).into_owned();
     let swept = n * alpha.dot(&n) + omega.cross(&n) * omega.dot(&n);
     let turning = alpha * across + swept * (about - across);
-    Burden { force, moment: turning + (n * half).cross(&force), normal: n }
+    RequiredWrench { force, moment: turning + (n * half).cross(&force), normal: n }
 }
 
 /// What a support needs to bear a burden, and what its friction holds.
-fn gripped(burden: &Burden, wafer: &Wafer, support: &Support, friction: f64) -> Slip {
-    let Burden { force, moment, normal } = burden;
+fn friction_check(
+    burden: &RequiredWrench,
+    wafer: &Wafer,
+    support: &Support,
+    friction: f64,
+) -> FrictionMargin {
+    let RequiredWrench { force, moment, normal } = burden;
     let radius = 0.5 * wafer.diameter;
     let lever = support.lever(wafer);
     // How far from the middle the pressure may have its centre.
@@ -102,11 +107,11 @@ fn gripped(burden: &Burden, wafer: &Wafer, support: &Support, friction: f64) -> 
     let off = center.norm();
     // Nothing pulls the wafer down: pressed over the rim of its support, it lifts at the other side.
     if pressed <= 0.0 || off > room {
-        return Slip { needed: f64::INFINITY, held: friction * pressed.max(0.0) };
+        return FrictionMargin { needed: f64::INFINITY, held: friction * pressed.max(0.0) };
     }
     let twisting = normal.dot(&(moment - center.cross(force)));
     let turning = if twisting == 0.0 { 0.0 } else { twisting.abs() / (lever - off) };
-    Slip { needed: along.norm() + turning, held: friction * pressed }
+    FrictionMargin { needed: along.norm() + turning, held: friction * pressed }
 }
 
 #[cfg(test)]
@@ -129,11 +134,11 @@ mod tests {
     }
 
     /// Level, of a force and a moment about the normal through the centre of mass.
-    fn level(force: Vector2<f64>, moment: f64) -> Burden {
+    fn level(force: Vector2<f64>, moment: f64) -> RequiredWrench {
         let force = Vector3::new(force.x, force.y, GRAVITY);
         let half = Vector3::z() * 0.5 * wafer().thickness;
         let moment = Vector3::z() * moment + half.cross(&force);
-        Burden { force, moment, normal: Vector3::z() }
+        RequiredWrench { force, moment, normal: Vector3::z() }
     }
 
     fn near(found: f64, expected: f64, tolerance: f64) {
@@ -143,7 +148,8 @@ mod tests {
     #[test]
     fn pushed_straight_turned_on_the_spot_and_tilted() {
         for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
-            let grip = |burden: &Burden| gripped(burden, &wafer(), support, FRICTION);
+            let grip =
+                |burden: &RequiredWrench| friction_check(burden, &wafer(), support, FRICTION);
             // Friction alone holds what goes straight, wherever the pads are.
             let straight = grip(&level(Vector2::new(1.2, -0.5), 0.0));
             near(straight.needed, 1.3, 1e-12);
@@ -180,7 +186,8 @@ mod tests {
         // The centre of mass is above the pads: pressed forward by its height.
         let off = 0.5 * wafer().thickness * straight / GRAVITY;
         for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
-            let found = gripped(&burden(&round, &wafer(), GRAVITY), &wafer(), support, FRICTION);
+            let found =
+                friction_check(&burden(&round, &wafer(), GRAVITY), &wafer(), support, FRICTION);
             near(found.needed, straight + turning / (lever - off), 1e-12);
         }
     }
@@ -214,10 +221,10 @@ mod tests {
     #[test]
     fn a_wafer_that_is_thrown_or_tipped_is_not_held() {
         for support in &SUPPORTS {
-            let grip = |burden: &Burden| gripped(burden, &wafer(), support, 1e9);
+            let grip = |burden: &RequiredWrench| friction_check(burden, &wafer(), support, 1e9);
             let mut thrown = level(Vector2::zeros(), 0.0);
             thrown.force.z = -0.1;
-            assert_eq!(grip(&thrown), Slip { needed: f64::INFINITY, held: 0.0 });
+            assert_eq!(grip(&thrown), FrictionMargin { needed: f64::INFINITY, held: 0.0 });
             let mut tipped = level(Vector2::zeros(), 0.0);
             tipped.moment.x = 0.16 * GRAVITY;
             assert_eq!(grip(&tipped).needed, f64::INFINITY);
@@ -300,7 +307,7 @@ mod tests {
             let force = Vector2::new(direction.cos(), direction.sin()) * mix * needed;
             let center = -force * (0.5 * wafer().thickness / GRAVITY);
             let moment = (1.0 - mix) * needed * (lever - center.norm());
-            let found = gripped(&level(force, moment), &wafer(), support, FRICTION);
+            let found = friction_check(&level(force, moment), &wafer(), support, FRICTION);
             near(found.needed, needed, 1e-9);
             let pads = pads(support, center, &mut random);
             near(pads.iter().map(|(_, load)| load).sum(), GRAVITY, 1e-9);

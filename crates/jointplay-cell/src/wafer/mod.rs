@@ -7,10 +7,10 @@ mod friction;
 mod plate;
 mod sag;
 
-pub use compensation::{BrokenWay, Reached, Unreachable, drooped};
+pub use compensation::{CompensatedPose, RejectedBranch, Unreachable, apply_deflection};
 pub use droop::{Deflection, DroopError};
 pub(crate) use droop::{DroopBounds, SHORTEST};
-pub use friction::Slip;
+pub use friction::FrictionMargin;
 pub use sag::{Sag, SagError, sag};
 
 /// What a wafer is made of.

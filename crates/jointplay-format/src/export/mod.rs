@@ -26,7 +26,7 @@ mod solidworks;
 mod timeline;
 
 use jointplay_cell::robot::EffectorId;
-use jointplay_cell::trajectory::Motion;
+use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
 
 pub use error::Error;
@@ -45,7 +45,7 @@ pub struct Recording<'a> {
     /// What moves, and among what.
     pub cell: &'a Cell,
     /// How it moves.
-    pub motion: &'a Motion,
+    pub motion: &'a Trajectory,
     /// Text of the program, of which lines are quoted; empty for none.
     pub program: &'a str,
     /// What is wrong with the motion; empty where nothing is.

@@ -7,7 +7,7 @@ use jointplay::cell::check::{CheckOptions, Moment, Straight, check_pose, straigh
 use jointplay::cell::jog::{Jogged, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
-use jointplay::cell::trajectory::Motion;
+use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::wafer::Unreachable;
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{CellError, Stop};
@@ -69,7 +69,7 @@ pub(crate) async fn jog(
 /// There is no robot.
 pub(super) fn with_robot<'p>(
     plan: &'p Plan,
-    still: &'p mut Option<Motion>,
+    still: &'p mut Option<Trajectory>,
 ) -> Result<Recording<'p>, Problem> {
     let refused = || Problem::request(StatusCode::CONFLICT, nothing(plan));
     if let Some(recording) = plan.recording() {

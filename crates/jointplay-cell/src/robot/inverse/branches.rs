@@ -4,7 +4,7 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{Translation3, Vector2, Vector3};
 
-use super::super::arm_chain::{Planar, Slopes};
+use super::super::arm_chain::{ArmChain, AxisCoefficients};
 use super::super::{EffectorId, HybridRobot, Positions, RODS};
 use super::closed::Ways;
 use super::newton::{solutions, wrapped};
@@ -12,7 +12,8 @@ use super::plan::{Pair, Plan};
 use super::redundant::Redundant;
 use super::revolutions::{Ranges, Turns};
 use super::{
-    Branch, BrokenLimit, Configuration, Elbow, Inverse, OutOfReach, Reaching, Standing, WaferTarget,
+    Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach, Reaching,
+    WaferTarget,
 };
 use crate::CellError;
 use crate::robot::arm_chain::turned;
@@ -55,7 +56,7 @@ impl HybridRobot {
         self.check_effector(id)?;
         self.check_positions(near)?;
         let normal = upward(target)?;
-        let planar = Planar::new(self, id);
+        let planar = ArmChain::new(self, id);
         let slope = normal.xy() / normal.z;
         let level = self.gpr.base_points().map(|point| -slope.dot(&point));
         let below = self.model.forward(&self.gpr, level)?;
@@ -89,7 +90,7 @@ impl HybridRobot {
         self.check_effector(id)?;
         self.check_positions(near)?;
         let platform = self.platform(near)?;
-        let planar = Planar::new(self, id);
+        let planar = ArmChain::new(self, id);
         let pose = platform.base_from_platform;
         let normal = platform.normal();
         let center = pose.rotation * point.push(planar.height) + pose.translation.vector;
@@ -107,7 +108,7 @@ impl HybridRobot {
     fn finished(
         &self,
         id: EffectorId,
-        planar: &Planar,
+        planar: &ArmChain,
         target: &WaferTarget,
         normal: &Vector3<f64>,
         point: Vector2<f64>,
@@ -126,7 +127,7 @@ impl HybridRobot {
         let tilt = Tilt::from_normal(normal);
         // The rods are those of the start in all of them.
         let base_from_platform = self.platform(&start)?.base_from_platform;
-        let mut add = |own: &Slopes, configuration: Configuration| {
+        let mut add = |own: &AxisCoefficients, configuration: Configuration| {
             let mut positions = start;
             for (&axis, &position) in planar.axes().iter().zip(own) {
                 positions[axis] = position;
@@ -154,9 +155,9 @@ impl HybridRobot {
                 positions,
                 configuration,
                 standing: if broken.is_empty() {
-                    Standing::Farther
+                    BranchSelection::NotNearest
                 } else {
-                    Standing::BreaksLimits
+                    BranchSelection::BreaksLimits
                 },
                 broken,
                 residual,
@@ -203,11 +204,11 @@ impl HybridRobot {
     /// [`CellError::NoSuchEffector`]
     pub fn heading_is_free(&self, id: EffectorId) -> Result<bool, CellError> {
         self.check_effector(id)?;
-        let planar = Planar::new(self, id);
+        let planar = ArmChain::new(self, id);
         Ok(is_free(&planar, Plan::new(&planar).as_ref()))
     }
 
-    fn ranges(&self, planar: &Planar) -> Ranges {
+    fn ranges(&self, planar: &ArmChain) -> Ranges {
         let mut ranges = Ranges { min: [0.0; 4], max: [0.0; 4], count: planar.axes().len() };
         for (a, &axis) in planar.axes().iter().enumerate() {
             (ranges.min[a], ranges.max[a]) = (self.axes[axis].min, self.axes[axis].max);
@@ -219,7 +220,7 @@ impl HybridRobot {
     ///
     /// # Errors
     /// [`CellError::WrongLength`], [`CellError::NotFinite`]
-    pub fn broken_limits(&self, positions: &[f64]) -> Result<Vec<BrokenLimit>, CellError> {
+    pub fn limit_violations(&self, positions: &[f64]) -> Result<Vec<LimitViolation>, CellError> {
         self.check_positions(positions)?;
         let mut broken = Vec::new();
         for (axis, &position) in positions.iter().enumerate() {
@@ -230,19 +231,19 @@ impl HybridRobot {
         Ok(broken)
     }
 
-    fn check_axis(&self, axis: usize, position: f64, broken: &mut Vec<BrokenLimit>) {
+    fn check_axis(&self, axis: usize, position: f64, broken: &mut Vec<LimitViolation>) {
         let (min, max) = (self.axes[axis].min, self.axes[axis].max);
         let slack = SLACK * (max - min);
         if position < min - slack || position > max + slack {
-            broken.push(BrokenLimit::Axis { axis, position, min, max });
+            broken.push(LimitViolation::Axis { axis, position, min, max });
         }
     }
 
-    fn check_tilt(&self, tilt: Tilt, broken: &mut Vec<BrokenLimit>) {
+    fn check_tilt(&self, tilt: Tilt, broken: &mut Vec<LimitViolation>) {
         let max = self.gpr.limits().tilt_max;
         let pitch = tilt.pitch.abs();
         if pitch > max * (1.0 + SLACK) + SLACK {
-            broken.push(BrokenLimit::Tilt { pitch, max });
+            broken.push(LimitViolation::Tilt { pitch, max });
         }
     }
 
@@ -254,7 +255,7 @@ impl HybridRobot {
 }
 
 /// Whether motors are left over for the heading.
-fn is_free(planar: &Planar, plan: Option<&Plan>) -> bool {
+fn is_free(planar: &ArmChain, plan: Option<&Plan>) -> bool {
     match plan {
         Some(plan) => plan.last.is_some(),
         None => planar.axes().len() > 2,
@@ -262,10 +263,10 @@ fn is_free(planar: &Planar, plan: Option<&Plan>) -> bool {
 }
 
 struct Solver<'a> {
-    planar: &'a Planar,
+    planar: &'a ArmChain,
     plan: &'a Plan,
     ranges: &'a Ranges,
-    near: &'a Slopes,
+    near: &'a AxisCoefficients,
 }
 
 impl Solver<'_> {
@@ -273,7 +274,7 @@ impl Solver<'_> {
         &self,
         point: Vector2<f64>,
         heading: Option<f64>,
-        add: &mut impl FnMut(&Slopes, Configuration),
+        add: &mut impl FnMut(&AxisCoefficients, Configuration),
     ) -> Option<OutOfReach> {
         let (planar, plan) = (self.planar, self.plan);
         let turns = Turns::of(plan);
@@ -334,13 +335,13 @@ fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
             continue;
         }
         if stays && !branch.configuration.agrees_with(bend) {
-            branches[k].standing = Standing::BendsOtherwise;
+            branches[k].standing = BranchSelection::OtherElbow;
         } else if chosen.is_none_or(|best| branch.distance < branches[best].distance) {
             chosen = Some(k);
         }
     }
     if let Some(chosen) = chosen {
-        branches[chosen].standing = Standing::Chosen;
+        branches[chosen].standing = BranchSelection::Chosen;
     }
     chosen
 }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector4;
 
-use super::super::arm_chain::Slopes;
+use super::super::arm_chain::AxisCoefficients;
 use super::plan::{Pair, Plan};
 
 /// Most combinations of whole turns that are tried; with axes of at most ten turns there are fewer on any usual arm.
@@ -17,8 +17,8 @@ const SLACK: f64 = 1e-12;
 /// Limits of the axes of an arm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ranges {
-    pub(super) min: Slopes,
-    pub(super) max: Slopes,
+    pub(super) min: AxisCoefficients,
+    pub(super) max: AxisCoefficients,
     pub(super) count: usize,
 }
 
@@ -44,7 +44,11 @@ pub(super) struct Turns {
 impl Plan {
     /// The same pose by unknowns near others.
     #[inline]
-    pub(super) fn wound(&self, unknown: &Slopes, near: &Slopes) -> Slopes {
+    pub(super) fn wound(
+        &self,
+        unknown: &AxisCoefficients,
+        near: &AxisCoefficients,
+    ) -> AxisCoefficients {
         let mut wound = *unknown;
         for (r, (wound, near)) in wound.iter_mut().zip(near).enumerate() {
             if r != 1 || matches!(self.pair, Pair::Links(_)) {
@@ -89,7 +93,7 @@ impl Turns {
         turns
     }
 
-    fn shifted(&self, own: &Slopes, k: &[i64; 4]) -> Slopes {
+    fn shifted(&self, own: &AxisCoefficients, k: &[i64; 4]) -> AxisCoefficients {
         let mut shifted = Vector4::from(*own);
         for (generator, &k) in self.generators.iter().zip(k).take(self.count) {
             shifted += generator * k as f64;
@@ -98,7 +102,7 @@ impl Turns {
     }
 
     /// The same pose by positions near others.
-    fn nearest(&self, own: &Slopes, to: &Slopes) -> Slopes {
+    fn nearest(&self, own: &AxisCoefficients, to: &AxisCoefficients) -> AxisCoefficients {
         let away = Vector4::from(*to) - Vector4::from(*own);
         let mut k = [0; 4];
         for (k, dual) in k.iter_mut().zip(&self.duals).take(self.count) {
@@ -109,7 +113,7 @@ impl Turns {
 
     /// How far an axis is beyond its limits once it is shifted by whole turns.
     #[inline]
-    fn beyond(&self, own: &Slopes, k: &[f64; 4], ranges: &Ranges, axis: usize) -> f64 {
+    fn beyond(&self, own: &AxisCoefficients, k: &[f64; 4], ranges: &Ranges, axis: usize) -> f64 {
         let [a, b, c, d] = &self.generators;
         let shift = (a[axis] * k[0] + b[axis] * k[1]) + (c[axis] * k[2] + d[axis] * k[3]);
         let position = own[axis] + shift;
@@ -117,7 +121,12 @@ impl Turns {
     }
 
     /// Hands out the same pose by all positions within limits; where there are none, by those that are least beyond.
-    pub(super) fn within(&self, own: &Slopes, ranges: &Ranges, mut each: impl FnMut(&Slopes)) {
+    pub(super) fn within(
+        &self,
+        own: &AxisCoefficients,
+        ranges: &Ranges,
+        mut each: impl FnMut(&AxisCoefficients),
+    ) {
         let (mut low, mut high) = ([0_i64; 4], [0_i64; 4]);
         let mut combinations = 1_i64;
         for m in 0..self.count {
@@ -134,7 +143,7 @@ impl Turns {
         }
         let mut found = false;
         if combinations <= MOST {
-            let slack: Slopes = from_fn(|a| SLACK * (ranges.max[a] - ranges.min[a]));
+            let slack: AxisCoefficients = from_fn(|a| SLACK * (ranges.max[a] - ranges.min[a]));
             for_each(&low[..self.count], &high[..self.count], |k| {
                 let turns = k.map(|k| k as f64);
                 if (0..ranges.count).all(|a| self.beyond(own, &turns, ranges, a) <= slack[a]) {
@@ -152,7 +161,7 @@ impl Turns {
         }
         let about = self.nearest(own, &middle);
         let (mut best, mut least) = ([0; 4], f64::INFINITY);
-        let weights: Slopes = from_fn(|a| 1.0 / (ranges.max[a] - ranges.min[a]));
+        let weights: AxisCoefficients = from_fn(|a| 1.0 / (ranges.max[a] - ranges.min[a]));
         let (low, high) = ([-1; 4], [1; 4]);
         for_each(&low[..self.count], &high[..self.count], |k| {
             let (turns, mut excess) = (k.map(|k| k as f64), 0.0);
