@@ -2,29 +2,29 @@
 
 use nalgebra::Vector3;
 
-use super::scene::{Holder, Item};
-use crate::cell::Cell;
+use super::object::{Holder, Item};
 use crate::robot::{Arm, ArmJoint, AxisKind, EffectorId, HybridRobot, MAX_AXES};
 use crate::wafer::{Droop, DroopBounds, SHORTEST};
+use crate::workcell::Cell;
 
 /// Tilt up to which deflected arms are bounded, where the robot may not tilt farther: a motion beyond breaks the tilt limit anyway [rad].
 const STEEPEST: f64 = std::f64::consts::FRAC_PI_3;
 
 /// How far points of one item go by the axes.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Levers {
+pub(crate) struct Levers {
     /// By each motor of the arms [m/m or m/rad].
-    pub(super) arms: [f64; MAX_AXES],
+    pub(crate) arms: [f64; MAX_AXES],
     /// By the square of its speed, how hard they bend from straight [1/m or m/rad²].
-    pub(super) turns: [f64; MAX_AXES],
+    pub(crate) turns: [f64; MAX_AXES],
     /// Change of the deflection by each motor of the arms [m/m or m/rad].
-    pub(super) droops: [f64; MAX_AXES],
+    pub(crate) droops: [f64; MAX_AXES],
     /// Of that, in other directions than up and down.
-    pub(super) asides: [f64; MAX_AXES],
+    pub(crate) asides: [f64; MAX_AXES],
     /// Change of the deflection as seen from the platform by the rotation of the platform [m/rad].
-    pub(super) hang: f64,
+    pub(crate) hang: f64,
     /// Largest distance of a point of the rigid robot from the platform's origin [m].
-    pub(super) far: f64,
+    pub(crate) far: f64,
     /// Largest deflection of a point [m].
     deflection: f64,
 }
@@ -60,17 +60,17 @@ impl Levers {
     ///
     /// # Arguments
     /// * `reach` – distance from the origin of what holds it, up to which its points count: that of its farthest point, or less where no other item is farther out [m]
-    pub(super) fn new(cell: &Cell, item: &Item, reach: f64) -> Self {
+    pub(crate) fn new(cell: &Cell, item: &Item, reach: f64) -> Self {
         Self::beyond(cell, Extent::new(cell, item, reach), 0)
     }
 
     /// Largest distance of a point from the platform's origin, the arm deflected [m].
-    pub(super) fn farthest(&self) -> f64 {
+    pub(crate) fn farthest(&self) -> f64 {
         self.far + self.deflection
     }
 
     /// Of the centre of an effector's wafer.
-    pub(super) fn of_center(cell: &Cell, effector: EffectorId) -> Self {
+    pub(crate) fn of_center(cell: &Cell, effector: EffectorId) -> Self {
         let holder = Holder::Effector(effector);
         Self::beyond(cell, Extent { holder, origin: 0.0, center: 0.0 }, 0)
     }
@@ -79,7 +79,7 @@ impl Levers {
     ///
     /// # Arguments
     /// * `both` – with their reaches, as in [`Self::new`]
-    pub(super) fn between(cell: &Cell, both: [(&Item, f64); 2], common: Holder) -> Self {
+    pub(crate) fn between(cell: &Cell, both: [(&Item, f64); 2], common: Holder) -> Self {
         let common = if let Holder::Link { link, .. } = common { link + 1 } else { 0 };
         let [one, other] =
             both.map(|(item, reach)| Self::beyond(cell, Extent::new(cell, item, reach), common));
@@ -103,7 +103,7 @@ impl Levers {
     ///    |δ̇|  ≤  d' |ṙ|  +  R (s' |ṙ| + s |u̇| + s |φ̇|)  +  |ψ̇| (d + R s)
     /// ```
     /// δ: deflection; d, s: drop and slope by the reach r; R: distance from the wafer's centre; u: direction across the reach; φ, ψ: turns of the last link and of what carries both.
-    /// See "Motion bounds" in `docs/explanation/collision-guarantee.md`.
+    /// See "Trajectory bounds" in `docs/explanation/collision-guarantee.md`.
     fn beyond(cell: &Cell, extent: Extent, common: usize) -> Self {
         let robot = &cell.robot;
         let Extent { holder, origin, center: radius } = extent;
@@ -198,7 +198,7 @@ impl Levers {
 }
 
 /// How an arm droops at most, with an effector's wafer or without.
-pub(super) fn droop_bounds(cell: &Cell, id: EffectorId) -> DroopBounds {
+pub(crate) fn droop_bounds(cell: &Cell, id: EffectorId) -> DroopBounds {
     let reach = longest_reach(&cell.robot, id);
     cell.robot.arms[id.arm].droop.at_most(reach, cell.wafer.mass(), cell.gravity)
 }
@@ -229,7 +229,7 @@ fn turning(arm: &Arm, joints: usize) -> [f64; MAX_AXES] {
 }
 
 /// What carries two items that move alike, the last of it.
-pub(super) fn common(robot: &HybridRobot, one: &Item, other: &Item) -> Holder {
+pub(crate) fn common(robot: &HybridRobot, one: &Item, other: &Item) -> Holder {
     match (joints_of(robot, one.holder), joints_of(robot, other.holder)) {
         (Some((a, m)), Some((b, n))) if a == b => Holder::Link { arm: a, link: m.min(n) - 1 },
         (Some((a, _)), Some((b, _))) if begin_alike(&robot.arms[a], &robot.arms[b]) => {

@@ -1,14 +1,13 @@
-//! All steps of a motion together.
+//! Findings of all segments, put together into a report.
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::alone::{Alone, raise};
-use super::found::{About, Stretch};
-use super::near::{Near, passed};
-use super::report::{InstructionRow, Kind, PairDistance, Report, Share, Verdict, Violation};
-use super::scene::{Role, Scene, effector_name};
-use crate::cell::Cell;
+use super::report::{InstructionRow, PairDistance, Report, Share, Verdict};
+use super::segment_findings::{Alone, raise};
+use crate::collision::{Near, Role, Scene, effector_name, passed};
 use crate::trajectory::Trajectory;
+use crate::violation::{About, Kind, Stretch, Violation};
+use crate::workcell::Cell;
 
 /// The report as it grows.
 pub(super) struct Summary<'a> {

@@ -6,9 +6,9 @@ use jointplay_core::spatial::Pose;
 use nalgebra::Point3;
 
 use crate::CellError;
-use crate::cell::Cell;
 use crate::robot::{ChainPose, EffectorId};
 use crate::wafer::{Deflection, Droop, DroopError, apply_deflection};
+use crate::workcell::Cell;
 
 impl Cell {
     /// Adds the poses of one arm in the base frame: its links from the first on, all of them rigid, and then for each effector the last link as that effector deflects it, and its wafer.
@@ -16,7 +16,7 @@ impl Cell {
     /// ```text
     ///    base_from_wafer  =  D · base_from_last · last_from_wafer,      base_from_tip  =  D · base_from_last
     /// ```
-    /// D: the deflection of the arm at that effector's reach and load, see [`drooped`].
+    /// D: the deflection of the arm at that effector's reach and load, see [`apply_deflection`].
     ///
     /// # Arguments
     /// * `loaded` – whether an effector carries a wafer

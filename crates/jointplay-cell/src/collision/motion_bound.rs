@@ -4,35 +4,35 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 
-use super::drift::{Drift, Rates};
-use super::levers::Levers;
+use super::in_plane_motion::{Drift, Rates};
+use super::motion_bound_coefficients::Levers;
 use crate::robot::{HybridRobot, MAX_AXES, RODS};
 use crate::trajectory::{AxisSampler, AxisState};
 
 /// How far points of an item went, at most.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Travel {
+pub(crate) struct Travel {
     /// By the rods, the deflection as seen from the platform included [m].
-    pub(super) plane: f64,
+    pub(crate) plane: f64,
     /// By the arms, parallel to the platform [m].
-    pub(super) arm: f64,
+    pub(crate) arm: f64,
     /// By drooping otherwise than before, as the reach changed [m].
-    pub(super) droop: f64,
+    pub(crate) droop: f64,
     /// Of that, in other directions than up and down [m].
-    pub(super) aside: f64,
+    pub(crate) aside: f64,
     /// By the deflection as seen from the platform, which rotates [m].
-    pub(super) hang: f64,
+    pub(crate) hang: f64,
 }
 
 impl Travel {
-    pub(super) fn total(self) -> f64 {
+    pub(crate) fn total(self) -> f64 {
         self.plane + self.arm + self.droop
     }
 }
 
 /// What all axes did between two samples, at most.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Moved {
+pub(crate) struct Moved {
     /// Path of each axis [m or rad].
     axes: [f64; MAX_AXES],
     /// ∫|q̈| dt of each [m/s or rad/s].
@@ -42,14 +42,14 @@ pub(super) struct Moved {
     /// Path of the platform's origin [m].
     origin: f64,
     /// Angle that its normal turned by [rad].
-    pub(super) lean: f64,
+    pub(crate) lean: f64,
     /// Angle that it turned by about its normal beyond the shortest rotation [rad].
     twist: f64,
 }
 
 /// How far everything has come by each sample of a step, at most.
 #[derive(Default)]
-pub(super) struct Odometer {
+pub(crate) struct Odometer {
     /// Of each axis that moves, in the order of the track: path, ∫|q̈| dt and ∫q̇² dt; there may be more than there are.
     axes: Vec<Vec<[f64; 3]>>,
     /// Of the platform, while rods move: path of its origin, angle that its normal turned by, and angle about that.
@@ -61,7 +61,7 @@ impl Odometer {
     ///
     /// # Arguments
     /// * `from` – positions of all axes at its start
-    pub(super) fn take(
+    pub(crate) fn take(
         &mut self,
         gearing: &Gearing,
         (times, from): (&[f64], &[f64]),
@@ -125,7 +125,7 @@ impl Odometer {
     }
 
     /// What all axes did between two samples, at most.
-    pub(super) fn moved(&self, track: &AxisSampler, between: &Range<usize>) -> Moved {
+    pub(crate) fn moved(&self, track: &AxisSampler, between: &Range<usize>) -> Moved {
         let mut moved = Moved::default();
         let (from, to) = (between.start, between.end);
         for (&axis, by) in track.moving().iter().zip(&self.axes) {
@@ -140,7 +140,7 @@ impl Odometer {
 }
 
 /// The base triangle, as far as it gears rods to the platform.
-pub(super) struct Gearing {
+pub(crate) struct Gearing {
     /// Sum of the absolute weights by which the rods lift the platform's origin.
     weights: f64,
     /// Heights of the base triangle over each side [m], at the corner of each rod.
@@ -153,7 +153,7 @@ pub(super) struct Gearing {
 }
 
 impl Gearing {
-    pub(super) fn new(robot: &HybridRobot) -> Self {
+    pub(crate) fn new(robot: &HybridRobot) -> Self {
         let b = robot.gpr.base_points();
         let area = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| {
             (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
@@ -180,7 +180,7 @@ impl Gearing {
     }
 
     /// Distance of the platform's origin from that of the base, at most [m].
-    pub(super) fn highest(&self, robot: &HybridRobot) -> f64 {
+    pub(crate) fn highest(&self, robot: &HybridRobot) -> f64 {
         let rods = robot.axes[..RODS].iter().map(|rod| rod.min.abs().max(rod.max.abs()));
         // Beside the base axis it is by far less than a ball is.
         let radius = robot.gpr.base_points().map(|point| point.norm()).into_iter();
@@ -220,18 +220,18 @@ impl Gearing {
     }
 
     /// How much the platform's normal turns as the rods go so unevenly, or how fast where these are rates, at most [rad, or that by time].
-    pub(super) fn leaning(&self, rods: &[f64; RODS]) -> f64 {
+    pub(crate) fn leaning(&self, rods: &[f64; RODS]) -> f64 {
         let mean = (rods[0] + rods[1] + rods[2]) / 3.0;
         (0..RODS).map(|rod| (rods[rod] - mean).abs() / self.heights[rod]).sum::<f64>()
     }
 
     /// How much the platform's origin goes up or down as the rods go so, at most [m, or that by time].
-    pub(super) fn lift(&self, rods: &[f64; RODS]) -> f64 {
+    pub(crate) fn lift(&self, rods: &[f64; RODS]) -> f64 {
         self.weights * rods.iter().fold(0.0, |most: f64, rod| most.max(rod.abs()))
     }
 
-    /// How far points of an item went, at most; see "Motion bounds" in `docs/explanation/collision-guarantee.md`.
-    pub(super) fn travel(&self, levers: &Levers, moved: &Moved) -> Travel {
+    /// How far points of an item went, at most; see "Trajectory bounds" in `docs/explanation/collision-guarantee.md`.
+    pub(crate) fn travel(&self, levers: &Levers, moved: &Moved) -> Travel {
         let turned = moved.lean + moved.twist;
         let by = |levers: &[f64; MAX_AXES]| -> f64 {
             levers.iter().zip(&moved.axes).map(|(lever, path)| lever * path).sum()
@@ -247,7 +247,7 @@ impl Gearing {
     /// ```text
     ///    p̈  =  Σ_g |v_g| (φ̈_g e_⊥ - φ̇_g² e)         g: links from the first that moves on, φ_g: angle of each
     /// ```
-    pub(super) fn bend(&self, levers: &Levers, moved: &Moved) -> f64 {
+    pub(crate) fn bend(&self, levers: &Levers, moved: &Moved) -> f64 {
         let each = |levers: &[f64; MAX_AXES], moved: &[f64; MAX_AXES]| -> f64 {
             levers.iter().zip(moved).map(|(lever, moved)| lever * moved).sum()
         };

@@ -1,293 +1,16 @@
-//! Shapes as the collision library knows them, and distances between them.
+//! Distances between placed colliders.
 
-use std::convert::Infallible;
-
-use jointplay_core::spatial::Pose;
-use nalgebra::{Matrix3, Vector3};
-use parry3d_f64::math::{Mat3, Pose3, Rot3, Vector};
+use nalgebra::Vector3;
+use parry3d_f64::math::{Pose3, Vector};
 use parry3d_f64::query;
 use parry3d_f64::query::details::closest_points_support_map_support_map_with_params;
 use parry3d_f64::query::gjk::{GJKResult, VoronoiSimplex};
-use parry3d_f64::shape::{Shape as Queried, SharedShape, SupportMap};
+use parry3d_f64::shape::{Shape as Queried, SupportMap};
 
-use crate::cell::Shape;
-use crate::memory::{Kept, Key, extend};
-
-/// A shape in its carrier's frame.
-#[derive(Clone)]
-pub(super) struct Solid {
-    shape: SharedShape,
-    /// All points no farther from the shape than this belong to it [m].
-    margin: f64,
-    carrier_from_shape: Pose,
-    /// Centre of a ball around it, in the carrier's frame [m].
-    center: Vector3<f64>,
-    /// Radius of that ball [m].
-    radius: f64,
-    extent: Extent,
-}
-
-/// What is needed for the extent of a shape in a direction, in its own frame.
-#[derive(Clone, Copy)]
-enum Extent {
-    /// Box of half sides about a centre.
-    Box { center: [f64; 3], half: [f64; 3] },
-    /// Upright cylinder about the origin.
-    Cylinder { radius: f64, half_height: f64 },
-    /// Segment with its margin.
-    Segment { ends: [[f64; 3]; 2] },
-}
-
-fn vector(v: &[f64; 3]) -> Vector {
-    Vector::new(v[0], v[1], v[2])
-}
-
-/// A pose in the collision library's words.
-pub(super) fn posed(pose: &Pose) -> Pose3 {
-    let r: &Matrix3<f64> = pose.rotation.matrix();
-    let column = |k: usize| Vector::new(r[(0, k)], r[(1, k)], r[(2, k)]);
-    let rotation = Rot3::from_mat3(&Mat3::from_cols(column(0), column(1), column(2)));
-    let t = &pose.translation.vector;
-    Pose3::from_parts(Vector::new(t.x, t.y, t.z), rotation)
-}
-
-impl Solid {
-    /// Puts a shape into its carrier's frame; `None` where it has no points.
-    ///
-    /// What makes no body of its own kind (points in one plane, a mesh without triangles) is taken as the box around it, which is never smaller.
-    pub(super) fn new(shape: &Shape, carrier_from_shape: &Pose) -> Option<Self> {
-        // The library's cylinders stand along y.
-        let upright = Pose::from_parts(
-            Vector3::zeros().into(),
-            nalgebra::Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2),
-        );
-        let (mut placed, mut margin) = (*carrier_from_shape, 0.0);
-        let (parry, extent) = match shape {
-            Shape::Box { half } => (
-                SharedShape::cuboid(half[0], half[1], half[2]),
-                Extent::Box { center: [0.0; 3], half: *half },
-            ),
-            Shape::Cylinder { radius, half_height } => {
-                placed *= upright;
-                (
-                    SharedShape::cylinder(*half_height, *radius),
-                    Extent::Cylinder { radius: *radius, half_height: *half_height },
-                )
-            }
-            // A segment with a margin: the library's capsules are off by micrometres.
-            Shape::Capsule { ends, radius } => {
-                margin = *radius;
-                let segment = SharedShape::segment(vector(&ends[0]), vector(&ends[1]));
-                (segment, Extent::Segment { ends: *ends })
-            }
-            Shape::Convex { points } => {
-                let (center, half) = bounds(points)?;
-                let all: Vec<Vector> = points.iter().map(vector).collect();
-                let Some(hull) = SharedShape::convex_hull(&all) else {
-                    return Self::boxed(carrier_from_shape, center, half);
-                };
-                (hull, Extent::Box { center, half })
-            }
-            Shape::Mesh { vertices, triangles } => {
-                let (center, half) = bounds(vertices)?;
-                let all = vertices.iter().map(vector).collect();
-                let Ok(mesh) = SharedShape::trimesh(all, triangles.clone()) else {
-                    return Self::boxed(carrier_from_shape, center, half);
-                };
-                (mesh, Extent::Box { center, half })
-            }
-        };
-        let ball = parry.compute_local_bounding_sphere();
-        let center = placed * nalgebra::Point3::new(ball.center.x, ball.center.y, ball.center.z);
-        let solid = Self {
-            shape: parry,
-            margin,
-            carrier_from_shape: placed,
-            center: center.coords,
-            radius: ball.radius + margin,
-            extent,
-        };
-        Some(solid)
-    }
-
-    fn boxed(carrier_from_shape: &Pose, center: [f64; 3], half: [f64; 3]) -> Option<Self> {
-        let shifted = carrier_from_shape * nalgebra::Translation3::from(center);
-        Self::new(&Shape::Box { half }, &shifted)
-    }
-
-    /// Largest distance of its points from the carrier's origin [m].
-    pub(super) fn reach(&self) -> f64 {
-        self.center.norm() + self.radius
-    }
-
-    /// Largest distance of its points from a point of the carrier's frame [m].
-    pub(super) fn reach_from(&self, point: &Vector3<f64>) -> f64 {
-        (self.center - point).norm() + self.radius
-    }
-
-    /// Along a direction of its own frame, from a point there.
-    fn span(&self, d: &Vector3<f64>, origin: f64) -> Span {
-        let (middle, half) = match self.extent {
-            Extent::Box { center, half } => (
-                d.x * center[0] + d.y * center[1] + d.z * center[2],
-                d.x.abs() * half[0] + d.y.abs() * half[1] + d.z.abs() * half[2],
-            ),
-            Extent::Cylinder { radius, half_height } => {
-                (0.0, d.y.abs() * half_height + (d.x * d.x + d.z * d.z).sqrt() * radius)
-            }
-            Extent::Segment { ends: [a, b] } => {
-                let (a, b) = (d.dot(&Vector3::from(a)), d.dot(&Vector3::from(b)));
-                (0.5 * (a + b), 0.5 * (a - b).abs())
-            }
-        };
-        let half = half + self.margin;
-        Span { least: origin + middle - half, most: origin + middle + half }
-    }
-}
-
-/// Least and largest coordinate along a direction [m], or wider.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Span {
-    pub(super) least: f64,
-    pub(super) most: f64,
-}
-
-impl Span {
-    /// What is between two spans; below zero where they overlap.
-    pub(super) fn gap(self, other: Self) -> f64 {
-        (self.least - other.most).max(other.least - self.most)
-    }
-
-    /// The least span that holds both.
-    pub(super) fn with(self, other: Self) -> Self {
-        Self { least: self.least.min(other.least), most: self.most.max(other.most) }
-    }
-
-    /// With so much more at either end.
-    pub(super) fn wider(self, by: f64) -> Self {
-        Self { least: self.least - by, most: self.most + by }
-    }
-}
-
-/// The solids of the last check, each with a number of its own, and so where they stand.
-#[derive(Default)]
-pub(super) struct Solids {
-    kept: Kept<(u64, Option<Solid>)>,
-    standing: Kept<u64>,
-    count: u64,
-}
-
-impl Solids {
-    pub(super) fn begin(&mut self) {
-        self.kept.begin("");
-        self.standing.begin("");
-    }
-
-    /// As [`Solid::new`].
-    pub(super) fn get(&mut self, shape: &Shape, carrier_from_shape: &Pose) -> Option<(u64, Solid)> {
-        let make = || {
-            self.count += 1;
-            Ok::<_, Infallible>((self.count, Solid::new(shape, carrier_from_shape)))
-        };
-        let Ok(found) = self.kept.get(inputs(shape, carrier_from_shape), make);
-        Some((found.0, found.1.clone()?))
-    }
-
-    /// The number of a solid that stands somewhere.
-    pub(super) fn standing(&mut self, number: u64, base_from_carrier: &Pose) -> u64 {
-        let mut key = vec![number];
-        extend(&mut key, base_from_carrier.rotation.matrix().as_slice());
-        extend(&mut key, base_from_carrier.translation.vector.as_slice());
-        let Ok(found) = self.standing.get::<Infallible>(key, || {
-            self.count += 1;
-            Ok(self.count)
-        });
-        *found
-    }
-
-    pub(super) fn end(&mut self) {
-        self.kept.end();
-        self.standing.end();
-    }
-}
-
-fn inputs(shape: &Shape, carrier_from_shape: &Pose) -> Key {
-    let mut key = Key::new();
-    extend(&mut key, carrier_from_shape.rotation.matrix().as_slice());
-    extend(&mut key, carrier_from_shape.translation.vector.as_slice());
-    match shape {
-        Shape::Box { half } => {
-            key.push(0);
-            extend(&mut key, half);
-        }
-        Shape::Cylinder { radius, half_height } => {
-            key.push(1);
-            extend(&mut key, &[*radius, *half_height]);
-        }
-        Shape::Capsule { ends, radius } => {
-            key.push(2);
-            extend(&mut key, ends.as_flattened());
-            extend(&mut key, &[*radius]);
-        }
-        Shape::Convex { points } => {
-            key.push(3);
-            extend(&mut key, points.as_flattened());
-        }
-        Shape::Mesh { vertices, triangles } => {
-            key.extend([4, vertices.len() as u64]);
-            extend(&mut key, vertices.as_flattened());
-            key.extend(triangles.as_flattened().iter().map(|&corner| u64::from(corner)));
-        }
-    }
-    key
-}
-
-fn bounds(points: &[[f64; 3]]) -> Option<([f64; 3], [f64; 3])> {
-    let first = *points.first()?;
-    let (mut least, mut most) = (first, first);
-    for point in points {
-        for k in 0..3 {
-            least[k] = least[k].min(point[k]);
-            most[k] = most[k].max(point[k]);
-        }
-    }
-    let middle = |k: usize| 0.5 * (least[k] + most[k]);
-    let half = |k: usize| 0.5 * (most[k] - least[k]);
-    Some((std::array::from_fn(middle), std::array::from_fn(half)))
-}
-
-/// A solid where its carrier is.
-#[derive(Clone, Copy)]
-pub(super) struct Placed<'a> {
-    pub(super) solid: &'a Solid,
-    pub(super) base_from_carrier: &'a Pose,
-}
-
-impl Placed<'_> {
-    /// Least and largest coordinate along a direction through the base origin.
-    pub(super) fn span(&self, direction: &Vector3<f64>) -> Span {
-        let Pose { rotation, translation } = self.base_from_carrier;
-        let on_carrier = rotation.inverse_transform_vector(direction);
-        let from_shape = &self.solid.carrier_from_shape;
-        let origin =
-            direction.dot(&translation.vector) + on_carrier.dot(&from_shape.translation.vector);
-        self.solid.span(&from_shape.rotation.inverse_transform_vector(&on_carrier), origin)
-    }
-
-    /// A box around it, axes those of the base.
-    pub(super) fn around(&self) -> [Span; 3] {
-        let Pose { rotation, translation } = self.base_from_carrier * self.solid.carrier_from_shape;
-        let axis = |k: usize| rotation.matrix().row(k).transpose();
-        std::array::from_fn(|k| self.solid.span(&axis(k), translation.vector[k]))
-    }
-
-    fn pose(&self) -> Pose3 {
-        posed(&(self.base_from_carrier * self.solid.carrier_from_shape))
-    }
-}
+use super::collider::Placed;
 
 /// A lower bound of the distance by the balls around two solids [m]; below zero where they overlap.
-pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
+pub(crate) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
     let center = |p: &Placed<'_>| {
         p.base_from_carrier.rotation * p.solid.center + p.base_from_carrier.translation.vector
     };
@@ -295,21 +18,21 @@ pub(super) fn between_balls(a: Placed<'_>, b: Placed<'_>) -> f64 {
 }
 
 /// A lower bound of the distance: the gap between two solids along a direction [m]; below zero where they overlap there.
-pub(super) fn gap_along(a: Placed<'_>, b: Placed<'_>, direction: &Vector3<f64>) -> f64 {
+pub(crate) fn gap_along(a: Placed<'_>, b: Placed<'_>, direction: &Vector3<f64>) -> f64 {
     a.span(direction).gap(b.span(direction))
 }
 
 /// How far two solids are apart.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Apart {
+pub(crate) struct Apart {
     /// Distance, 0 where they overlap [m].
-    pub(super) distance: f64,
+    pub(crate) distance: f64,
     /// Unit vector from the nearest point of the first to that of the second in the base frame, where it is known.
-    pub(super) along: Option<Vector3<f64>>,
+    pub(crate) along: Option<Vector3<f64>>,
 }
 
 /// How far two solids are apart, found faster where it is guessed along what.
-pub(super) fn apart(a: Placed<'_>, b: Placed<'_>, guess: Option<&Vector3<f64>>) -> Apart {
+pub(crate) fn apart(a: Placed<'_>, b: Placed<'_>, guess: Option<&Vector3<f64>>) -> Apart {
     let (pose_a, pose_b) = (a.pose(), b.pose());
     let margin = a.solid.margin + b.solid.margin;
     let (one, other): (&dyn Queried, &dyn Queried) = (&*a.solid.shape.0, &*b.solid.shape.0);
@@ -378,6 +101,7 @@ fn nearest<A: SupportMap + ?Sized, B: SupportMap + ?Sized>(
 
 /// How often points of round shapes are projected from one to the other.
 const MOST_PROJECTIONS: usize = 100;
+
 /// Less than this nearer by a projection, they are as near as they come [m].
 const PROJECTED: f64 = 1e-11;
 
@@ -406,12 +130,12 @@ fn closer(
 }
 
 /// Distance between two solids [m], 0 where they overlap.
-pub(super) fn distance(a: Placed<'_>, b: Placed<'_>) -> f64 {
+pub(crate) fn distance(a: Placed<'_>, b: Placed<'_>) -> f64 {
     apart(a, b, None).distance
 }
 
 /// How deep two solids overlap [m], 0 where that is not known.
-pub(super) fn depth(a: Placed<'_>, b: Placed<'_>) -> f64 {
+pub(crate) fn depth(a: Placed<'_>, b: Placed<'_>) -> f64 {
     let margin = a.solid.margin + b.solid.margin;
     query::contact(&a.pose(), &*a.solid.shape.0, &b.pose(), &*b.solid.shape.0, margin)
         .ok()
@@ -420,7 +144,7 @@ pub(super) fn depth(a: Placed<'_>, b: Placed<'_>) -> f64 {
 }
 
 /// How far a point in the base frame is outside a solid [m]; below zero how deep it is within, or less.
-pub(super) fn outside(solid: Placed<'_>, point: &Vector3<f64>) -> f64 {
+pub(crate) fn outside(solid: Placed<'_>, point: &Vector3<f64>) -> f64 {
     let point = Vector::new(point.x, point.y, point.z);
     let found = solid.solid.shape.0.project_point(&solid.pose(), point, false);
     let apart = (found.point - point).length();
@@ -429,8 +153,12 @@ pub(super) fn outside(solid: Placed<'_>, point: &Vector3<f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use jointplay_core::spatial::Pose;
     use nalgebra::{Rotation3, Translation3};
+
+    use super::super::collider::{Solid, posed, vector};
+    use super::super::shape::Shape;
+    use super::*;
 
     fn at(x: f64, y: f64, z: f64) -> Pose {
         Pose::from_parts(Translation3::new(x, y, z), Rotation3::identity())

@@ -1,58 +1,23 @@
-//! A step by itself: axes, tilt, play and slip against their limits, and safe zones.
-
-use std::ops::Range;
+//! Axes, tilt, play and slip against their limits.
 
 use jointplay_core::bulk::{Quantity, Status};
-use jointplay_core::spatial::Pose;
 
-use super::course::{Around, Course, Lost};
-use super::found::{Found, Hit, Stretch, When};
-use super::levers::Levers;
-use super::report::{Kind, Share, Unit};
-use super::scene::{Scene, Unplaced};
+use super::report::Share;
+use super::segment_findings::{Alone, raise};
 use super::slip::Carried;
-use super::travel::Gearing;
 use crate::CellError;
-use crate::cell::Cell;
+use crate::collision::{Course, Gearing, Lost, Scene, Unplaced};
 use crate::program::{Phase, Step};
 use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, KinematicLimits, Positions};
-use crate::solid::{self, Placed};
 use crate::trajectory::{AxisState, axis_limits};
+use crate::violation::{Found, Hit, Kind, Unit, When};
 use crate::wafer::Droop;
+use crate::workcell::Cell;
 
 /// Relative slack of limits, so that a motion planned to lie on one is not beyond it by round-off.
 const SLACK: f64 = 1e-6;
 /// The same for positions [m and rad].
 const POSITION_SLACK: f64 = 1e-9;
-
-/// What is found of a step by itself; times are since its start.
-#[derive(Debug)]
-pub(super) struct Alone {
-    pub(super) velocity: Option<Share>,
-    pub(super) acceleration: Option<Share>,
-    pub(super) jerk: Option<Share>,
-    pub(super) slip: Option<Share>,
-    pub(super) tilt: f64,
-    pub(super) play: f64,
-    /// Whether each axis moves.
-    pub(super) moved: Vec<bool>,
-    pub(super) samples: usize,
-    pub(super) found: Vec<Stretch>,
-    /// Samples between which it is known where everything is.
-    pub(super) runs: Vec<Range<usize>>,
-    /// The room around the way of each thing that moves.
-    pub(super) around: Vec<Option<Around>>,
-}
-
-/// Keeps the largest share, and of those the earliest.
-pub(super) fn raise(most: &mut Option<Share>, share: Share) {
-    let is_more = |most: &Share| {
-        share.share > most.share || (share.share == most.share && share.time < most.time)
-    };
-    if most.as_ref().is_none_or(is_more) {
-        *most = Some(share);
-    }
-}
 
 /// How the platform stands over its rods.
 #[derive(Clone, Copy)]
@@ -72,47 +37,6 @@ struct Standings<'a> {
 }
 
 impl Alone {
-    /// Adds what a later window of the step comes to.
-    ///
-    /// # Arguments
-    /// * `first` – number of its first sample in the step
-    pub(super) fn join(&mut self, next: Self, first: usize) {
-        let peaks = [
-            (&mut self.velocity, next.velocity),
-            (&mut self.acceleration, next.acceleration),
-            (&mut self.jerk, next.jerk),
-            (&mut self.slip, next.slip),
-        ];
-        for (most, share) in peaks {
-            if let Some(share) = share {
-                raise(most, share);
-            }
-        }
-        self.tilt = self.tilt.max(next.tilt);
-        self.play = self.play.max(next.play);
-        for (moved, also) in self.moved.iter_mut().zip(next.moved) {
-            *moved |= also;
-        }
-        self.samples = first + next.samples;
-        let mut found = Found::of(std::mem::take(&mut self.found));
-        found.join(next.found, first);
-        self.found = found.finished();
-        for run in next.runs {
-            let run = run.start + first..run.end + first;
-            match self.runs.last_mut() {
-                Some(last) if last.end >= run.start => last.end = run.end,
-                _ => self.runs.push(run),
-            }
-        }
-        for (around, next) in self.around.iter_mut().zip(next.around) {
-            match (around.as_mut(), next) {
-                (Some(around), Some(next)) => around.join(next),
-                (None, next) => *around = next,
-                (Some(_), None) => {}
-            }
-        }
-    }
-
     /// Looks at all samples of a window.
     pub(super) fn new(
         scene: &Scene<'_>,
@@ -157,15 +81,6 @@ impl Alone {
         }
         alone.found = found.finished();
         alone
-    }
-
-    /// Reports a pose that is unknown though the step was found to have all of them; its distances are not followed then.
-    pub(super) fn lost(&mut self, lost: Lost) {
-        let mut found = Found::default();
-        lost.report(&mut found);
-        self.found.extend(found.finished());
-        self.found.sort_by_key(|stretch| stretch.first);
-        self.runs.clear();
     }
 
     /// Looks at an axis at all samples.
@@ -301,60 +216,6 @@ impl Alone {
                 found.add(When { time, sample }, hit, String::new);
             }
             raise(&mut self.slip, Share { of: place, share: slip.share(), time });
-        }
-    }
-
-    /// The centre of an effector stays in the safe zones while the robot turns: looked at where it may have come to an edge.
-    fn zones(
-        &self,
-        scene: &Scene<'_>,
-        (course, gearing): (&Course, &Gearing),
-        (place, id): (usize, EffectorId),
-        found: &mut Found,
-    ) {
-        let kind = Kind::SafeZone;
-        let levers = Levers::of_center(scene.cell, id);
-        for run in &self.runs {
-            let (mut sample, mut stride) = (run.start, 1);
-            while sample < run.end {
-                let pose = match scene.wafer(id, &course.positions(sample)) {
-                    Ok(pose) => pose,
-                    Err(why) => {
-                        let when = When { time: course.times()[sample], sample };
-                        Lost { when, why }.report(found);
-                        (sample, stride) = (sample + 1, 1);
-                        continue;
-                    }
-                };
-                let mut room = f64::INFINITY;
-                for (zone, solid) in &scene.safe {
-                    let placed = Placed { solid, base_from_carrier: &Pose::identity() };
-                    let off = solid::outside(placed, &pose.translation.vector);
-                    room = room.min(-off);
-                    if off > 0.0 {
-                        let (about, unit) = ((kind, place, *zone), Unit::Length);
-                        let hit = Hit { about, kind, severity: off, value: off, limit: 0.0, unit };
-                        let when = When { time: course.times()[sample], sample };
-                        found.add(when, hit, String::new);
-                    }
-                }
-                // The farthest sample to which the centre cannot have come out, as far as the last time at first.
-                let stays = |to: usize| {
-                    gearing.travel(&levers, &course.moved(&(sample..to))).total() < room
-                };
-                let mut near = sample;
-                let mut far = (sample + stride).min(run.end);
-                while far < run.end && stays(far) {
-                    near = far;
-                    far = (sample + 2 * (far - sample)).min(run.end);
-                }
-                while near + 1 < far {
-                    let middle = near.midpoint(far);
-                    if stays(middle) { near = middle } else { far = middle }
-                }
-                stride = near + 1 - sample;
-                sample = near + 1;
-            }
         }
     }
 }

@@ -19,9 +19,9 @@ const STEP: f64 = 1e-4;
 /// Bounds of the platform's motion beyond the shortest rotation to its normal, as its plane's slope changes.
 ///
 /// The slope s is the gradient of the plane's height, |s| = tan α.
-/// See "Motion bounds" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
+/// See "Trajectory bounds" in `docs/explanation/collision-guarantee.md` for the inequalities and their proof.
 #[derive(Debug, Clone)]
-pub(super) enum Drift {
+pub(crate) enum Drift {
     /// Of the planar model, in closed form.
     Planar {
         /// Σ|b̂_k||b_k| / N_0: largest twist by strain of the ball triangle.
@@ -37,15 +37,15 @@ pub(super) enum Drift {
 
 /// Rates by the slope of the platform's plane, at most.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Rates {
+pub(crate) struct Rates {
     /// Of the platform's origin, but for the height at which the plane crosses the base axis [m].
-    pub(super) shift: f64,
+    pub(crate) shift: f64,
     /// Of the rotation about the normal beyond the shortest rotation [rad].
-    pub(super) twist: f64,
+    pub(crate) twist: f64,
 }
 
 impl Drift {
-    pub(super) fn new(robot: &HybridRobot) -> Self {
+    pub(crate) fn new(robot: &HybridRobot) -> Self {
         let PlatformModel { virtualization, options } = robot.model;
         if virtualization == Kernel::Planar && options.solver == Solver::ClosedForm {
             Self::planar(&robot.gpr)
@@ -115,7 +115,7 @@ impl Drift {
     }
 
     /// Rates while the slope is no steeper than this.
-    pub(super) fn rates(&self, steep: f64) -> Rates {
+    pub(crate) fn rates(&self, steep: f64) -> Rates {
         match self {
             Self::Planar { ratio, balls, sockets } => {
                 let secant = 1.0_f64.hypot(steep);

@@ -1,4 +1,4 @@
-//! Motion bounds against motions: no point travels farther between two samples than its bound.
+//! Trajectory bounds against motions: no point travels farther between two samples than its bound.
 
 #[path = "../../tests/common/mod.rs"]
 mod common;
@@ -9,16 +9,19 @@ use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::{Kernel, SolveOptions, Solver};
 use nalgebra::{Point3, Rotation3, Vector3};
 
-use super::course::{Course, Samples};
-use super::levers::{Levers, common};
-use super::scene::{Holder, Scene};
-use super::travel::{Gearing, Travel};
-use crate::cell::{Body, Carrier, Cell, Shape};
+use super::link_poses::Places;
+use super::motion_bound::{Gearing, Travel};
+use super::motion_bound_coefficients::{Levers, common};
+use super::object::Holder;
+use super::sample_times::Samples;
+use super::sampled_segment::Course;
+use super::scene::Scene;
+use crate::geometry::{Shape, Solids};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::{AxisKind, PlatformModel, RODS};
-use crate::solid::Solids;
 use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, plan_trajectory, straight};
 use crate::wafer::{Droop, DroopRow};
+use crate::workcell::{Body, Carrier, Cell};
 
 /// Parts of an interval of which the path of a point is added up.
 const PARTS: u32 = 6;
@@ -201,11 +204,11 @@ fn no_point_travels_farther_than_its_bound() {
                 states.windows(2).map(|two| (two[1].normal - two[0].normal).norm()).sum();
             assert!(turned <= moved.lean * (1.0 + 1e-9) + 1e-12, "{round}: {turned}");
             steepest = states.iter().map(|it| it.normal.z.acos()).fold(steepest, f64::max);
-            let world = |item: usize, point: &Vector3<f64>, state: &super::scene::Places| {
+            let world = |item: usize, point: &Vector3<f64>, state: &Places| {
                 let pose = scene.placed(item, state).base_from_carrier;
                 (pose * Point3::from(*point)).coords
             };
-            let path = |at: &dyn Fn(&super::scene::Places) -> Vector3<f64>| -> f64 {
+            let path = |at: &dyn Fn(&Places) -> Vector3<f64>| -> f64 {
                 states.windows(2).map(|two| (at(&two[1]) - at(&two[0])).norm()).sum()
             };
             for (item, point) in &points {

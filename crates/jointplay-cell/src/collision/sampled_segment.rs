@@ -5,14 +5,18 @@ use std::ops::Range;
 use jointplay_core::bulk::Column;
 use jointplay_core::spatial::Pose;
 
-use super::found::{Found, Hit, When};
-use super::levers::Levers;
-use super::report::{Kind, Unit};
-use super::scene::{Places, Scene, Unplaced};
-use super::travel::{Gearing, Moved, Odometer};
+use super::axis_states::Axes;
+use super::link_poses::{Places, Unplaced};
+use super::motion_bound::{Gearing, Moved, Odometer};
+use super::motion_bound_coefficients::Levers;
+use super::sample_times::Samples;
+use super::scene::Scene;
+use super::swept_aabb::{Around, with};
+use super::unknown_pose::Lost;
+use crate::geometry::Span;
 use crate::robot::{Positions, RODS};
-use crate::solid::Span;
 use crate::trajectory::{AxisSampler, AxisState, Trajectory};
+use crate::violation::{Kind, When};
 
 /// Samples from one place that a box around a way is made of to the next.
 const STRIDE: usize = 16;
@@ -20,55 +24,11 @@ const STRIDE: usize = 16;
 /// Boxes around the way of one thing in a step, about, at most: those of long steps are made of more samples each.
 const MOST_BOXES: usize = 4096;
 
-/// Intervals between samples in one window: what is held at a time does not grow with the duration of a step.
-const WINDOW: usize = 1 << 14;
-
-/// Even times of a step, and its end; neighbouring windows share a sample.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Samples {
-    /// How many samples there are.
-    pub(super) count: usize,
-    /// Samples a second [Hz].
-    rate: f64,
-    /// Duration of the step [s].
-    length: f64,
-}
-
-impl Samples {
-    /// The start of a step, `rate` times a second, and its end.
-    pub(super) fn of(motion: &Trajectory, step: usize, rate: f64) -> Self {
-        let length = motion.intrinsic_step_duration(step);
-        // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
-        let whole = if motion.is_dwell(step) {
-            usize::from(length > 0.0)
-        } else {
-            (length * rate - 1e-3).ceil().max(0.0) as usize
-        };
-        Self { count: whole + 1, rate, length }
-    }
-
-    /// How many windows they are divided into.
-    pub(super) fn windows(&self) -> usize {
-        (self.count - 1).div_ceil(WINDOW).max(1)
-    }
-
-    /// The samples of a window.
-    pub(super) fn window(&self, window: usize) -> Range<usize> {
-        let first = window * WINDOW;
-        first..(first + WINDOW + 1).min(self.count)
-    }
-
-    /// Time of a sample since the start of the step [s].
-    fn time(&self, sample: usize) -> f64 {
-        if sample + 1 == self.count { self.length } else { sample as f64 / self.rate }
-    }
-}
-
 /// The samples of a window of a step, and how far what moves has come by each.
 ///
 /// It is used for one window after the other, so that its room is taken once.
 #[derive(Default)]
-pub(super) struct Course {
+pub(crate) struct Course {
     /// Which step and window, while it is looked at.
     window: Option<(usize, usize)>,
     /// Number of the window's first sample in the step.
@@ -89,7 +49,7 @@ pub(super) struct Course {
 
 impl Course {
     /// Takes up a window of a step.
-    pub(super) fn take(
+    pub(crate) fn take(
         &mut self,
         motion: &Trajectory,
         (step, window): (usize, usize),
@@ -111,37 +71,37 @@ impl Course {
     }
 
     /// Whether it has taken up a window of a step.
-    pub(super) fn is_of(&self, step: usize, window: usize) -> bool {
+    pub(crate) fn is_of(&self, step: usize, window: usize) -> bool {
         self.window == Some((step, window))
     }
 
     /// Done with its step, for the next who needs the room.
-    pub(super) fn leave(&mut self) {
+    pub(crate) fn leave(&mut self) {
         self.window = None;
     }
 
     /// Number of the window's first sample in the step.
-    pub(super) fn first(&self) -> usize {
+    pub(crate) fn first(&self) -> usize {
         self.first
     }
 
     /// Of the samples, since the start of the step [s].
-    pub(super) fn times(&self) -> &[f64] {
+    pub(crate) fn times(&self) -> &[f64] {
         &self.times
     }
 
     /// What the axes do that do anything.
-    pub(super) fn track(&self) -> &AxisSampler {
+    pub(crate) fn track(&self) -> &AxisSampler {
         &self.track
     }
 
     /// Where all axes are at the start.
-    pub(super) fn from(&self) -> &[f64] {
+    pub(crate) fn from(&self) -> &[f64] {
         &self.from
     }
 
     /// Some axes, by their indices; as far as there are fewer, the rest stand at zero.
-    pub(super) fn axes<const N: usize>(&self, indices: &[usize]) -> Axes<'_, N> {
+    pub(crate) fn axes<const N: usize>(&self, indices: &[usize]) -> Axes<'_, N> {
         let mut axes = Axes { moving: [None; N], standing: [0.0; N] };
         for (place, &axis) in indices.iter().enumerate() {
             axes.moving[place] = self.states(axis);
@@ -151,7 +111,7 @@ impl Course {
     }
 
     /// Lengths of the rods by sample [m]; one alone where none of them moves.
-    pub(super) fn rods(&self) -> [Column<'_>; RODS] {
+    pub(crate) fn rods(&self) -> [Column<'_>; RODS] {
         let states: [_; RODS] = std::array::from_fn(|rod| self.states(rod));
         let move_at_all = states.iter().any(Option::is_some);
         let len = if move_at_all { self.times.len() } else { 1 };
@@ -169,7 +129,7 @@ impl Course {
     }
 
     /// Where all axes are at a sample.
-    pub(super) fn positions(&self, sample: usize) -> Positions {
+    pub(crate) fn positions(&self, sample: usize) -> Positions {
         let mut positions = Positions::new(&self.from);
         for (&axis, states) in self.track.moving().iter().zip(self.track.states()) {
             positions[axis] = states[sample][0];
@@ -178,7 +138,7 @@ impl Course {
     }
 
     /// What all axes did between two samples, at most.
-    pub(super) fn moved(&self, between: &Range<usize>) -> Moved {
+    pub(crate) fn moved(&self, between: &Range<usize>) -> Moved {
         self.odometer.moved(&self.track, between)
     }
 
@@ -186,7 +146,7 @@ impl Course {
     ///
     /// # Errors
     /// [`Lost`], where they are unknown.
-    pub(super) fn place(&mut self, scene: &Scene<'_>, sample: usize) -> Result<(), Lost> {
+    pub(crate) fn place(&mut self, scene: &Scene<'_>, sample: usize) -> Result<(), Lost> {
         if self.places[sample].is_none() {
             let room = self.rooms.pop().unwrap_or_default();
             self.places[sample] = Some(scene.places(&self.positions(sample), room));
@@ -198,7 +158,7 @@ impl Course {
     ///
     /// # Errors
     /// [`Lost`], where they are unknown.
-    pub(super) fn placed(&self, sample: usize) -> Result<&Places, Lost> {
+    pub(crate) fn placed(&self, sample: usize) -> Result<&Places, Lost> {
         let lost = |why: Unplaced| Lost { when: When { time: self.times[sample], sample }, why };
         match &self.places[sample] {
             Some(Ok(places)) => Ok(places),
@@ -214,7 +174,7 @@ impl Course {
     ///
     /// # Errors
     /// [`Lost`], where a pose is unknown.
-    pub(super) fn around(
+    pub(crate) fn around(
         &mut self,
         scene: &Scene<'_>,
         item: usize,
@@ -240,76 +200,4 @@ impl Course {
         }
         Ok(parts.iter().copied().reduce(with).map(|whole| Around { whole, parts }))
     }
-}
-
-/// A time at which the poses of all that moves are unknown.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Lost {
-    pub(super) when: When,
-    pub(super) why: Unplaced,
-}
-
-impl Lost {
-    /// Reports it.
-    pub(super) fn report(self, found: &mut Found) {
-        let Self { when, why: Unplaced { kind, why } } = self;
-        let (about, unit) = ((kind, 0, 0), Unit::None);
-        let hit = Hit { about, kind, severity: 0.0, value: 0.0, limit: 0.0, unit };
-        found.add(when, hit, || why);
-    }
-}
-
-/// What some axes do.
-pub(super) struct Axes<'a, const N: usize> {
-    /// By sample, of those that do anything.
-    moving: [Option<&'a [AxisState]>; N],
-    /// Where the others stand.
-    standing: [f64; N],
-}
-
-impl<const N: usize> Axes<'_, N> {
-    /// Positions, velocities and accelerations at a sample.
-    pub(super) fn rates(&self, sample: usize) -> [[f64; N]; 3] {
-        let mut rates = [self.standing, [0.0; N], [0.0; N]];
-        for (place, states) in self.moving.iter().enumerate() {
-            if let Some(states) = states {
-                for (order, rates) in rates.iter_mut().enumerate() {
-                    rates[place] = states[sample][order];
-                }
-            }
-        }
-        rates
-    }
-}
-
-/// The room around a way: boxes one after the other, axes those of the base.
-#[derive(Debug)]
-pub(super) struct Around {
-    whole: [Span; 3],
-    parts: Vec<[Span; 3]>,
-}
-
-impl Around {
-    /// Adds the boxes of a later window.
-    pub(super) fn join(&mut self, next: Self) {
-        self.whole = with(self.whole, next.whole);
-        self.parts.extend(next.parts);
-    }
-
-    /// Around them all, in one box.
-    pub(super) fn all<'a>(of: impl Iterator<Item = &'a Self>) -> Option<Self> {
-        let whole = of.map(|around| around.whole).reduce(with)?;
-        Some(Self { whole, parts: vec![whole] })
-    }
-
-    /// Whether it may come as near to a box as that.
-    pub(super) fn comes_near(&self, other: &[Span; 3], reach: f64) -> bool {
-        let near = |part: &[Span; 3]| (0..3).all(|k| part[k].gap(other[k]) <= reach);
-        near(&self.whole) && self.parts.iter().any(near)
-    }
-}
-
-/// The least box that holds both.
-fn with(one: [Span; 3], other: [Span; 3]) -> [Span; 3] {
-    std::array::from_fn(|k| one[k].with(other[k]))
 }

@@ -1,58 +1,58 @@
 //! What is broken in one step, sample by sample, merged into stretches of time.
 
-use super::report::{Kind, Unit};
+use super::kind::{Kind, Unit};
 
 /// What something is about, so that it is known again at the next sample: kind, and indices of what takes part.
-pub(super) type About = (Kind, usize, usize);
+pub(crate) type About = (Kind, usize, usize);
 
 /// One thing that is broken at one time.
 #[derive(Debug, Clone)]
-pub(super) struct Hit {
-    pub(super) about: About,
+pub(crate) struct Hit {
+    pub(crate) about: About,
     /// What it is called: of two bodies that come too near and then touch, the worse of the two.
-    pub(super) kind: Kind,
+    pub(crate) kind: Kind,
     /// Larger is worse, whatever the kind.
-    pub(super) severity: f64,
-    pub(super) value: f64,
-    pub(super) limit: f64,
-    pub(super) unit: Unit,
+    pub(crate) severity: f64,
+    pub(crate) value: f64,
+    pub(crate) limit: f64,
+    pub(crate) unit: Unit,
 }
 
 /// One thing that is broken without a break.
 #[derive(Debug, Clone)]
-pub(super) struct Stretch {
+pub(crate) struct Stretch {
     /// The worst of it.
-    pub(super) hit: Hit,
+    pub(crate) hit: Hit,
     /// When that is, since the start of the step [s].
-    pub(super) worst: f64,
+    pub(crate) worst: f64,
     /// First and last time at which it is broken, since the start of the step [s].
-    pub(super) start: f64,
-    pub(super) end: f64,
+    pub(crate) start: f64,
+    pub(crate) end: f64,
     /// Numbers of the samples at which, or before which, that is.
-    pub(super) first: usize,
-    pub(super) last: usize,
-    pub(super) detail: String,
+    pub(crate) first: usize,
+    pub(crate) last: usize,
+    pub(crate) detail: String,
 }
 
 /// When something was found: since the start of the step [s], and at or before which of its samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct When {
-    pub(super) time: f64,
-    pub(super) sample: usize,
+pub(crate) struct When {
+    pub(crate) time: f64,
+    pub(crate) sample: usize,
 }
 
 /// All that is broken in a step so far.
 #[derive(Debug, Default)]
-pub(super) struct Found(Vec<Stretch>);
+pub(crate) struct Found(Vec<Stretch>);
 
 impl Found {
     /// What was found so far.
-    pub(super) fn of(stretches: Vec<Stretch>) -> Self {
+    pub(crate) fn of(stretches: Vec<Stretch>) -> Self {
         Self(stretches)
     }
 
     /// Adds what is broken, to what was broken at the sample before where that is the same; times of one thing grow.
-    pub(super) fn add(&mut self, when: When, hit: Hit, detail: impl FnOnce() -> String) {
+    pub(crate) fn add(&mut self, when: When, hit: Hit, detail: impl FnOnce() -> String) {
         let When { time, sample } = when;
         // The last of its kind: nothing is found of it before that any more.
         let open = self.0.iter_mut().rev().find(|open| open.hit.about == hit.about);
@@ -72,7 +72,7 @@ impl Found {
     ///
     /// # Arguments
     /// * `first` – number of that sample in the step
-    pub(super) fn join(&mut self, next: Vec<Stretch>, first: usize) {
+    pub(crate) fn join(&mut self, next: Vec<Stretch>, first: usize) {
         for mut stretch in next {
             (stretch.first, stretch.last) = (stretch.first + first, stretch.last + first);
             let open = self.0.iter_mut().rev().find(|open| open.hit.about == stretch.hit.about);
@@ -89,7 +89,7 @@ impl Found {
     }
 
     /// All of it, what began first at the front.
-    pub(super) fn finished(mut self) -> Vec<Stretch> {
+    pub(crate) fn finished(mut self) -> Vec<Stretch> {
         self.0.sort_by_key(|stretch| stretch.first);
         self.0
     }

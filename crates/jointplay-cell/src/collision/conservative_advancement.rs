@@ -4,14 +4,17 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::course::{Course, Lost};
-use super::found::{Found, Hit, Stretch, When};
-use super::levers::Levers;
-use super::report::{Kind, Unit};
-use super::scene::{Holder, Places, Rule, Scene};
-use super::travel::{Gearing, Travel};
-use crate::solid::{Placed, apart, between_balls, depth, distance, gap_along};
+use super::allowed_collisions::Rule;
+use super::link_poses::Places;
+use super::motion_bound::{Gearing, Travel};
+use super::motion_bound_coefficients::Levers;
+use super::object::Holder;
+use super::sampled_segment::Course;
+use super::scene::Scene;
+use super::unknown_pose::Lost;
+use crate::geometry::{Placed, apart, between_balls, depth, distance, gap_along};
 use crate::trajectory::{Sample, Trajectory};
+use crate::violation::{Found, Hit, Kind, Stretch, Unit, When};
 
 /// By how much a least distance may be passed over, as a share of it.
 const PASSED_SHARE: f64 = 0.02;
@@ -22,35 +25,35 @@ const FINEST: f64 = 2e-6;
 /// Resolution of comparisons of distances with what is asked for: what distances are tested to be exact to [m].
 ///
 /// A pair is too near where its distance is less than what is asked for by more than this; where it touches, it is so whatever is asked for.
-pub(super) const RESOLUTION: f64 = 1e-8;
+pub(crate) const RESOLUTION: f64 = 1e-8;
 
 /// How much less than a least distance another one may have been that was passed over [m].
-pub(super) fn passed(distance: f64) -> f64 {
+pub(crate) fn passed(distance: f64) -> f64 {
     (PASSED_SHARE * distance).max(PASSED)
 }
 
 /// What is found of the distances in a step; items are indices into those that were looked at, times are since its start.
-pub(super) struct Near {
-    pub(super) least: Vec<Least>,
-    pub(super) found: Vec<Stretch>,
+pub(crate) struct Near {
+    pub(crate) least: Vec<Least>,
+    pub(crate) found: Vec<Stretch>,
 }
 
 /// The least distance of a pair at the samples, where it is followed.
-pub(super) struct Least {
-    pub(super) items: [usize; 2],
-    pub(super) distance: f64,
-    pub(super) time: f64,
+pub(crate) struct Least {
+    pub(crate) items: [usize; 2],
+    pub(crate) distance: f64,
+    pub(crate) time: f64,
 }
 
 /// Two items, the first of which moves, and what is asked of them.
 #[derive(Clone, Copy)]
-pub(super) struct Pair {
-    pub(super) items: [usize; 2],
-    pub(super) rule: Rule,
+pub(crate) struct Pair {
+    pub(crate) items: [usize; 2],
+    pub(crate) rule: Rule,
 }
 
 /// Pairs, and what is known of them from the windows of a step that were looked at.
-pub(super) struct Pairs<'p> {
+pub(crate) struct Pairs<'p> {
     pairs: &'p [Pair],
     /// Of each: the least distance, and when.
     least: Vec<Option<(f64, f64)>>,
@@ -60,12 +63,12 @@ pub(super) struct Pairs<'p> {
 }
 
 impl<'p> Pairs<'p> {
-    pub(super) fn new(pairs: &'p [Pair]) -> Self {
+    pub(crate) fn new(pairs: &'p [Pair]) -> Self {
         let (least, along) = (vec![None; pairs.len()], vec![None; pairs.len()]);
         Self { pairs, least, along, found: Found::default() }
     }
 
-    pub(super) fn finished(self) -> Near {
+    pub(crate) fn finished(self) -> Near {
         let pairs = self.pairs.iter().zip(self.least);
         let least = pairs.filter_map(|(pair, least)| {
             least.map(|(distance, time)| Least { items: pair.items, distance, time })
@@ -75,20 +78,20 @@ impl<'p> Pairs<'p> {
 }
 
 /// A window of a step, and what is near its way.
-pub(super) struct Look<'a> {
-    pub(super) scene: &'a Scene<'a>,
-    pub(super) motion: &'a Trajectory,
-    pub(super) step: usize,
-    pub(super) course: &'a mut Course,
+pub(crate) struct Look<'a> {
+    pub(crate) scene: &'a Scene<'a>,
+    pub(crate) motion: &'a Trajectory,
+    pub(crate) step: usize,
+    pub(crate) course: &'a mut Course,
     /// Items of the scene, those that move first, as in the course.
-    pub(super) items: &'a [usize],
-    pub(super) gearing: &'a Gearing,
+    pub(crate) items: &'a [usize],
+    pub(crate) gearing: &'a Gearing,
     /// Of those that move.
-    pub(super) levers: &'a [Levers],
+    pub(crate) levers: &'a [Levers],
     /// Of the pairs of them, which come first, against what carries both.
-    pub(super) between: &'a [(Levers, Holder)],
+    pub(crate) between: &'a [(Levers, Holder)],
     /// Distance from which on none is followed [m].
-    pub(super) near: f64,
+    pub(crate) near: f64,
 }
 
 impl Look<'_> {
@@ -100,7 +103,7 @@ impl Look<'_> {
     /// ```
     /// over an interval with the distances d_0 and d_1 at its ends, or lower bounds of them, where no point goes farther than the way, and with the gaps g_0 and g_1 along one direction, from which points that go straight beside what is there do not stray:
     /// as long as neither keeps a pair apart, the interval is halved, down to the samples, and between them where they do not rule out that the pair comes too near.
-    pub(super) fn at(&mut self, pairs: &mut Pairs<'_>, runs: &[Range<usize>]) {
+    pub(crate) fn at(&mut self, pairs: &mut Pairs<'_>, runs: &[Range<usize>]) {
         let (first, count) = (self.course.first(), self.course.times().len());
         let within = |run: &Range<usize>| {
             let local = run.start.saturating_sub(first)..run.end.saturating_sub(first).min(count);

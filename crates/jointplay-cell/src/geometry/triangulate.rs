@@ -4,7 +4,7 @@ use parry3d_f64::math::Vector;
 use parry3d_f64::shape::{Capsule, Cuboid, Cylinder};
 use parry3d_f64::transformation::try_convex_hull;
 
-use crate::cell::Shape;
+use super::shape::Shape;
 
 /// Corners of the polygon that stands for a circle: its edges stay within half a percent of the radius.
 const ROUND: u32 = 32;
