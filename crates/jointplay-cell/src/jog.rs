@@ -4,11 +4,11 @@ use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt, leaning};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use crate::CellError;
 use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use crate::station::SlotId;
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
+use crate::{CellError, EntityId};
 
 /// How often the way to a place that cannot be reached is halved: what is left of it is a trillionth.
 const HALVINGS: usize = 40;
@@ -29,8 +29,8 @@ pub enum Stopped {
     Limits(Vec<LimitViolation>),
     /// No positions bring the wafer there.
     Place(Unreachable),
-    /// These two, by name, would touch farther on.
-    Contact([String; 2]),
+    /// These two collision objects would touch farther on.
+    Contact([EntityId; 2]),
 }
 
 /// A wafer as seen from a slot, in cylinder coordinates about the axis that the arm turns about.

@@ -27,6 +27,7 @@ extern crate self as jointplay_cell;
 mod arm_placement;
 pub mod check;
 mod collision;
+mod entity;
 mod error;
 pub mod geometry;
 mod incremental;
@@ -40,6 +41,7 @@ mod violation;
 pub mod wafer;
 pub mod workcell;
 
+pub use entity::EntityId;
 pub use error::CellError;
 pub use incremental::{Interrupted, Job, Reuse, Stop};
 pub use planner::{Memory, Unplanned};

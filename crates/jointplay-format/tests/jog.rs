@@ -57,7 +57,7 @@ fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
         matches!(&stopped, Stopped::Limits(broken) if matches!(broken[..], [LimitViolation::Axis { axis: 4, .. }]))
     );
     assert_eq!(
-        explain_stopped(&cell.robot, &stopped),
+        explain_stopped(&cell, &stopped),
         ["axis RA would stand at 286.4789°, allowed are -45.0000° to 80.0000°"]
     );
     to = from.clone();
@@ -65,7 +65,7 @@ fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
     let jogged = cell.jog_axes(&from, &to).unwrap();
     let tilt = cell.robot.gpr.plane_tilt(&[jogged.positions[0], from[1], from[2]]);
     near(tilt.pitch, cell.robot.gpr.limits().tilt_max, 1e-9);
-    assert!(explain_stopped(&cell.robot, &jogged.stopped.unwrap())[0].starts_with("the tilt is"));
+    assert!(explain_stopped(&cell, &jogged.stopped.unwrap())[0].starts_with("the tilt is"));
     assert_eq!(cell.jog_axes(&from, &from).unwrap().stopped, None);
     assert!(cell.jog_axes(&from, &from[1..]).is_err());
 }

@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
@@ -31,6 +32,10 @@ fn steps(cell: &Cell, text: &str) -> Vec<Step> {
     expand(cell, &program::parse(text).unwrap()).unwrap()
 }
 
+fn names_of(cell: &Cell, entities: &[EntityId]) -> BTreeSet<String> {
+    entities.iter().map(|&entity| cell.entity_name(entity)).collect()
+}
+
 fn distances(kind: Kind) -> bool {
     matches!(kind, Kind::Collision | Kind::Clearance | Kind::SlotClearance | Kind::KeepOut)
 }
@@ -43,15 +48,11 @@ struct Labels<'c> {
 
 impl Labels<'_> {
     fn slot(&self, slot: SlotId) -> String {
-        let station = &self.cell.stations[slot.station];
-        match station.slots {
-            1 => format!("wafer of {}", station.name),
-            _ => format!("wafer of {} {}", station.name, slot.slot),
-        }
+        self.cell.entity_name(EntityId::Wafer(slot))
     }
 
     fn effector(&self, id: EffectorId) -> String {
-        format!("wafer from {}", self.cell.robot.arms[id.arm].effectors[id.effector].name)
+        self.cell.entity_name(EntityId::HeldWafer(id))
     }
 
     fn hand_over(&mut self, from: String, to: String) {
@@ -93,16 +94,19 @@ fn sample_by_sample(
             let found =
                 plan_trajectory(&standing, vec![still], &TrajectoryOptions::default()).unwrap();
             let report = check(&standing, &found, options);
-            let named = |names: &[String]| -> BTreeSet<String> {
-                let first = |name: &String| labels.came_from.get(name).unwrap_or(name).clone();
-                names.iter().map(first).collect()
+            let named = |entities: &[EntityId]| -> BTreeSet<String> {
+                let first = |&entity: &EntityId| {
+                    let name = standing.entity_name(entity);
+                    labels.came_from.get(&name).cloned().unwrap_or(name)
+                };
+                entities.iter().map(first).collect()
             };
             for row in &report.distances {
-                let known = least.entry(named(&row.names)).or_insert(f64::INFINITY);
+                let known = least.entry(named(&row.entities)).or_insert(f64::INFINITY);
                 *known = row.distance.min(*known);
             }
             for one in report.violations.iter().filter(|one| distances(one.kind)) {
-                broken.push((named(&one.names), one.kind, time, one.worst));
+                broken.push((named(&one.entities), one.kind, time, one.worst));
             }
         }
         match step.handover {
@@ -136,7 +140,7 @@ fn nothing_is_passed_over_that_a_sample_shows() {
         assert_eq!(broken.is_empty(), verdict == Verdict::Sound);
         let mut found: BTreeMap<BTreeSet<String>, f64> = BTreeMap::new();
         for row in &report.distances {
-            let names: BTreeSet<String> = row.names.iter().cloned().collect();
+            let names = names_of(&cell, &row.entities);
             let truth = least.get(&names).copied().unwrap_or(options.near);
             assert!(row.distance >= truth - 1e-6, "{names:?}: {} {truth}", row.distance);
             assert!(row.distance <= truth + row.within + 1e-6, "{names:?}: {row:?} {truth}");
@@ -149,11 +153,11 @@ fn nothing_is_passed_over_that_a_sample_shows() {
         }
         for (names, kind, time, value) in &broken {
             let told = report.violations.iter().any(|one| {
-                one.names.iter().cloned().collect::<BTreeSet<_>>() == *names
+                names_of(&cell, &one.entities) == *names
                     && (one.start - 1e-9..one.end + 1e-9).contains(time)
                     && one.worst <= value + 1e-6
             });
-            let of_pair = |one: &&Violation| names.iter().all(|name| one.names.contains(name));
+            let of_pair = |one: &&Violation| names_of(&cell, &one.entities).is_superset(names);
             let others: Vec<&Violation> = report.violations.iter().filter(of_pair).collect();
             assert!(told, "{kind} of {names:?} at {time}: {value}, not in {others:#?}");
         }

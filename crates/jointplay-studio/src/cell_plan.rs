@@ -132,8 +132,8 @@ impl Plan {
     ) -> Result<(), Interrupted> {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;
-        self.flaws = report::flaws(report);
         let Some(cell) = &self.cell else { return Ok(()) };
+        self.flaws = report::flaws(cell, report);
         let document = report::cell(cell, &self.program_text, &motion, report);
         go_on()?;
         let flaws = self.flaws.as_slice();

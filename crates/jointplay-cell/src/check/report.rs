@@ -1,5 +1,6 @@
 //! Report of a check.
 
+use crate::EntityId;
 use crate::program::Place;
 use crate::violation::Violation;
 
@@ -26,8 +27,8 @@ pub struct Share {
 /// How near two bodies come.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairDistance {
-    /// Names of both.
-    pub names: [String; 2],
+    /// The two collision objects.
+    pub entities: [EntityId; 2],
     /// Least distance found at a sample [m].
     pub distance: f64,
     /// How much less it may have been at samples that were passed over [m].

@@ -264,7 +264,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         tilt: row.tilt,
         play: row.play,
         slip: share(&row.slip, &effectors),
-        nearest: row.nearest.as_ref().map(distance),
+        nearest: row.nearest.as_ref().map(|pair| distance(cell, pair)),
         violations: row.violations,
     });
     let moving = robot.axes.iter().zip(&report.moving).map(|(axis, &moving_s)| AxisReport {
@@ -279,7 +279,8 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         }
         Kernel::Radial | Kernel::Planar => None,
     };
-    let distances: Vec<DistanceReport> = report.distances.iter().map(distance).collect();
+    let distances: Vec<DistanceReport> =
+        report.distances.iter().map(|pair| distance(cell, pair)).collect();
     CellReport {
         cell: cell.name.clone(),
         robot: robot.name.clone(),
@@ -301,8 +302,8 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         samples: report.samples,
         axes: moving.collect(),
         instructions: instructions.collect(),
-        violations: report.violations.iter().map(violation).collect(),
-        nearest: nearest(&distances),
+        violations: report.violations.iter().map(|one| violation(cell, one)).collect(),
+        nearest: nearest(cell, &report.distances),
         distances,
     }
 }
@@ -372,11 +373,11 @@ fn most<T>(all: &[T], of: impl Fn(&T) -> f64) -> f64 {
 
 /// What is wrong with a motion, as exported files say it.
 #[must_use]
-pub fn flaws(report: &Report) -> Vec<Flaw> {
+pub fn flaws(cell: &Cell, report: &Report) -> Vec<Flaw> {
     let flaw = |one: &Violation| Flaw {
         from: one.start,
         to: one.end,
-        message: format!("line {}: {}: {}", one.place.line, one.kind, explain_violation(one)),
+        message: format!("line {}: {}: {}", one.place.line, one.kind, explain_violation(cell, one)),
     };
     report.violations.iter().map(flaw).collect()
 }
@@ -395,21 +396,21 @@ pub fn excerpt(program: &str, at: Place, message: &str, file: &str) -> String {
     place::Error { place, problem: Box::new(message) }.with_excerpt(file)
 }
 
-fn distance(pair: &PairDistance) -> DistanceReport {
+fn distance(cell: &Cell, pair: &PairDistance) -> DistanceReport {
     DistanceReport {
-        bodies: pair.names.clone(),
+        bodies: pair.entities.map(|one| cell.entity_name(one)),
         distance_mm: mm(pair.distance),
         within_mm: mm(pair.within),
         time_s: pair.time,
     }
 }
 
-fn violation(one: &Violation) -> ViolationReport {
+fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
     let (unit, worst) = told(one, one.worst);
     let counts = !unit.is_empty() && one.worst.is_finite();
     ViolationReport {
         kind: one.kind.to_string(),
-        names: one.names.clone(),
+        names: one.entities.iter().map(|&one| cell.entity_name(one)).collect(),
         instruction: one.instruction + 1,
         line: one.place.line,
         column: one.place.column,
@@ -419,6 +420,6 @@ fn violation(one: &Violation) -> ViolationReport {
         worst: counts.then_some(worst),
         limit: counts.then(|| told(one, one.limit).1),
         unit,
-        message: explain_violation(one),
+        message: explain_violation(cell, one),
     }
 }

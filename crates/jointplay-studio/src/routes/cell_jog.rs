@@ -168,7 +168,7 @@ fn document(
         branches: ways.branches.iter().map(|branch| BranchDocument::new(cell, branch)).collect(),
         stopped: jogged.stopped.as_ref().map(|stopped| StoppedDocument::new(cell, stopped)),
         frames: frames.into_iter().map(Into::into).collect(),
-        check: PoseCheckDocument::new(&report),
+        check: PoseCheckDocument::new(cell, &report),
     })
 }
 

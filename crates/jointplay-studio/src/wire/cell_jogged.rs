@@ -262,10 +262,10 @@ impl StoppedDocument {
         let of_limits =
             if axes.is_empty() { StoppedKind::TiltLimit } else { StoppedKind::AxisLimit };
         let touching = match stopped {
-            Stopped::Contact(pair) => pair.to_vec(),
+            Stopped::Contact(pair) => pair.map(|one| cell.entity_name(one)).to_vec(),
             _ => Vec::new(),
         };
-        let says = explain_stopped(&cell.robot, stopped);
+        let says = explain_stopped(cell, stopped);
         Self { kind: other.unwrap_or(of_limits), axes, says, touching }
     }
 }

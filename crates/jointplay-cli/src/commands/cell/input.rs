@@ -194,7 +194,7 @@ impl InputArgs {
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = report::flaws(&report);
+        let flaws = report::flaws(cell, &report);
         Ok(Planned { input, motion, report, flaws })
     }
 }
