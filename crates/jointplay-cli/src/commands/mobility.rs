@@ -6,14 +6,14 @@ use std::path::PathBuf;
 use clap::Args;
 use jointplay::format::mechanism::MAX_BYTES;
 use jointplay::format::number::{counted, rounded};
-use jointplay::format::report::{
-    self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
-    NearMissReport, SparseMobilityReport,
-};
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
 use jointplay::mechanism::{CLOSED, MechanismSystem, mechanism_mobility};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility};
+use jointplay::report::{
+    self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
+    NearMissReport, SparseMobilityReport,
+};
 use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};

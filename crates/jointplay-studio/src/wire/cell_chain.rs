@@ -2,7 +2,7 @@
 
 use jointplay::cell::cell::Cell;
 use jointplay::cell::robot::{Arm, MotionKind};
-use jointplay::format::export::HeldAt;
+use jointplay::interop::export::HeldAt;
 use serde::Serialize;
 use utoipa::ToSchema;
 

@@ -6,7 +6,7 @@ use jointplay::cell::robot::{Branch, BrokenLimit, EffectorId, MotionKind, Standi
 use jointplay::cell::station::{SlotId, teach};
 use jointplay::cell::wafer::{DroopError, Unreachable};
 use jointplay::format::cell::explain::{explain_branch, explain_stopped};
-use jointplay::format::export::Frame;
+use jointplay::interop::export::Frame;
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::{Pose, Tilt};
 use serde::Serialize;

@@ -9,9 +9,10 @@ use jointplay::cell::check::{CheckOptions, Report, Verdict};
 use jointplay::cell::motion::{Motion, MotionOptions};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, wrong_lines};
 use jointplay::cell::robot::EffectorId;
-use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
-use jointplay::format::{cell, program, report};
+use jointplay::format::{cell, program};
+use jointplay::interop::export::{self, Flaw, Recording};
+use jointplay::report;
 
 use super::text::counted;
 use crate::arguments::TextFormat;
@@ -192,7 +193,7 @@ impl InputArgs {
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = report::flaws(&report);
+        let flaws = export::flaws(&report);
         Ok(Planned { input, motion, report, flaws })
     }
 }

@@ -3,7 +3,7 @@
 use jointplay::cell::cell::{Body, Carrier};
 use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
-use jointplay::format::export;
+use jointplay::interop::export;
 use jointplay::plot;
 use jointplay::plot::cell::{Gantt, TopView, Track};
 
