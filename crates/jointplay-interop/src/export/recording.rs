@@ -1,8 +1,8 @@
 //! A motion to export.
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::Motion;
 use jointplay_cell::robot::EffectorId;
+use jointplay_cell::trajectory::Trajectory;
 
 use super::error::Error;
 use super::flaw::Flaw;
@@ -16,7 +16,7 @@ pub struct Recording<'a> {
     /// What moves, and among what.
     pub cell: &'a Cell,
     /// How it moves.
-    pub motion: &'a Motion,
+    pub motion: &'a Trajectory,
     /// Text of the program, of which lines are quoted; empty for none.
     pub program: &'a str,
     /// What is wrong with the motion; empty where nothing is.
