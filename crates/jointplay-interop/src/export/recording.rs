@@ -1,8 +1,8 @@
 //! A motion to export.
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::trajectory::Trajectory;
+use jointplay_cell::workcell::Cell;
 
 use super::error::Error;
 use super::flaw::Flaw;
