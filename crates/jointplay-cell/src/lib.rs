@@ -16,7 +16,7 @@
 //! | [`trajectory`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
 //! | [`jog`] | the robot moved by hand: as far as its limits let it go, and what stops it there |
-//! | [`Memory`] | both for a plan that changes, at the cost of what changes |
+//! | [`IncrementalPlanner`] | both for a plan that changes, at the cost of what changes |
 //! | [`geometry`] | shapes, and shapes as triangles |
 //!
 //! Pure mathematics in SI: no files, no clock, no threads.
@@ -43,5 +43,5 @@ pub mod workcell;
 
 pub use entity::EntityId;
 pub use error::CellError;
-pub use incremental::{Interrupted, Job, Reuse, Stop};
-pub use planner::{Memory, Unplanned};
+pub use incremental::{CacheStats, Interrupted, Job, Stop};
+pub use planner::{IncrementalPlanner, PlanError};

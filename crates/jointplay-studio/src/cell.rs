@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{Interrupted, Job, Memory, Stop};
+use jointplay::cell::{IncrementalPlanner, Interrupted, Job, Stop};
 use jointplay::format::{cell, program};
 use rayon::prelude::*;
 
@@ -160,7 +160,7 @@ struct Inner {
     /// The last ones, the newest at the end.
     plans: Mutex<VecDeque<Arc<Plan>>>,
     /// What its moves came to, for the next plan.
-    memory: Mutex<Memory>,
+    memory: Mutex<IncrementalPlanner>,
 }
 
 impl Desk {
@@ -169,7 +169,11 @@ impl Desk {
         // One by one: no core is left with a bundle of them while others have none.
         let all_cores =
             |count, job: Job<'_>| (0..count).into_par_iter().with_max_len(1).for_each(job);
-        Self(Arc::new(Inner { files, plans, memory: Mutex::new(Memory::run_by(all_cores)) }))
+        Self(Arc::new(Inner {
+            files,
+            plans,
+            memory: Mutex::new(IncrementalPlanner::run_by(all_cores)),
+        }))
     }
 
     /// The files as they stand.
@@ -233,7 +237,7 @@ impl Desk {
     pub(crate) fn window(
         &self,
         key: &str,
-    ) -> Option<Result<Vec<u8>, jointplay::format::export::Error>> {
+    ) -> Option<Result<Vec<u8>, jointplay::interop::export::Error>> {
         let plans: Vec<Arc<Plan>> = self.plans().iter().map(Arc::clone).collect();
         plans.iter().rev().find_map(|plan| plan.window(key))
     }
@@ -246,8 +250,8 @@ impl Desk {
 
     /// How much of the distances in the last plan was known from the one before.
     #[cfg(test)]
-    pub(crate) fn reuse(&self) -> jointplay::cell::Reuse {
-        self.0.memory.lock().unwrap_or_else(PoisonError::into_inner).reuse_of_distances()
+    pub(crate) fn reuse(&self) -> jointplay::cell::CacheStats {
+        self.0.memory.lock().unwrap_or_else(PoisonError::into_inner).distance_cache_stats()
     }
 
     /// The files as they stand on the disk.

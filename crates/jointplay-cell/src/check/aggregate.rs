@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::report::{InstructionRow, PairDistance, Report, Share, Verdict};
+use super::report::{InstructionResult, MinimumDistance, Report, Share, Verdict};
 use super::segment_findings::{Alone, raise};
 use crate::EntityId;
 use crate::collision::{Near, Role, Scene, passed};
@@ -14,7 +14,7 @@ use crate::workcell::Cell;
 pub(super) struct Summary<'a> {
     cell: &'a Cell,
     motion: &'a Trajectory,
-    rows: Vec<InstructionRow>,
+    rows: Vec<InstructionResult>,
     violations: Vec<Violation>,
     /// What may go on in the next step: the violation, its severity, and the step at whose end it was broken.
     open: BTreeMap<About, Open>,
@@ -117,7 +117,7 @@ impl<'a> Summary<'a> {
         let start = self.motion.times[index];
         if self.rows.last().is_none_or(|row| row.instruction != step.instruction) {
             self.close(scene);
-            self.rows.push(InstructionRow {
+            self.rows.push(InstructionResult {
                 instruction: step.instruction,
                 place: step.place,
                 steps: index..index,
@@ -221,7 +221,7 @@ impl<'a> Summary<'a> {
             let nearer = a.distance.total_cmp(&b.distance).then(a.time.total_cmp(&b.time));
             nearer.then(pair.cmp(other))
         });
-        let distances: Vec<PairDistance> =
+        let distances: Vec<MinimumDistance> =
             least.into_iter().map(|(pair, nearest)| named(scene, pair, nearest)).collect();
         let wafers = scene.items.iter().filter(|item| item.role == Role::Wafer && item.laid);
         let (wafers, duration) = (wafers.count(), self.motion.duration());
@@ -240,10 +240,10 @@ impl<'a> Summary<'a> {
     }
 }
 
-fn named(scene: &Scene<'_>, pair: [usize; 2], nearest: Nearest) -> PairDistance {
+fn named(scene: &Scene<'_>, pair: [usize; 2], nearest: Nearest) -> MinimumDistance {
     let Nearest { distance, time, step } = nearest;
     let entities = pair.map(|item| scene.items[item].entity);
-    PairDistance { entities, distance, within: passed(distance).min(distance), time, step }
+    MinimumDistance { entities, distance, within: passed(distance).min(distance), time, step }
 }
 
 /// Entities of a violation that concerns one segment by itself.

@@ -70,7 +70,7 @@ pub fn check_pose(
 ///
 /// # Errors
 /// As [`check_pose`], for both poses.
-pub fn straight_until_contact(
+pub fn advance_until_contact(
     cell: &Cell,
     moment: &Moment<'_>,
     [from, to]: [&[f64]; 2],

@@ -3,8 +3,8 @@
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use jointplay::cell::check::{CheckOptions, Moment, Straight, check_pose, straight_until_contact};
-use jointplay::cell::jog::{Jogged, Stopped};
+use jointplay::cell::check::{CheckOptions, Moment, Straight, advance_until_contact, check_pose};
+use jointplay::cell::jog::{JogOutcome, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::trajectory::Trajectory;
@@ -12,8 +12,8 @@ use jointplay::cell::wafer::Unreachable;
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{CellError, Stop};
 use jointplay::format::cell::explain;
-use jointplay::format::export::{Recording, frames};
 use jointplay::gpr::AxisHeight;
+use jointplay::interop::export::{Recording, frames};
 
 use super::cell::{desk, interrupted, nothing};
 use super::cell_parts::forgotten;
@@ -90,7 +90,7 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
     let id = named_effector(cell, request.effector.as_deref(), "effector")?;
     let fields = ["seen_from.station", "seen_from.slot"];
     let slot = request.seen_from.map(|slot| named_slot(cell, &slot, fields)).transpose()?;
-    let placing = |error: jointplay::format::export::Error| {
+    let placing = |error: jointplay::interop::export::Error| {
         Problem::request(StatusCode::CONFLICT, error.to_string())
     };
     let (_, carried) = frames(recording, time, &from).map_err(placing)?;
@@ -98,7 +98,7 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
     let moment = Moment { motion: recording.motion, time, reaches: slot.map(|slot| (id, slot)) };
     let start = from.clone();
     let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
-        None => Jogged { positions: from, stopped: None },
+        None => JogOutcome { positions: from, stopped: None },
         Some(Aim::Axes(to)) => cell.jog_axes(&from, &to).map_err(robot)?,
         Some(Aim::Platform { tilt, height }) => {
             cell.jog_platform(&from, tilt, AxisHeight(height)).map_err(robot)?
@@ -112,23 +112,23 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
             let slot = slot.ok_or_else(|| {
                 Problem::field("seen_from", "a place as seen from a slot needs the slot")
             })?;
-            or_stay(&from, cell.jog_from_slot(&from, id, loaded, slot, &to))
+            or_stay(&from, cell.jog_slot_relative(&from, id, loaded, slot, &to))
         }
     };
     if request.stop_at_contact {
         let ways = [&start[..], &jogged.positions];
         let Straight { positions, touching, .. } =
-            straight_until_contact(cell, &moment, ways, &CheckOptions::default()).map_err(robot)?;
+            advance_until_contact(cell, &moment, ways, &CheckOptions::default()).map_err(robot)?;
         if let Some(pair) = touching {
-            jogged = Jogged { positions, stopped: Some(Stopped::Contact(pair)) };
+            jogged = JogOutcome { positions, stopped: Some(Stopped::Contact(pair)) };
         }
     }
     document(recording, (&moment, id, slot), &carried, &jogged, placing)
 }
 
 /// Where nothing can be computed, the robot stays.
-fn or_stay(from: &[f64], jogged: Result<Jogged, Unreachable>) -> Jogged {
-    jogged.unwrap_or_else(|why| Jogged {
+fn or_stay(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome {
+    jogged.unwrap_or_else(|why| JogOutcome {
         positions: from.to_vec(),
         stopped: Some(Stopped::Place(why)),
     })
@@ -142,8 +142,8 @@ fn document(
     recording: &Recording<'_>,
     (moment, id, slot): (&Moment<'_>, EffectorId, Option<SlotId>),
     carried: &[EffectorId],
-    jogged: &Jogged,
-    placing: impl Fn(jointplay::format::export::Error) -> Problem,
+    jogged: &JogOutcome,
+    placing: impl Fn(jointplay::interop::export::Error) -> Problem,
 ) -> Result<JogDocument, Problem> {
     let (cell, at) = (recording.cell, jogged.positions.as_slice());
     let loaded = carried.contains(&id);
@@ -155,7 +155,8 @@ fn document(
     });
     let effectors = effectors.collect::<Result<_, Problem>>()?;
     let (pose, _) = cell.wafer_pose_as_known(id, at, loaded).map_err(robot)?;
-    let seen = slot.map(|slot| from_slot(cell, slot, &cell.seen_from_slot(&pose, id, slot), &pose));
+    let seen =
+        slot.map(|slot| from_slot(cell, slot, &cell.slot_relative_pose(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(robot)?;
     let ways = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(robot)?;
     let (frames, _) = frames(recording, moment.time, at).map_err(placing)?;

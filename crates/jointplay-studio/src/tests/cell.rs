@@ -147,12 +147,12 @@ fn a_changed_station_is_planned_with_what_the_last_plan_came_to() {
     let program = "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\nTRANSFER ALIGN TO PM1 WITH A\n";
     let texts = CellFiles::example().into_texts();
     desk.plan(texts.0.clone(), program.to_owned(), &|| false).unwrap();
-    assert_eq!(desk.reuse().known, 0);
+    assert_eq!(desk.reuse().hits, 0);
     let moved = texts.0.replace("[800.0, 0.0, 620.18]", "[800.0, 0.0, 620.17]");
     let plan = desk.plan(moved, program.to_owned(), &|| false).unwrap();
     assert!(plan.report.is_some());
     let reuse = desk.reuse();
-    assert!(reuse.known > reuse.anew && reuse.anew > 0, "{reuse:?}");
+    assert!(reuse.hits > reuse.misses && reuse.misses > 0, "{reuse:?}");
 }
 
 #[test]

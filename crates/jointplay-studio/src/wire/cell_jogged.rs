@@ -1,6 +1,6 @@
 //! Where a robot with arms has come to that was moved by hand.
 
-use jointplay::cell::jog::{FromSlot, Stopped};
+use jointplay::cell::jog::{SlotRelativePose, Stopped};
 use jointplay::cell::robot::{
     self, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
 };
@@ -8,7 +8,7 @@ use jointplay::cell::station::{SlotId, teach};
 use jointplay::cell::wafer::{DroopError, Unreachable};
 use jointplay::cell::workcell::Cell;
 use jointplay::format::cell::explain::{explain_branch, explain_stopped};
-use jointplay::format::export::Frame;
+use jointplay::interop::export::Frame;
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::{Pose, Tilt};
 use serde::Serialize;
@@ -327,7 +327,7 @@ pub(crate) fn effector(
 pub(crate) fn from_slot(
     cell: &Cell,
     slot: SlotId,
-    seen: &FromSlot,
+    seen: &SlotRelativePose,
     pose: &Pose,
 ) -> FromSlotDocument {
     let station = &cell.stations[slot.station];

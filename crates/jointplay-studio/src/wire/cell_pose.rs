@@ -1,9 +1,9 @@
 //! One pose of the cell, checked.
 
 use jointplay::cell::EntityId;
-use jointplay::cell::check::{Kind, PairDistance, Report, Violation};
+use jointplay::cell::check::{Kind, MinimumDistance, Report, Violation};
 use jointplay::cell::workcell::Cell;
-use jointplay::format::report::explain_violation;
+use jointplay::report::explain_violation;
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -63,7 +63,7 @@ pub(crate) fn touching(report: &Report) -> Vec<[EntityId; 2]> {
 impl PoseCheckDocument {
     pub(crate) fn new(cell: &Cell, report: &Report) -> Self {
         let distance =
-            |PairDistance { entities, distance, .. }: &PairDistance| PoseDistanceDocument {
+            |MinimumDistance { entities, distance, .. }: &MinimumDistance| PoseDistanceDocument {
                 bodies: entities.map(|one| cell.entity_name(one)).to_vec(),
                 distance_m: *distance,
             };

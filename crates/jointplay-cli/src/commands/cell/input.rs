@@ -3,15 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::Memory;
+use jointplay::cell::IncrementalPlanner;
 use jointplay::cell::check::{CheckOptions, Report, Verdict};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
-use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
-use jointplay::format::{cell, program, report};
+use jointplay::format::{cell, program};
+use jointplay::interop::export::{self, Flaw, Recording};
+use jointplay::report;
 
 use super::text::counted;
 use crate::arguments::TextFormat;
@@ -194,7 +195,7 @@ impl InputArgs {
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = report::flaws(cell, &report);
+        let flaws = export::flaws(cell, &report);
         Ok(Planned { input, motion, report, flaws })
     }
 }
@@ -271,8 +272,8 @@ impl Planned {
 }
 
 /// Plans motion by motion, and reports how many are done.
-fn counted_by(reporter: Reporter) -> Memory {
-    Memory::run_by(move |count, job| {
+fn counted_by(reporter: Reporter) -> IncrementalPlanner {
+    IncrementalPlanner::run_by(move |count, job| {
         reporter.parts(count);
         for number in 0..count {
             job(number);
