@@ -768,14 +768,15 @@ fn a_distance_is_compared_with_a_resolution() {
         let mut wait = step(0, &positions, &positions);
         wait.path = Path::Dwell(0.1);
         let motion = plan_trajectory(&cell, vec![wait], &TrajectoryOptions::default()).unwrap();
-        check(&cell, &motion, &CheckOptions::default())
+        let report = check(&cell, &motion, &CheckOptions::default());
+        (cell, report)
     };
     for missing in [-1e-7, 0.0, 1e-10, 5e-9] {
-        let report = of(missing);
+        let (_, report) = of(missing);
         assert_eq!(report.verdict, Verdict::Sound, "{missing}: {:#?}", report.violations);
     }
     for missing in [2e-8, 1e-7, 1e-5] {
-        let report = of(missing);
+        let (cell, report) = of(missing);
         let [violation] = &report.violations[..] else { panic!("{missing}: {report:#?}") };
         assert_eq!(violation.kind, Kind::Clearance);
         // The two numbers of the message differ.
@@ -892,7 +893,7 @@ fn the_far_end_of_a_long_body_changes_no_distance() {
     };
     let [long, short] = [100.0, 3.0].map(bar);
     assert!(!short.violations.is_empty() && !short.distances.is_empty());
-    let told = |report: &Report| -> Vec<(Kind, Vec<String>, usize)> {
+    let told = |report: &Report| -> Vec<(Kind, Vec<EntityId>, usize)> {
         let one =
             |v: &jointplay_cell::check::Violation| (v.kind, v.entities.clone(), v.instruction);
         report.violations.iter().map(one).collect()
