@@ -12,7 +12,7 @@ use jointplay::cell::{Interrupted, Memory, Stop, Unplanned};
 use jointplay::format::export::{self, Flaw, Recording, Timeline};
 use jointplay::format::{program, report};
 
-use crate::cell::CellFiles;
+use crate::cell_files::CellFiles;
 use crate::wire::cell::{Of, ProblemAt};
 
 /// What a program comes to in a cell, as far as it comes.
@@ -85,7 +85,7 @@ impl Plan {
             timeline: None,
             flaws: Vec::new(),
         };
-        match files.read(&plan.cell_text) {
+        match files.parse(&plan.cell_text) {
             Ok(cell) => {
                 // Files that it names may have changed, too.
                 let known = last.filter(|last| last.cell.as_ref() == Some(&cell));

@@ -1,6 +1,4 @@
-//! Which path is answered by what, and the OpenAPI description.
-
-use std::sync::Arc;
+//! The routes of the HTTP API and their OpenAPI description.
 
 use axum::Router;
 use axum::extract::DefaultBodyLimit;
@@ -8,40 +6,19 @@ use axum::http::{StatusCode, Uri, header};
 use axum::middleware;
 use axum::response::IntoResponse;
 use axum::routing::get;
-use jointplay::format::robot::Robot;
 use utoipa::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::body::LARGEST_BODY;
-use crate::cell::Desk;
 use crate::guard::{self, Guard};
-use crate::meshes::Folder;
 use crate::page;
 use crate::problem::Problem;
 use crate::routes::{
-    cell, cell_jog, cell_parts, compare, forward, inverse, mesh, mobility, pose, robot,
-    sensitivity, study,
+    cell, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare, forward, inverse,
+    mesh, mobility, pose, robot, sensitivity, study,
 };
-use crate::work::{Patience, Work};
-
-/// What all requests share.
-#[derive(Clone)]
-pub(crate) struct App {
-    pub(crate) robot: Arc<Robot>,
-    pub(crate) work: Work,
-    pub(crate) folder: Folder,
-    /// The cell that is shown beside the robot.
-    pub(crate) desk: Option<Desk>,
-}
-
-impl App {
-    pub(crate) fn new(robot: Robot, folder: Folder, patience: Patience) -> Self {
-        // Each endpoint checks the limits, or computes beyond them where it is asked to.
-        let robot = Robot { gpr: robot.gpr.without_limit_checks(), ..robot };
-        Self { robot: Arc::new(robot), work: Work::new(patience), folder, desk: None }
-    }
-}
+use crate::state::AppState;
 
 #[derive(OpenApi)]
 #[openapi(
@@ -54,7 +31,7 @@ impl App {
 )]
 struct Description;
 
-fn api() -> OpenApiRouter<App> {
+fn api() -> OpenApiRouter<AppState> {
     OpenApiRouter::with_openapi(Description::openapi())
         .routes(routes!(robot::robot))
         .routes(routes!(mesh::base_mesh))
@@ -69,9 +46,9 @@ fn api() -> OpenApiRouter<App> {
         .routes(routes!(study::study_csv))
         .routes(routes!(study::study_parquet))
         .routes(routes!(cell::cell_files, cell::save_cell))
-        .routes(routes!(cell::plan))
-        .routes(routes!(cell::samples))
-        .routes(routes!(cell::station))
+        .routes(routes!(cell_plan::plan))
+        .routes(routes!(cell_samples::samples))
+        .routes(routes!(cell_station::station))
         .routes(routes!(cell_parts::instructions))
         .routes(routes!(cell_parts::violations))
         .routes(routes!(cell_parts::overview))
@@ -88,8 +65,8 @@ pub fn description() -> String {
     text + "\n"
 }
 
-/// Everything that the server answers on a port.
-pub(crate) fn router(app: App, port: u16) -> Router {
+/// All routes of the server, for requests on `port`.
+pub(crate) fn router(state: AppState, port: u16) -> Router {
     let (router, _) = api().split_for_parts();
     let described = description();
     let describe =
@@ -97,27 +74,30 @@ pub(crate) fn router(app: App, port: u16) -> Router {
     router
         .route("/api/v1/openapi.json", get(describe))
         .fallback(fallback)
-        .method_not_allowed_fallback(wrong_method)
+        .method_not_allowed_fallback(method_not_allowed)
         .layer(DefaultBodyLimit::max(LARGEST_BODY))
         .layer(middleware::from_fn_with_state(
-            Guard::new(port, app.work.patience.request),
+            Guard::new(port, state.work.deadlines.request),
             guard::check,
         ))
-        .with_state(app)
+        .with_state(state)
 }
 
-/// Whatever is no endpoint: a file of the page, or nothing.
+/// Serves a file of the page, or a problem for an unknown path of the API.
 async fn fallback(method: axum::http::Method, uri: Uri) -> axum::response::Response {
     let path = uri.path();
     if path.starts_with("/api/") {
-        let detail = format!("there is no {path}; /api/v1/openapi.json describes what there is");
+        let detail =
+            format!("unknown path {path}; see /api/v1/openapi.json for the available paths");
         return Problem::request(StatusCode::NOT_FOUND, detail).into_response();
     }
     page::answer(&method, path)
 }
 
-async fn wrong_method(method: axum::http::Method, uri: Uri) -> Problem {
-    let detail =
-        format!("{} does not take {method}; /api/v1/openapi.json says what it takes", uri.path());
+async fn method_not_allowed(method: axum::http::Method, uri: Uri) -> Problem {
+    let detail = format!(
+        "{} does not accept {method}; see /api/v1/openapi.json for its methods",
+        uri.path()
+    );
     Problem::request(StatusCode::METHOD_NOT_ALLOWED, detail)
 }
