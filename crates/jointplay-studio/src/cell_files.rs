@@ -3,7 +3,7 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
-use jointplay::cell::cell::Cell;
+use jointplay::cell::workcell::Cell;
 use jointplay::format::{cell, program};
 
 /// Name of the built-in example, accepted in place of a file path.

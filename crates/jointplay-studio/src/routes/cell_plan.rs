@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 use jointplay::cell::Stop;
-use jointplay::format::export::Window;
+use jointplay::interop::export::Window;
 
 use super::lookup::interrupted;
 use crate::body::Body;

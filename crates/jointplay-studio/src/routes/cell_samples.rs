@@ -10,8 +10,8 @@ use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jointplay::cell::Stop;
-use jointplay::format::export;
-use jointplay::format::table::{Column, Values};
+use jointplay::interop::export;
+use jointplay::report::table::{Column, Values};
 
 use super::lookup::{interrupted, no_motion};
 use crate::body::Body;

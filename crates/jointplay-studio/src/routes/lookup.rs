@@ -1,13 +1,13 @@
 //! What several endpoints of the cell look up in a request or a plan, and the problems they share.
 
 use axum::http::StatusCode;
-use jointplay::cell::cell::Cell;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::SlotId;
 use jointplay::cell::trajectory::Trajectory;
+use jointplay::cell::workcell::Cell;
 use jointplay::cell::{CellError, Interrupted};
 use jointplay::format::cell::explain;
-use jointplay::format::export::Recording;
+use jointplay::interop::export::Recording;
 
 use crate::plan::{Plan, standing};
 use crate::problem::Problem;
