@@ -220,7 +220,7 @@ impl Gearing {
     }
 
     /// How much the platform's normal turns as the rods go so unevenly, or how fast where these are rates, at most [rad, or that by time].
-    pub(super) fn leaning(&self, rods: &[f64; RODS]) -> f64 {
+    pub(super) fn tilt_rotation(&self, rods: &[f64; RODS]) -> f64 {
         let mean = (rods[0] + rods[1] + rods[2]) / 3.0;
         (0..RODS).map(|rod| (rods[rod] - mean).abs() / self.heights[rod]).sum::<f64>()
     }

@@ -18,7 +18,7 @@ mod totals;
 mod violation;
 
 use jointplay_core::gpr::BrokenLimit;
-use jointplay_core::virtualization::{Motion, VirtualJoint};
+use jointplay_core::virtualization::{VirtualJoint, VirtualJointKind};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::explain::explain_limit;
@@ -61,8 +61,8 @@ impl VirtualJointGroups {
         let mut groups: Vec<(String, Vec<f64>)> = Vec::new();
         for (joint, &x) in joints.iter().zip(x) {
             let (unit, value) = match joint.motion {
-                Motion::Linear => ("mm", mm(x)),
-                Motion::Angular => ("deg", deg(x)),
+                VirtualJointKind::Linear => ("mm", mm(x)),
+                VirtualJointKind::Angular => ("deg", deg(x)),
             };
             let name = format!("{}_{unit}", joint.symbol);
             match groups.iter_mut().find(|(known, _)| *known == name) {
