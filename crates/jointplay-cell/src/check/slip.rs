@@ -2,10 +2,7 @@
 
 use std::ops::Range;
 
-use super::course::{Axes, Course};
-use super::levers::droop_bounds;
-use super::scene::Scene;
-use super::travel::Gearing;
+use crate::collision::{Axes, Course, Gearing, Scene, droop_bounds};
 use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
 use crate::wafer::{DroopBounds, FrictionMargin, SHORTEST};
 
@@ -180,9 +177,9 @@ fn changed(
             let unlike = |order: usize| -> [f64; RODS] {
                 std::array::from_fn(|rod| after[order][rod] - before[order][rod])
             };
-            let of = |order: usize| SLACK * gearing.tilt_rotation(&after[order]);
+            let of = |order: usize| SLACK * gearing.leaning(&after[order]);
             let [lean, turning, spinning] =
-                [0, 1, 2].map(|order| SLACK * gearing.tilt_rotation(&unlike(order)));
+                [0, 1, 2].map(|order| SLACK * gearing.leaning(&unlike(order)));
             all.upward += SLACK * gearing.lift(&unlike(2));
             change += spinning * far
                 + of(2) * (way + turn * far)

@@ -11,10 +11,10 @@ use super::ik_cache::IkCache;
 use super::occupancy::slot_name;
 use super::resolve::effector_name;
 use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
-use crate::cell::Cell;
 use crate::robot::{AxisKind, EffectorId, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
+use crate::workcell::Cell;
 
 /// A platform that leans less counts as level: over the reach of an arm this is less than a micrometre [rad].
 const LEVEL_ENOUGH: f64 = 1e-6;
@@ -140,7 +140,7 @@ impl<'c> MotionSequencer<'c> {
 
     /// The platform to a tilt, its height on the axis kept.
     pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
-        let to = self.tilt_rotation(tilt);
+        let to = self.leaning(tilt);
         self.within_limits("this TILT", &to)?;
         self.go(Phase::Move, to, Path::PointToPoint);
         Ok(())
@@ -313,7 +313,7 @@ impl<'c> MotionSequencer<'c> {
     fn level(&mut self) {
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
-            let to = self.tilt_rotation(Tilt::LEVEL);
+            let to = self.leaning(Tilt::LEVEL);
             self.push(Phase::Level, to, Path::PointToPoint);
         }
     }
@@ -330,7 +330,7 @@ impl<'c> MotionSequencer<'c> {
     }
 
     /// Positions with another tilt, at the same height on the axis.
-    fn tilt_rotation(&self, tilt: Tilt) -> Vec<f64> {
+    fn leaning(&self, tilt: Tilt) -> Vec<f64> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         let mut to = self.positions.clone();

@@ -36,7 +36,7 @@ pub struct ExaggeratedPlay {
 /// [`Error::WrongLength`], [`Error::NotFinite`].
 ///
 /// # Source
-/// own derivation, `docs/theory.md`
+/// own derivation, `docs/explanation/mechanisms.md`
 pub fn exaggerate_play(
     mechanism: &Mechanism,
     coordinates: &DVector<f64>,

@@ -23,7 +23,7 @@ pub const MAX_DENSE: usize = 240;
 /// Lengths are those of the point in the middle of the joints, so that they do not depend on where the base is.
 ///
 /// # Source
-/// Loop closure in screws: [Gogu]; the orthonormal cycles are own derivation, `docs/theory.md`
+/// Loop closure in screws: [Gogu]; the orthonormal cycles are own derivation, `docs/explanation/mechanisms.md`
 #[derive(Debug, Clone)]
 pub struct MechanismSystem<'a> {
     kinematics: Kinematics<'a>,

@@ -73,7 +73,7 @@ pub struct Solution {
 /// Least norm goes only a share of the way to the least displacement, halved each time that a step turns back on the last one: the full way overshoots where angles cost little and displacements are large.
 ///
 /// # Source
-/// newton: [Virtualization], eq. (6)–(8); least norm: Gauss–Newton on the displacement, own derivation, `docs/theory.md`
+/// newton: [Virtualization], eq. (6)–(8); least norm: Gauss–Newton on the displacement, own derivation, `docs/explanation/kinematics.md`
 // Always: left to itself the compiler copies the solution from call to call, which takes as long as finding it.
 #[inline(always)]
 pub fn solve<V: Virtualization + ?Sized>(

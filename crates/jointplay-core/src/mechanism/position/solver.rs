@@ -38,7 +38,7 @@ const MAX_ITERATIONS: usize = 50;
 /// It is meant for starts nearby, as along a path: steps are shortened, but there is no search; [`crate::mechanism::close`] and [`crate::mechanism::assemble`] find their way from farther.
 ///
 /// # Source
-/// Own derivation, `docs/theory.md`
+/// Own derivation, `docs/explanation/mechanisms.md`
 #[derive(Debug, Clone)]
 pub struct PositionSolver {
     tree: Vec<TreeEdge>,
