@@ -3,6 +3,7 @@
 use jointplay::Error;
 use jointplay::format::place;
 use jointplay::gpr::BrokenLimit;
+use jointplay::linalg::LinalgError;
 use jointplay::study;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
@@ -67,6 +68,9 @@ fn class_and_facts<'py>(
         E::NotFinite { what, value } => {
             ("NotFiniteError", fields!(py; what = *what, value = *value))
         }
+        E::Linalg(LinalgError::NotFinite { value }) => {
+            ("NotFiniteError", fields!(py; what = "an entry of the matrix", value = *value))
+        }
         E::OutOfRange { what, value, min, max, unit } => (
             "OutOfRangeError",
             fields!(py; what = *what, value = *value, min = *min, max = *max, unit = *unit),
@@ -130,7 +134,7 @@ fn class_and_facts<'py>(
         E::NotLeast { iterations } => {
             ("NotConvergedError", fields!(py; solver = "least-norm", iterations = *iterations))
         }
-        E::SvdNotConverged { rows, columns } => {
+        E::Linalg(LinalgError::SvdNotConverged { rows, columns }) => {
             ("NoAnswerError", fields!(py; rows = *rows, columns = *columns))
         }
         _ => ("InputError", PyDict::new(py)),
@@ -178,7 +182,7 @@ pub(crate) fn study(py: Python<'_>, error: &study::Error) -> PyErr {
 /// That a configuration of a mechanism is beyond joint limits, with the result that has it.
 pub(crate) fn beyond_limits(
     py: Python<'_>,
-    limits: &[jointplay::format::report::LimitReport],
+    limits: &[jointplay::report::LimitReport],
     result: &Bound<'_, PyAny>,
 ) -> PyErr {
     let messages: Vec<&str> = limits.iter().map(|limit| limit.message.as_str()).collect();

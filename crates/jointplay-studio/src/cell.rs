@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use jointplay::cell::cell::Cell;
+use jointplay::cell::workcell::Cell;
 use jointplay::cell::{Interrupted, Job, Memory, Stop};
 use jointplay::format::{cell, program};
 use rayon::prelude::*;
@@ -233,7 +233,7 @@ impl Desk {
     pub(crate) fn window(
         &self,
         key: &str,
-    ) -> Option<Result<Vec<u8>, jointplay::format::export::Error>> {
+    ) -> Option<Result<Vec<u8>, jointplay::interop::export::Error>> {
         let plans: Vec<Arc<Plan>> = self.plans().iter().map(Arc::clone).collect();
         plans.iter().rev().find_map(|plan| plan.window(key))
     }

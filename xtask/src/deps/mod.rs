@@ -141,6 +141,10 @@ mod tests {
         check_import("jointplay-study", "jointplay-core", true);
         check_import("jointplay-cell", "jointplay-format", false);
         check_import("jointplay-format", "toml", true);
+        check_import("jointplay-format", "jointplay-report", false);
+        check_import("jointplay-report", "jointplay-format", true);
+        check_import("jointplay-report", "jointplay-interop", false);
+        check_import("jointplay-interop", "jointplay-report", true);
         check_import("jointplay-format", "clap_complete", false);
         check_import("jointplay", "nalgebra", false);
         check_import("jointplay-cli", "clap", true);

@@ -1,11 +1,12 @@
 //! What a cell is made of: robot, stations, wafers, bodies, zones.
 
-use jointplay::cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
+use jointplay::cell::geometry::Shape;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station, teach};
-use jointplay::format::export::wafers_at_start;
-use jointplay::format::report::{self, StationReport};
+use jointplay::interop::export::wafers_at_start;
+use jointplay::cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
 use jointplay::nalgebra::Vector3;
+use jointplay::report::{self, StationReport};
 use jointplay::spatial::{Pose, Tilt};
 use serde::Serialize;
 use utoipa::ToSchema;

@@ -1,9 +1,9 @@
 //! Pictures of a cell and of its motion.
 
-use jointplay::cell::cell::{Body, Carrier};
 use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
-use jointplay::format::export;
+use jointplay::interop::export;
+use jointplay::cell::workcell::{Body, Carrier};
 use jointplay::plot;
 use jointplay::plot::cell::{Gantt, TopView, Track};
 
