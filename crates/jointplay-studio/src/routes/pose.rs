@@ -66,7 +66,7 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
     let from = from.map(|Rods(from)| wire::rods(from, "from_rods_m")).transpose()?;
     let within = |from: &[f64; 3]| gpr.limits().broken(from, gpr.plane_tilt(from)).is_empty();
     let (rods, broken, stopped_by) = match from.filter(within) {
-        Some(from) => (gpr.last_within_limits(&from, &rods), Vec::new(), broken),
+        Some(from) => (gpr.clamp_to_limits(&from, &rods), Vec::new(), broken),
         None => (rods, broken, Vec::new()),
     };
     let approximate = gpr.approximate(gpr.plane_tilt(&rods), gpr.plane_height(&rods))?;

@@ -12,7 +12,7 @@ impl Gpr {
     /// * `from` – (3) rods within the limits [m]; from elsewhere, as toward what is no number, nothing moves
     /// * `to` – (3) rods wanted [m]; returned to the bit where they are within the limits
     #[must_use]
-    pub fn last_within_limits(&self, from: &[f64; 3], to: &[f64; 3]) -> [f64; 3] {
+    pub fn clamp_to_limits(&self, from: &[f64; 3], to: &[f64; 3]) -> [f64; 3] {
         let limits = self.limits();
         let lost = to.iter().any(|length| !length.is_finite());
         if lost || !limits.broken(from, self.plane_tilt(from)).is_empty() {
@@ -59,7 +59,7 @@ mod tests {
     fn check(from: [f64; 3], to: [f64; 3], limbs: &[usize], tilted: bool) {
         let gpr = Gpr::paper().without_limit_checks();
         let broken = |rods: &[f64; 3]| gpr.limits().broken(rods, gpr.plane_tilt(rods));
-        let last = gpr.last_within_limits(&from, &to);
+        let last = gpr.clamp_to_limits(&from, &to);
         assert!(broken(&last).is_empty(), "{last:?}");
         let beyond = [0, 1, 2]
             .map(|k| last[k] + 1e-9 * (to[k] - from[k]).signum() * f64::from(to[k] != from[k]));
@@ -91,7 +91,7 @@ mod tests {
         let at = |yaw, pitch| gpr.inverse(Tilt { yaw, pitch }, AxisHeight(0.5)).unwrap();
         // From the limit outward nothing moves; along it only as far as a chord goes.
         let (start, end) = (at(0.3, most), at(0.3, 2.0 * most));
-        let last = gpr.last_within_limits(&start, &end);
+        let last = gpr.clamp_to_limits(&start, &end);
         assert!(last.iter().zip(start).all(|(last, start)| (last - start).abs() < 1e-12));
         check(start, at(2.8, 1.7 * most), &[], true);
         check(at(0.3, 0.5 * most), end, &[], true);
@@ -101,9 +101,9 @@ mod tests {
     fn what_is_within_is_reached_and_what_is_without_stays() {
         let gpr = Gpr::paper().without_limit_checks();
         let (level, near) = ([0.5; 3], [0.5005, 0.4995, 0.5]);
-        assert_eq!(gpr.last_within_limits(&level, &near), near);
-        assert_eq!(gpr.last_within_limits(&[0.9; 3], &level), [0.9; 3]);
-        assert_eq!(gpr.last_within_limits(&level, &[f64::NAN; 3]), level);
-        assert_eq!(gpr.last_within_limits(&level, &[f64::INFINITY, 0.5, 0.5]), level);
+        assert_eq!(gpr.clamp_to_limits(&level, &near), near);
+        assert_eq!(gpr.clamp_to_limits(&[0.9; 3], &level), [0.9; 3]);
+        assert_eq!(gpr.clamp_to_limits(&level, &[f64::NAN; 3]), level);
+        assert_eq!(gpr.clamp_to_limits(&level, &[f64::INFINITY, 0.5, 0.5]), level);
     }
 }

@@ -13,7 +13,7 @@ use crate::spatial::Pose;
 /// All joints are where they truly are, and so are the links, but each link ends short of a joint in which it has play, or beyond it, by the factor times what is true.
 /// Rigid links that are apart in one joint by more than they are cannot meet in the others, so that links are shown stretched, which none is.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Exaggerated {
+pub struct ExaggeratedPlay {
     /// By how much the play is shown larger; 1 is the truth.
     pub factor: f64,
     /// For each joint the frame in which it moves, as its first and as its second link carry it through its virtual joints, in the base frame: the truth.
@@ -37,11 +37,11 @@ pub struct Exaggerated {
 ///
 /// # Source
 /// own derivation, `docs/explanation/mechanisms.md`
-pub fn exaggerated(
+pub fn exaggerate_play(
     mechanism: &Mechanism,
     coordinates: &DVector<f64>,
     factor: f64,
-) -> Result<Exaggerated, Error> {
+) -> Result<ExaggeratedPlay, Error> {
     let factor = finite("the factor of exaggeration", factor)?;
     let links = Kinematics::new(mechanism).link_poses(coordinates)?;
     let displaced = |joint: usize, carrier: Carrier, factor: f64| {
@@ -66,5 +66,5 @@ pub fn exaggerated(
         joints.push(ends.map(|(joint, _)| joint));
         seats.push(ends.map(|(_, seat)| seat));
     }
-    Ok(Exaggerated { factor, joints, seats })
+    Ok(ExaggeratedPlay { factor, joints, seats })
 }

@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::instantaneous::{InstantaneousMobility, instantaneous_mobility};
-use super::search::{Followed, KEPT_RADIUS, Search, random_direction};
+use super::search::{Continuation, KEPT_RADIUS, Search, random_direction};
 use super::second_order::{SecondOrder, common_zero_near, second_order};
 use crate::Error;
 use crate::constraint::{Configuration, System};
@@ -23,7 +23,7 @@ const NEIGHBOUR_RANK_THRESHOLD: f64 = 1e-6;
 /// Displacements longer than this many times the distance asked for are not looked at.
 const FARTHEST: f64 = 3.0;
 /// Singular values of displacements below this share of the distance asked for are no motion: one stopped at order p leads to 10^(−14/p), half of the distance only from order 14 on.
-const LED_ON: f64 = 0.5;
+const CONTINUED_SHARE: f64 = 0.5;
 /// Least cosine of the angle between a direction and the displacement that it leads to.
 const STRAIGHT: f64 = 0.9;
 /// Starts for each motion of first order, and starts at most.
@@ -34,7 +34,7 @@ const ENOUGH_ALIKE: usize = 24;
 
 /// Configurations found near a given one, and the dimensions proven there.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Neighbours {
+pub struct NearbyConfigurations {
     /// How many directions were tried about the given configuration, up to the one that decided.
     pub tried: usize,
     /// How many of them ended on another configuration nearby.
@@ -43,7 +43,7 @@ pub struct Neighbours {
     pub dimensions: Vec<usize>,
 }
 
-impl Neighbours {
+impl NearbyConfigurations {
     /// The largest dimension proven, 0 if none is.
     #[must_use]
     pub fn dimension(&self) -> usize {
@@ -61,21 +61,23 @@ impl Neighbours {
 ///
 /// Starts are random motions of first order, and zeros of the second-order conditions near them.
 /// A branch counts if it is found at three distances from the given configuration, and if its dimension is proven at the farthest of them.
-pub(super) fn neighbours<S: System + ?Sized>(
+pub(super) fn find_nearby<S: System + ?Sized>(
     search: &Search<'_, S>,
     at: &Configuration,
     first: &InstantaneousMobility,
     second: &SecondOrder,
     enough: usize,
-) -> Result<Neighbours, Error> {
-    let mut found = Neighbours { tried: 0, found: 0, dimensions: Vec::new() };
+) -> Result<NearbyConfigurations, Error> {
+    let mut found = NearbyConfigurations { tried: 0, found: 0, dimensions: Vec::new() };
     // Where second order stops all other motions, the ones that it leaves free may all be finite.
     if second.definite && second.free > 0 {
         let free = &first.null_space * &second.free_motions;
         let kept = match search.followed(at, first, &free, KEPT_RADIUS) {
-            Followed::Kept(_) => true,
+            Continuation::Finite(_) => true,
             // The motions may bend into the ones that are stopped.
-            Followed::Broken | Followed::Lost => all_lead(search, at, &free, KEPT_RADIUS)?,
+            Continuation::Obstructed | Continuation::Unresolved => {
+                all_lead(search, at, &free, KEPT_RADIUS)?
+            }
         };
         if kept {
             found.tried += second.free + 2;
@@ -141,17 +143,17 @@ fn proven_dimension<S: System + ?Sized>(
     }
     let followed = |motions: &DMatrix<f64>| search.followed(there, &first, motions, PROOF_RADIUS);
     let broken = match followed(&first.null_space) {
-        Followed::Kept(_) => return Ok(Some(first.mobility)),
-        Followed::Broken => true,
-        Followed::Lost if search.continued(there, &first, first.threshold)?.is_some() => {
+        Continuation::Finite(_) => return Ok(Some(first.mobility)),
+        Continuation::Obstructed => true,
+        Continuation::Unresolved if search.continued(there, &first, first.threshold)?.is_some() => {
             return Ok(Some(first.mobility));
         }
-        Followed::Lost => false,
+        Continuation::Unresolved => false,
     };
     let second = second_order(search.system(), there, &first)?;
     if second.definite && second.free > 0 {
         let free = &first.null_space * &second.free_motions;
-        if let Followed::Kept(_) = followed(&free) {
+        if let Continuation::Finite(_) = followed(&free) {
             return Ok(Some(second.free));
         }
         if all_lead(search, there, &free, PROOF_RADIUS)? {
@@ -187,7 +189,7 @@ fn spanned<S: System + ?Sized>(
         }
     }
     let spans = svd(&ends)?;
-    let dimension = spans.singular_values.iter().filter(|&&span| span > LED_ON).count();
+    let dimension = spans.singular_values.iter().filter(|&&span| span > CONTINUED_SHARE).count();
     let mut directions = spans.u.columns(0, dimension).into_owned();
     for mut direction in directions.column_iter_mut() {
         direction *= 1.0_f64.copysign(direction.dot(outward));
