@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 use jointplay_core::mechanism::{
-    Carrier, Joint, JointKind, Mechanism, Play, VirtualJoint, VirtualMotion,
+    Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
 };
 use toml::Spanned;
 
@@ -173,8 +173,8 @@ fn play(
     table: &PlayTable,
     linear: impl Fn(f64) -> f64,
     angular: impl Fn(f64) -> f64,
-) -> Result<Play, Error> {
-    Ok(Play {
+) -> Result<LinearAndAngular, Error> {
+    Ok(LinearAndAngular {
         linear: values.positive("linear", table.linear.as_ref(), linear)?,
         angular: values.positive("angular", table.angular.as_ref(), angular)?,
     })

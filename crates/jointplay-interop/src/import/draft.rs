@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use jointplay_core::mechanism::{Joint, JointKind, Mechanism, MechanismError, Play};
+use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism, MechanismError};
 use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
@@ -166,7 +166,7 @@ pub(super) fn bare(name: String, kind: JointKind, links: [usize; 2], frames: [Po
         actuated: false,
         guess: Vec::new(),
         limits: Vec::new(),
-        clearance: Play::default(),
-        stiffness: Play::default(),
+        clearance: LinearAndAngular::default(),
+        stiffness: LinearAndAngular::default(),
     }
 }

@@ -113,7 +113,7 @@ mod tests {
     use jointplay_cell::robot::PlatformModel;
     use jointplay_cell::wafer::{Droop, DroopRow, Support};
     use jointplay_core::gpr::Gpr;
-    use jointplay_core::virtualization::{Kernel, Metric, SolveOptions, Solver};
+    use jointplay_core::virtualization::{BuiltIn, Metric, SolveOptions, Solver};
     use nalgebra::Vector2;
 
     const DUAL: &str = include_str!("../../../../../robots/dual-arm.toml");
@@ -196,7 +196,7 @@ mod tests {
         let newton = chosen("virtualization = \"planar\"\nsolver = \"newton\"");
         assert_eq!(newton.options.solver, Solver::Newton);
         let radial = chosen("virtualization = \"radial\"");
-        let model = PlatformModel { virtualization: Kernel::Radial, ..PlatformModel::default() };
+        let model = PlatformModel { virtualization: BuiltIn::Radial, ..PlatformModel::default() };
         assert_eq!(radial, model);
         for (metric, expected) in [
             ("", Metric::Paper),
@@ -205,7 +205,7 @@ mod tests {
             ("metric = 93.5", Metric::Length(0.0935)),
         ] {
             let polar = chosen(&format!("virtualization = \"polar\"\n{metric}"));
-            assert_eq!(polar.virtualization, Kernel::Polar);
+            assert_eq!(polar.virtualization, BuiltIn::Polar);
             let options = SolveOptions { solver: Solver::LeastNorm, ..Default::default() };
             assert_eq!(polar.options, SolveOptions { metric: expected, ..options });
         }
