@@ -11,6 +11,7 @@
 
 mod acceleration;
 mod arm_chain;
+mod fingerprint;
 mod forward;
 mod inverse;
 mod jacobian;

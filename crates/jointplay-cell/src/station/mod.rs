@@ -1,5 +1,6 @@
 //! Where wafers are put.
 
+mod fingerprint;
 mod leveling;
 pub mod teach;
 mod waypoints;

@@ -7,7 +7,9 @@ use super::Segment;
 use super::corner::Corner;
 use super::segment_planner::key;
 use crate::geometry::{Solid, Solids};
-use crate::incremental::{Interrupted, Kept, Key, Run, anew, extend};
+use crate::incremental::{
+    Execution, Fingerprint, GenerationalCache, Interrupted, Unique, compute_missing,
+};
 use crate::program::Step;
 use crate::workcell::{Cell, Zone, ZoneRule};
 
@@ -24,19 +26,19 @@ pub struct Blend {
 #[derive(Default)]
 pub(super) struct Blends {
     /// By how much the steps at a corner are slowed.
-    slower: Kept<f64>,
-    slowed: Kept<Segment>,
-    blends: Kept<Option<Blend>>,
+    slower: GenerationalCache<f64>,
+    slowed: GenerationalCache<Unique<Segment>>,
+    blends: GenerationalCache<Option<Blend>>,
     solids: Solids,
     /// Zones that wafers' centres have to stay in while the robot turns.
     safe: Vec<Solid>,
 }
 
 impl Blends {
-    pub(super) fn begin(&mut self, cell: &Cell, shared: &str) {
+    pub(super) fn begin(&mut self, cell: &Cell, shared: &Fingerprint) {
         self.slowed.begin(shared);
         let zones = || cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe);
-        let shared = format!("{shared} {:?}", zones().collect::<Vec<_>>());
+        let shared = shared.clone().with(&zones().collect::<Vec<_>>());
         self.slower.begin(&shared);
         self.blends.begin(&shared);
         self.solids.begin();
@@ -56,34 +58,34 @@ impl Blends {
         &mut self,
         cell: &Cell,
         steps: &[Step],
-        ways: &mut [Arc<Segment>],
-        run: Run<'_>,
+        ways: &mut [Arc<Unique<Segment>>],
+        execution: Execution<'_>,
     ) -> Result<Vec<f64>, Interrupted> {
         let corners: Vec<usize> = (0..steps.len().saturating_sub(1))
             .filter(|&before| at((cell, &self.safe), steps, ways, before).is_some())
             .collect();
-        let keys = |factors: &[f64]| -> Vec<(usize, Key)> {
+        let keys = |factors: &[f64]| -> Vec<(usize, Fingerprint)> {
             let key = |&before: &usize| (before, corner_key(steps, factors, before));
             corners.iter().map(key).collect()
         };
         let mut factors = vec![1.0_f64; steps.len()];
         let plain = keys(&factors);
-        fill(&mut self.slower, &plain, run, |before| {
+        fill(&mut self.slower, &plain, execution, |before| {
             at((cell, &self.safe), steps, ways, before).map_or(1.0, |corner| corner.slower())
         })?;
         for (before, key) in &plain {
-            let Ok(factor) = self.slower.get::<Infallible>(key.clone(), || Ok(1.0));
+            let Ok(factor) = self.slower.get_or_compute::<Infallible>(key.clone(), || Ok(1.0));
             for factor_of in &mut factors[*before..before + 2] {
                 *factor_of = factor_of.max(*factor);
             }
         }
-        let slowed: Vec<Arc<Segment>> =
+        let slowed: Vec<Arc<Unique<Segment>>> =
             (0..steps.len()).map(|k| self.slowed(&steps[k], &ways[k], factors[k])).collect();
-        let blend = |ways: &[Arc<Segment>], before: usize| {
+        let blend = |ways: &[Arc<Unique<Segment>>], before: usize| {
             at((cell, &self.safe), steps, ways, before)?.blend()
         };
-        fill(&mut self.blends, &plain, run, |before| blend(ways, before))?;
-        fill(&mut self.blends, &keys(&factors), run, |before| blend(&slowed, before))?;
+        fill(&mut self.blends, &plain, execution, |before| blend(ways, before))?;
+        fill(&mut self.blends, &keys(&factors), execution, |before| blend(&slowed, before))?;
         // Each corner gains by its own factor; whether all do together is seen from rest to rest.
         let mut start = 0;
         for end in 0..steps.len() {
@@ -107,13 +109,19 @@ impl Blends {
         Ok(factors)
     }
 
-    fn slowed(&mut self, step: &Step, way: &Arc<Segment>, factor: f64) -> Arc<Segment> {
+    fn slowed(
+        &mut self,
+        step: &Step,
+        way: &Arc<Unique<Segment>>,
+        factor: f64,
+    ) -> Arc<Unique<Segment>> {
         if factor == 1.0 {
             return Arc::clone(way);
         }
         let mut key = key(step);
-        extend(&mut key, &[factor]);
-        let Ok(slowed) = self.slowed.get::<Infallible>(key, || Ok(way.slowed(factor)));
+        key.add(&factor);
+        let Ok(slowed) =
+            self.slowed.get_or_compute::<Infallible>(key, || Ok(Unique::new(way.slowed(factor))));
         slowed
     }
 
@@ -122,7 +130,7 @@ impl Blends {
         &mut self,
         cell: &Cell,
         steps: &[Step],
-        ways: &[Arc<Segment>],
+        ways: &[Arc<Unique<Segment>>],
         factors: &[f64],
     ) -> f64 {
         let corners = 0..steps.len() - 1;
@@ -137,27 +145,29 @@ impl Blends {
         &mut self,
         cell: &Cell,
         steps: &[Step],
-        ways: &[Arc<Segment>],
+        ways: &[Arc<Unique<Segment>>],
         factors: &[f64],
         before: usize,
     ) -> Option<Blend> {
         let corner = at((cell, &self.safe), steps, ways, before)?;
         let key = corner_key(steps, factors, before);
-        let Ok(blend) = self.blends.get::<Infallible>(key, || Ok(corner.blend()));
+        let Ok(blend) = self.blends.get_or_compute::<Infallible>(key, || Ok(corner.blend()));
         *blend
     }
 }
 
 /// Makes for some corners what is not known of them.
 fn fill<T: Send + Sync>(
-    kept: &mut Kept<T>,
-    corners: &[(usize, Key)],
-    run: Run<'_>,
+    kept: &mut GenerationalCache<T>,
+    corners: &[(usize, Fingerprint)],
+    execution: Execution<'_>,
     make: impl Fn(usize) -> T + Sync,
 ) -> Result<(), Interrupted> {
-    let unknown = corners.iter().filter(|(_, key)| !kept.knows(key));
-    for (key, made) in anew(unknown.map(|(before, key)| (*before, key)), run, make)? {
-        let Ok(_) = kept.get::<Infallible>(key, || Ok(made));
+    let unknown = corners.iter().filter(|(_, key)| !kept.contains(key));
+    for (key, made) in
+        compute_missing(unknown.map(|(before, key)| (*before, key)), execution, make)?
+    {
+        let Ok(_) = kept.get_or_compute::<Infallible>(key, || Ok(made));
     }
     Ok(())
 }
@@ -166,7 +176,7 @@ fn fill<T: Send + Sync>(
 fn at<'a>(
     (cell, safe): (&'a Cell, &'a [Solid]),
     steps: &'a [Step],
-    ways: &'a [Arc<Segment>],
+    ways: &'a [Arc<Unique<Segment>>],
     before: usize,
 ) -> Option<Corner<'a>> {
     Corner::new(
@@ -177,11 +187,10 @@ fn at<'a>(
 }
 
 /// What a step and the next, slowed by so much, come to where they meet.
-fn corner_key(steps: &[Step], factors: &[f64], before: usize) -> Key {
-    let mut corner = Key::new();
+fn corner_key(steps: &[Step], factors: &[f64], before: usize) -> Fingerprint {
+    let mut corner = Fingerprint::default();
     for at in [before, before + 1] {
-        corner.extend(key(&steps[at]));
-        extend(&mut corner, &[factors[at], steps[at].blend]);
+        corner.add(&key(&steps[at])).add(&factors[at]).add(&steps[at].blend);
     }
     corner
 }

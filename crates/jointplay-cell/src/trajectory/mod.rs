@@ -28,7 +28,7 @@ pub(crate) use segment_planner::{SegmentCache, straight};
 
 use std::sync::Arc;
 
-use crate::incremental::{Key, extend};
+use crate::incremental::{Fingerprint, Unique};
 use crate::program::Step;
 
 /// All axes at one time.
@@ -56,7 +56,7 @@ pub struct Trajectory {
     /// Start of each step, and the end of the last; where a step runs into the next, the middle of their overlap [s].
     pub times: Vec<f64>,
     /// How the axes go in each step.
-    ways: Vec<Arc<Segment>>,
+    ways: Vec<Arc<Unique<Segment>>>,
     /// How each step runs into the next.
     blends: Vec<Option<Blend>>,
 }
@@ -213,7 +213,7 @@ impl Trajectory {
     /// Whether no axis moves in a step.
     #[must_use]
     pub fn is_dwell(&self, step: usize) -> bool {
-        matches!(*self.ways[step], Segment::Dwell { .. })
+        matches!(**self.ways[step], Segment::Dwell { .. })
     }
 
     /// Whether a step takes any time: waiting for a station that is done already takes none.
@@ -237,7 +237,7 @@ impl Trajectory {
     /// How straight a step is that runs along a line; `None` for any other.
     #[must_use]
     pub fn straightness(&self, step: usize) -> Option<LineDeviation> {
-        match &*self.ways[step] {
+        match &**self.ways[step] {
             Segment::Line { line, .. } => Some(LineDeviation {
                 length: line.length,
                 deviation: line.deviation,
@@ -250,7 +250,7 @@ impl Trajectory {
     /// The axis that would be last in a step if each went as fast as it may; `None` where none moves or a line binds them.
     #[must_use]
     pub fn limiting_axis(&self, step: usize) -> Option<usize> {
-        match &*self.ways[step] {
+        match &**self.ways[step] {
             Segment::PointToPoint(together) => together.slowest,
             _ => None,
         }
@@ -326,28 +326,25 @@ impl Trajectory {
         self.ways[index].duration() - lead - tail
     }
 
-    /// What all axes do in a step, as inputs of what is found of it; the ways are those in [`Self::segments_of`].
-    pub(crate) fn key(&self, index: usize) -> Key {
-        let step = &self.steps[index];
-        let mut key = Key::new();
-        let overlaps = self.overlaps(index);
-        for (way, overlap) in self.segments_of(index).iter().zip([0.0, overlaps[0], overlaps[1]]) {
-            key.push(way.as_ref().map_or(0, |way| Arc::as_ptr(way) as u64));
-            key.push(overlap.to_bits());
+    /// Fingerprint of the motion of all axes in a step, overlaps with the neighbouring steps included.
+    pub(crate) fn segment_fingerprint(&self, index: usize) -> Fingerprint {
+        let (step, [lead, tail]) = (&self.steps[index], self.overlaps(index));
+        let mut fingerprint = Fingerprint::default();
+        for (segment, overlap) in self.segments_of(index).into_iter().zip([0.0, lead, tail]) {
+            fingerprint.add(&segment).add(&overlap);
         }
-        extend(&mut key, &step.from);
-        extend(&mut key, &step.to);
-        key
+        fingerprint.add(&step.from).add(&step.to);
+        fingerprint
     }
 
-    /// The way of a step, and those of its neighbours where they run into it; whoever keeps a [`Self::key`] keeps them, so that no other way comes to be in their place.
-    pub(crate) fn segments_of(&self, index: usize) -> [Option<Arc<Segment>>; 3] {
+    /// The segment of a step, and those of its neighbours as far as they overlap with it.
+    fn segments_of(&self, index: usize) -> [Option<&Unique<Segment>>; 3] {
         let [lead, tail] = self.overlaps(index);
-        let way = |index: usize| Some(Arc::clone(&self.ways[index]));
+        let segment = |index: usize| Some(&*self.ways[index]);
         [
-            way(index),
-            if lead > 0.0 { way(index - 1) } else { None },
-            if tail > 0.0 { way(index + 1) } else { None },
+            segment(index),
+            if lead > 0.0 { segment(index - 1) } else { None },
+            if tail > 0.0 { segment(index + 1) } else { None },
         ]
     }
 

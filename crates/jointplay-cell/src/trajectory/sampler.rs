@@ -22,7 +22,7 @@ impl AxisSampler {
     /// # Arguments
     /// * `times` – since its start, growing [s]
     pub(crate) fn take(&mut self, motion: &Trajectory, index: usize, times: &[f64]) {
-        let (step, way) = (&motion.steps[index], &*motion.ways[index]);
+        let (step, way) = (&motion.steps[index], &**motion.ways[index]);
         self.moving = motion.moving(index);
         if self.states.len() < self.moving.len() {
             self.states.resize_with(self.moving.len(), Vec::new);

@@ -11,7 +11,10 @@ use super::spline::Spline;
 use super::synchronized::together;
 use super::time_parameterization::TimeParameterization;
 use super::{Segment, Trajectory};
-use crate::incremental::{CacheStats, Interrupted, Kept, Key, Run, anew, extend, whole};
+use crate::incremental::{
+    CacheStats, Execution, Fingerprint, GenerationalCache, Interrupted, Unique, compute_missing,
+    uninterrupted,
+};
 use crate::program::{Path, Place, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
 use crate::workcell::Cell;
@@ -63,7 +66,12 @@ pub fn plan_trajectory(
     steps: Vec<Step>,
     options: &TrajectoryOptions,
 ) -> Result<Trajectory, TrajectoryError> {
-    whole(SegmentCache::default().plan_trajectory(cell, steps, options, Run::one_by_one()))
+    uninterrupted(SegmentCache::default().plan_trajectory(
+        cell,
+        steps,
+        options,
+        Execution::unobserved(),
+    ))
 }
 
 /// Mean duration of a straight path of all axes by its longest coordinate [s/m or s/rad].
@@ -86,13 +94,18 @@ pub(crate) fn straight(step: Step) -> Trajectory {
         Segment::Line { line, pace: JerkLimitedProfile::through(0.0, 1.0, &stretches) }
     };
     let times = vec![0.0, way.duration()];
-    Trajectory { steps: vec![step], times, ways: vec![Arc::new(way)], blends: vec![None] }
+    Trajectory {
+        steps: vec![step],
+        times,
+        ways: vec![Arc::new(Unique::new(way))],
+        blends: vec![None],
+    }
 }
 
 /// The ways of the last motion, by what they depend on.
 #[derive(Default)]
 pub(crate) struct SegmentCache {
-    ways: Kept<Segment>,
+    ways: GenerationalCache<Unique<Segment>>,
     blends: Blends,
 }
 
@@ -103,25 +116,26 @@ impl SegmentCache {
         cell: &Cell,
         steps: Vec<Step>,
         options: &TrajectoryOptions,
-        run: Run<'_>,
+        execution: Execution<'_>,
     ) -> Result<Result<Trajectory, TrajectoryError>, Interrupted> {
         let shared = shared(cell, options);
         self.ways.begin(&shared);
         self.blends.begin(cell, &shared);
-        let keys: Vec<(usize, Key)> = (0..steps.len())
+        let keys: Vec<(usize, Fingerprint)> = (0..steps.len())
             .filter(|&index| fits(cell, &steps, index).is_none())
             .filter_map(|index| Some((index, moving(&steps[index])?)))
             .collect();
         let unknown = keys.iter().map(|(index, key)| (*index, key));
-        let unknown = unknown.filter(|(_, key)| !self.ways.knows(key));
-        let mut made = anew(unknown, run, |index| way(cell, &steps[index], options))?;
+        let unknown = unknown.filter(|(_, key)| !self.ways.contains(key));
+        let mut made =
+            compute_missing(unknown, execution, |index| way(cell, &steps[index], options))?;
         let mut problems = Vec::new();
         let mut failed = |index: usize, message| {
             let Step { instruction, place, .. } = steps[index];
             problems.push(StepError { step: index, instruction, place, message });
-            Arc::new(Segment::Dwell { duration: 0.0 })
+            Arc::new(Unique::new(Segment::Dwell { duration: 0.0 }))
         };
-        let mut ways: Vec<Arc<Segment>> = Vec::with_capacity(steps.len());
+        let mut ways: Vec<Arc<Unique<Segment>>> = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
             let way = match fits(cell, &steps, index) {
                 Some(message) => Err(message),
@@ -129,13 +143,13 @@ impl SegmentCache {
             };
             ways.push(way.unwrap_or_else(|message| failed(index, message)));
         }
-        let factors = self.blends.slow(cell, &steps, &mut ways, run)?;
+        let factors = self.blends.slow(cell, &steps, &mut ways, execution)?;
         let mut blends: Vec<Option<Blend>> = vec![None; steps.len()];
         let mut times = Vec::with_capacity(steps.len() + 1);
         let (mut now, mut over) = (0.0, false);
         times.push(now);
         for (index, step) in steps.iter().enumerate() {
-            run.poll()?;
+            execution.check_interruption()?;
             if let Path::ProcessDwell { since, seconds } = step.path {
                 // Known only now that it is known when the wafer was left.
                 let way = if since < index {
@@ -181,37 +195,43 @@ impl SegmentCache {
     fn way(
         &mut self,
         (cell, step, options): (&Cell, &Step, &TrajectoryOptions),
-        made: &mut BTreeMap<Key, Result<Segment, String>>,
-    ) -> Result<Arc<Segment>, String> {
+        made: &mut BTreeMap<Fingerprint, Result<Segment, String>>,
+    ) -> Result<Arc<Unique<Segment>>, String> {
         if let Some(key) = moving(step) {
             // One that cannot be timed is not kept, and told of each step alike.
             let found = made.remove(&key);
-            return self.ways.get(key, || found.unwrap_or_else(|| way(cell, step, options)));
+            return self.ways.get_or_compute(key, || {
+                found.unwrap_or_else(|| way(cell, step, options)).map(Unique::new)
+            });
         }
         match step.path {
             Path::Dwell(duration) => self.still(duration, step),
             // How long is known only when all before it is.
-            _ => Ok(Arc::new(Segment::Dwell { duration: 0.0 })),
+            _ => Ok(Arc::new(Unique::new(Segment::Dwell { duration: 0.0 }))),
         }
     }
 
     /// Known by how long it is alone: where it stands is the step's.
-    fn still(&mut self, duration: f64, step: &Step) -> Result<Arc<Segment>, String> {
-        self.ways.get(vec![duration.to_bits()], || still(duration, step))
+    fn still(&mut self, duration: f64, step: &Step) -> Result<Arc<Unique<Segment>>, String> {
+        let inputs = Fingerprint::default().with(&duration);
+        self.ways.get_or_compute(inputs, || still(duration, step).map(Unique::new))
     }
 
-    pub(crate) fn reuse(&self) -> CacheStats {
-        self.ways.reuse()
+    pub(crate) fn stats(&self) -> CacheStats {
+        self.ways.stats()
     }
 }
 
-/// What every way depends on: numbers are printed so that no two of them look alike.
-fn shared(cell: &Cell, options: &TrajectoryOptions) -> String {
-    format!("{:?} {:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity, options.line_deviation)
+/// Inputs that all segments share.
+fn shared(cell: &Cell, options: &TrajectoryOptions) -> Fingerprint {
+    let TrajectoryOptions { line_deviation } = options;
+    let mut inputs = Fingerprint::default();
+    inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(line_deviation);
+    inputs
 }
 
 /// What the way of a step depends on besides, unless it stands still.
-fn moving(step: &Step) -> Option<Key> {
+fn moving(step: &Step) -> Option<Fingerprint> {
     matches!(step.path, Path::PointToPoint | Path::Line(_)).then(|| key(step))
 }
 
@@ -226,16 +246,15 @@ fn way(cell: &Cell, step: &Step, options: &TrajectoryOptions) -> Result<Segment,
 }
 
 /// What the way of a step that moves depends on.
-pub(super) fn key(step: &Step) -> Key {
-    let mut key = match step.path {
-        Path::Line(effector) => vec![1, effector.arm as u64, effector.effector as u64],
-        _ => vec![0],
+pub(super) fn key(step: &Step) -> Fingerprint {
+    let effector = match step.path {
+        Path::Line(effector) => Some(effector),
+        _ => None,
     };
-    extend(&mut key, &step.from);
-    extend(&mut key, &step.to);
-    extend(&mut key, &[step.speed, step.line_speed.unwrap_or(f64::INFINITY)]);
-    key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
-    key
+    let mut inputs = Fingerprint::default();
+    inputs.add(&effector).add(&step.from).add(&step.to);
+    inputs.add(&step.speed).add(&step.line_speed).add(&step.loaded);
+    inputs
 }
 
 /// What is wrong with a step before it is looked at closely.

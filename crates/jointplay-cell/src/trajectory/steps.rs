@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hasher};
-use std::sync::Arc;
 
 use super::profile::put;
 use super::{Sample, Segment, Trajectory};
+use crate::incremental::Unique;
 
 impl Segment {
     /// Adds all that it is made of to a hash.
@@ -80,9 +80,9 @@ impl Trajectory {
     /// It depends on the step and on neighbours that overlap with it, and not on when the step starts.
     #[must_use]
     pub fn fingerprints(&self) -> Vec<u64> {
-        let mut known: BTreeMap<*const Segment, u64> = BTreeMap::new();
-        let mut of_way = |way: &Arc<Segment>| {
-            *known.entry(Arc::as_ptr(way)).or_insert_with(|| {
+        let mut known: BTreeMap<u64, u64> = BTreeMap::new();
+        let mut of_way = |way: &Unique<Segment>| {
+            *known.entry(way.identity()).or_insert_with(|| {
                 let mut hasher = DefaultHasher::new();
                 way.hash(&mut hasher);
                 hasher.finish()
@@ -93,7 +93,7 @@ impl Trajectory {
             let overlaps = self.overlaps(index);
             let ways = self.segments_of(index);
             for (way, overlap) in ways.iter().zip([0.0, overlaps[0], overlaps[1]]) {
-                hasher.write_u64(way.as_ref().map_or(0, &mut of_way));
+                hasher.write_u64(way.map_or(0, &mut of_way));
                 put(&mut hasher, &[overlap]);
             }
             put(&mut hasher, &self.steps[index].from);

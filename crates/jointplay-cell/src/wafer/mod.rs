@@ -3,6 +3,7 @@
 mod acceleration;
 mod compensation;
 mod droop;
+mod fingerprint;
 mod friction;
 mod plate;
 mod sag;
