@@ -4,6 +4,8 @@
 //! | -------- | --------------------------------------------------- |
 //! | `test`   | May this change go in? Runs everything below too.   |
 //! | `tidy`   | Do the documents and sources keep the house rules?  |
+//! | `circles` | Do the files of each crate import each other in one direction? |
+//! | `words` | Do documents, messages and names use the field's terms? |
 //! | `deps`   | Does each crate import only what its ring may?      |
 //! | `python` | Does the Python package work where it is installed? |
 //! | `cell`   | Do other programs read exported motions?             |
@@ -17,6 +19,7 @@
 )]
 
 mod cell;
+mod circles;
 mod command;
 mod deps;
 mod finding;
@@ -29,6 +32,7 @@ mod studio;
 mod test;
 mod tidy;
 mod tree;
+mod words;
 
 use std::process::ExitCode;
 
@@ -37,7 +41,9 @@ usage: cargo xtask CHORE
 
   test     everything a change must pass, stopping at the first failure
   tidy     paths, links, source keys, sizes and unfinished code
+  circles  files that import each other
   deps     who may import whom
+  words    words to avoid, and the field's terms for them
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
   studio   the studio's server, held to its own description
@@ -49,6 +55,8 @@ fn main() -> ExitCode {
     let passed = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test::run(&root),
         ["tidy"] => tidy::run(&root),
+        ["circles"] => circles::run(&root),
+        ["words"] => words::run(&root),
         ["deps"] => deps::run(&root),
         ["python"] => python::run(&root),
         ["cell"] => cell::run(&root),

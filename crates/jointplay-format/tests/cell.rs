@@ -2,12 +2,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::cell::{Cell, Shape};
 use jointplay_cell::check::{CheckOptions, Report, check};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::expand;
 use jointplay_cell::robot::RODS;
 use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Tilt;
 use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};
 use jointplay_format::program;

@@ -7,10 +7,10 @@ use super::blend::Blend;
 use super::limits::scaled_axis_limits;
 use super::profile::AxisState;
 use super::segment::Segment;
-use crate::cell::Cell;
+use crate::workcell::Cell;
 use crate::program::{Phase, Step};
 use crate::robot::{ArmChain, AxesMotion, KinematicLimits, Positions, RODS};
-use crate::solid::{Placed, Solid, outside};
+use crate::geometry::{Placed, Solid, outside};
 
 /// Number of bisections of the longest overlap.
 const BISECTIONS: usize = 12;

@@ -8,10 +8,10 @@ use super::blend::Blend;
 use super::blend_candidate::{BlendCandidate, BlendConditions};
 use super::segment::Segment;
 use super::segment_key::segment_key;
-use crate::cell::{Cell, Zone, ZoneRule};
-use crate::memory::{Interrupted, Kept, Key, Run, anew, extend};
+use crate::workcell::{Cell, Zone, ZoneRule};
+use crate::incremental::{Interrupted, Kept, Key, Run, anew, extend};
 use crate::program::Step;
-use crate::solid::{Solid, Solids};
+use crate::geometry::{Solid, Solids};
 
 /// Blends of the last trajectory, by what they depend on.
 #[derive(Default)]

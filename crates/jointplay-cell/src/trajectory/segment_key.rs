@@ -1,7 +1,7 @@
 //! Fingerprints of segments.
 
-use crate::cell::Cell;
-use crate::memory::{Key, extend};
+use crate::workcell::Cell;
+use crate::incremental::{Key, extend};
 use crate::program::{Path, Step};
 
 use super::options::TrajectoryOptions;

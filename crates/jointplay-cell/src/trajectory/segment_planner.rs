@@ -14,8 +14,8 @@ use super::segment_key::{moves, segment_key, shared_key};
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
-use crate::cell::Cell;
-use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, whole};
+use crate::workcell::Cell;
+use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, whole};
 use crate::program::{Path, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
 

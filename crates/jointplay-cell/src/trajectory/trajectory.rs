@@ -8,7 +8,7 @@ use super::blend::Blend;
 use super::profile::hash_numbers;
 use super::sample::{Sample, SampleTimes};
 use super::segment::Segment;
-use crate::memory::{Key, extend};
+use crate::incremental::{Key, extend};
 use crate::program::Step;
 
 /// Discontinuities of the jerk closer to each other than this are one: they differ by round-off [s].

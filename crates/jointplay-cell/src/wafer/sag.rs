@@ -289,7 +289,7 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
         carrying.push(deepest);
         carrying.sort_unstable();
     }
-    Err(jointplay_core::Error::SvdNotConverged { rows: n, columns: n })
+    Err(jointplay_core::linalg::LinalgError::SvdNotConverged { rows: n, columns: n }.into())
 }
 
 #[cfg(test)]

@@ -2,7 +2,8 @@
 
 use nalgebra::Vector2;
 
-use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization, unit};
+use super::platform::unit;
+use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization};
 
 /// Sockets in polar coordinates about O_p: p_k = l_k u(β_k + φ_k).
 ///
