@@ -80,7 +80,7 @@ fn sample_by_sample(
             let positions = match k {
                 0 => step.from.clone(),
                 k if k == count => step.to.clone(),
-                _ => motion.at(time).positions,
+                _ => motion.sample_at(time).positions,
             };
             let (from, to) = (positions.clone(), positions);
             let path = Path::Dwell(0.0);
@@ -167,7 +167,7 @@ fn pushes(cell: &Cell, motion: &Trajectory, index: usize, rate: f64) -> Vec<(f64
     let mut pushes = Vec::new();
     let end = motion.times[index] + motion.step_duration(index);
     for time in (0..count).map(|k| motion.times[index] + k as f64 / rate).chain([end]) {
-        let sample = motion.at(time.max(motion.times[index]));
+        let sample = motion.sample_at(time.max(motion.times[index]));
         let now = AxesMotion {
             positions: &sample.positions,
             velocities: &sample.velocities,

@@ -5,7 +5,8 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
 use super::arm_chain::{ArmChain, AxisCoefficients, dot, perpendicular, turned};
-use super::{EffectorId, HybridRobot, Positions, RODS};
+use super::hybrid_robot::{EffectorId, HybridRobot, RODS};
+use super::positions::Positions;
 use crate::CellError;
 
 /// Half of the step of differences in time [s]: short against what jerk does, long against round-off.
@@ -116,7 +117,7 @@ impl ArmChain {
     }
 
     /// How the wafer moves on the platform, by positions, velocities and accelerations of its axes.
-    pub(crate) fn moving(&self, own: &[AxisCoefficients; 3]) -> FrameMotion {
+    pub(crate) fn wafer_motion(&self, own: &[AxisCoefficients; 3]) -> FrameMotion {
         let [tip, velocity, acceleration] = self.tip_motion(own, 0.0);
         let [_, speed, hurry] = own.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
@@ -129,7 +130,7 @@ impl ArmChain {
     }
 
     /// The same as the wafer sees it.
-    pub(crate) fn seen(&self, own: &[AxisCoefficients; 3]) -> FrameAcceleration {
+    pub(crate) fn motion_in_wafer_frame(&self, own: &[AxisCoefficients; 3]) -> FrameAcceleration {
         let heading = own.each_ref().map(|rates| dot(&self.heading.1, rates));
         let [place, velocity, acceleration] = self.tip_motion(own, -heading[0]);
         FrameAcceleration { place, velocity, acceleration, heading }
@@ -194,8 +195,8 @@ impl HybridRobot {
         self.check_motion(motion)?;
         let platform = self.platform(motion.positions)?;
         let platform = self.platform_motion(&platform, motion)?;
-        let planar = ArmChain::new(self, id);
-        Ok(platform.carrying(&planar.moving(&planar.own_rates(motion))))
+        let chain = ArmChain::new(self, id);
+        Ok(platform.carrying(&chain.wafer_motion(&chain.own_rates(motion))))
     }
 
     pub(crate) fn check_motion(&self, motion: &AxesMotion<'_>) -> Result<(), CellError> {

@@ -3,8 +3,8 @@
 use jointplay_core::spatial::Pose;
 use nalgebra::{Translation3, Vector2};
 
-use super::forward::about_normal;
-use super::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
+use super::angle::rotation_about_z;
+use super::hybrid_robot::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
 
 /// One number for each axis of an arm, in the order of [`ArmChain::axes`].
 pub(super) type AxisCoefficients = [f64; MAX_JOINTS];
@@ -35,6 +35,8 @@ pub(super) struct PrismaticJoint {
 /// a: positions of the arm's axes, m and σ: slopes. Constants of joints are turned into the arrows, and arrows that turn alike are one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ArmChain {
+    /// The effector that the chain leads to.
+    pub(crate) effector: EffectorId,
     /// Axes that move it, as indices into those of the robot; the first `count` count.
     axes: [usize; MAX_JOINTS],
     count: usize,
@@ -77,6 +79,7 @@ impl ArmChain {
         let effector = &arm.effectors[id.effector];
         let still = LinkVector { vector: Vector2::zeros(), turn: [0.0; MAX_JOINTS] };
         let mut planar = Self {
+            effector: id,
             axes: [0; MAX_JOINTS],
             count: 0,
             origin: Vector2::new(arm.mount[0], arm.mount[1]),
@@ -204,7 +207,7 @@ impl ArmChain {
     #[inline]
     pub(super) fn at(&self, tip: &Vector2<f64>, own: &AxisCoefficients) -> Pose {
         let center = tip.push(self.height);
-        Pose::from_parts(Translation3::from(center), about_normal(self.heading(own)))
+        Pose::from_parts(Translation3::from(center), rotation_about_z(self.heading(own)))
     }
 
     /// Heading of the wafer, from the platform's x axis [rad].

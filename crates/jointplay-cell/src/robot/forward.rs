@@ -2,10 +2,11 @@
 
 use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
-use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
+use nalgebra::{Translation3, Vector3};
 
+use super::angle::rotation_about_z;
 use super::arm_chain::ArmChain;
-use super::{Arm, AxisKind, Effector, EffectorId, HybridRobot, RODS};
+use super::hybrid_robot::{Arm, AxisKind, Effector, EffectorId, HybridRobot, RODS};
 use crate::CellError;
 
 /// Where everything of a robot is; rigid, nothing droops.
@@ -60,7 +61,7 @@ impl Arm {
             let rise = Translation3::new(0.0, 0.0, joint.rise);
             link = link * length * rise;
             match joint.kind {
-                AxisKind::Rotary => link *= about_normal(value),
+                AxisKind::Rotary => link *= rotation_about_z(value),
                 AxisKind::Linear => link *= Translation3::new(value, 0.0, 0.0),
             }
             length = Translation3::new(joint.length, joint.offset, 0.0);
@@ -72,14 +73,8 @@ impl Arm {
 impl Effector {
     /// Where its wafer is on the last link.
     pub(crate) fn link_from_wafer(&self) -> Pose {
-        Pose::from_parts(self.wafer_center.into(), about_normal(self.heading))
+        Pose::from_parts(self.wafer_center.into(), rotation_about_z(self.heading))
     }
-}
-
-/// A turn about z.
-pub(super) fn about_normal(angle: f64) -> Rotation3<f64> {
-    let (sin, cos) = angle.sin_cos();
-    Rotation3::from_matrix_unchecked(Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0))
 }
 
 impl HybridRobot {

@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::acceleration::turn_between;
 use super::arm_chain::ArmChain;
-use super::{EffectorId, HybridRobot, MAX_AXES, RODS};
+use super::hybrid_robot::{EffectorId, HybridRobot, MAX_AXES, RODS};
 use crate::CellError;
 
 /// Half the step of differences over rods, where the model has no derivative in closed form [m].

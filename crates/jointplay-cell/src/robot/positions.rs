@@ -2,7 +2,7 @@
 
 use std::ops::{Deref, DerefMut};
 
-use super::MAX_AXES;
+use super::hybrid_robot::MAX_AXES;
 
 /// Positions of up to [`MAX_AXES`] axes, rods first ([m], [rad]); reads as a slice.
 #[derive(Clone, Copy, PartialEq)]

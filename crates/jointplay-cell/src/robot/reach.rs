@@ -1,6 +1,6 @@
 //! How far an effector comes.
 
-use super::{EffectorId, HybridRobot, RODS};
+use super::hybrid_robot::{EffectorId, HybridRobot, RODS};
 use crate::CellError;
 
 /// Positions of each axis from which extremes are searched.

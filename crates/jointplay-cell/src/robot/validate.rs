@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use nalgebra::Vector2;
 
 use super::arm_chain::ArmChain;
-use super::{
+use super::hybrid_robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, MAX_ARMS, MAX_AXES,
     MAX_JOINTS, RODS,
 };

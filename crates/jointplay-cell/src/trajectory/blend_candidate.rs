@@ -7,10 +7,10 @@ use super::blend::Blend;
 use super::limits::scaled_axis_limits;
 use super::profile::AxisState;
 use super::segment::Segment;
-use crate::workcell::Cell;
+use crate::geometry::{Placed, Solid, outside};
 use crate::program::{Phase, Step};
 use crate::robot::{ArmChain, AxesMotion, KinematicLimits, Positions, RODS};
-use crate::geometry::{Placed, Solid, outside};
+use crate::workcell::Cell;
 
 /// Number of bisections of the longest overlap.
 const BISECTIONS: usize = 12;
@@ -73,9 +73,8 @@ impl<'a> BlendCandidate<'a> {
         let robot = &conditions.cell.robot;
         let moves = |axis: &usize| (0..2).any(|k| segments[k].moves(steps[k], *axis));
         let moving: Vec<usize> = (0..robot.axes.len()).filter(moves).collect();
-        let limits = steps.map(|step| {
-            moving.iter().map(|&axis| scaled_axis_limits(robot, axis, step)).collect()
-        });
+        let limits = steps
+            .map(|step| moving.iter().map(|&axis| scaled_axis_limits(robot, axis, step)).collect());
         let chains = robot.effectors().map(|id| ArmChain::new(robot, id)).collect();
         let platform = robot.platform(&steps[1].from).ok();
         Some(Self { conditions, steps, segments, radius, moving, limits, chains, platform })
@@ -288,7 +287,8 @@ impl BlendSample {
             let axes = AxesMotion { positions, velocities, accelerations };
             let platform = cell.robot.platform_motion(&self.platforms[motion], &axes).ok()?;
             let on_platform = chain.wafer_motion(&chain.own_rates(&axes));
-            let wafer = cell.deflected_motion(&platform, &on_platform, chain.effector, true).ok()?;
+            let wafer =
+                cell.deflected_motion(&platform, &on_platform, chain.effector, true).ok()?;
             Some(cell.friction_margin_of(chain.effector, &wafer).utilization())
         };
         // Where the motion is unknown, the check of the trajectory reports it.

@@ -8,10 +8,10 @@ use super::blend::Blend;
 use super::blend_candidate::{BlendCandidate, BlendConditions};
 use super::segment::Segment;
 use super::segment_key::segment_key;
-use crate::workcell::{Cell, Zone, ZoneRule};
+use crate::geometry::{Solid, Solids};
 use crate::incremental::{Interrupted, Kept, Key, Run, anew, extend};
 use crate::program::Step;
-use crate::geometry::{Solid, Solids};
+use crate::workcell::{Cell, Zone, ZoneRule};
 
 /// Blends of the last trajectory, by what they depend on.
 #[derive(Default)]
@@ -168,8 +168,7 @@ impl BlendPlanner {
     ) -> Option<Blend> {
         let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
         let candidate = slowed.candidate(conditions, first)?;
-        let Ok(blend) =
-            self.blends.get::<Infallible>(slowed.key(first), || Ok(candidate.blend()));
+        let Ok(blend) = self.blends.get::<Infallible>(slowed.key(first), || Ok(candidate.blend()));
         *blend
     }
 }

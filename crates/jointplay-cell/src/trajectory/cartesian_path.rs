@@ -66,7 +66,9 @@ pub enum PathErrorKind {
     #[error("the arm is in a singular position")]
     Singular,
     /// No positions of the axes hold the wafer on the line.
-    #[error("the effector does not reach the line: {distance} m and {tilt} rad of tilt are missing")]
+    #[error(
+        "the effector does not reach the line: {distance} m and {tilt} rad of tilt are missing"
+    )]
     NotReached {
         /// Distance that is missing [m].
         distance: f64,
@@ -76,7 +78,9 @@ pub enum PathErrorKind {
         heading: Option<f64>,
     },
     /// The line ends in other positions of the axes than those asked for.
-    #[error("the line leads to another branch than that of its end: axis {axis} differs by {difference} m or rad")]
+    #[error(
+        "the line leads to another branch than that of its end: axis {axis} differs by {difference} m or rad"
+    )]
     OtherBranch {
         /// Index of the axis with the largest difference.
         axis: usize,
@@ -397,9 +401,9 @@ impl LineTarget {
         let center = pose.translation.vector - (self.start + self.displacement * s);
         // Both normals are near e_b3: x and y determine the difference of two unit vectors.
         let tilt = normal(pose) - self.normal(s);
-        let turned = self.heading.map_or(0.0, |target| {
-            wrap_angle(heading(pose) - target.start - target.change * s)
-        });
+        let turned = self
+            .heading
+            .map_or(0.0, |target| wrap_angle(heading(pose) - target.start - target.change * s));
         [center.x, center.y, center.z, tilt.x, tilt.y, turned]
     }
 

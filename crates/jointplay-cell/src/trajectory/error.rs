@@ -31,9 +31,7 @@ pub struct StepError {
 #[non_exhaustive]
 pub enum StepErrorKind {
     /// The step does not have one position for each axis.
-    #[error(
-        "a step from {from} to {to} positions, but the robot has {axes} axes"
-    )]
+    #[error("a step from {from} to {to} positions, but the robot has {axes} axes")]
     PositionCount {
         /// Number of start positions.
         from: usize,
@@ -55,7 +53,9 @@ pub enum StepErrorKind {
         share: f64,
     },
     /// The step does not start where the step before ends.
-    #[error("axis {axis} starts at {start}, but the step before ends at {previous_end}: steps have to join")]
+    #[error(
+        "axis {axis} starts at {start}, but the step before ends at {previous_end}: steps have to join"
+    )]
     NotContinuous {
         /// Index of the axis.
         axis: usize,
@@ -83,7 +83,9 @@ pub enum StepErrorKind {
     #[error(transparent)]
     Path(#[from] PathError),
     /// The trajectory does not end within [`MAX_DURATION`](super::MAX_DURATION).
-    #[error("the trajectory takes {end} s up to the end of this step, which takes {step} s; at most {allowed} s are allowed")]
+    #[error(
+        "the trajectory takes {end} s up to the end of this step, which takes {step} s; at most {allowed} s are allowed"
+    )]
     TooLong {
         /// Time from the start of the trajectory to the end of the step [s].
         end: f64,

@@ -30,8 +30,7 @@ pub fn scaled_axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> Kine
 /// The loaded limits apply as soon as one effector that the axis moves carries a wafer, and the empty limits otherwise.
 #[must_use]
 pub fn axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> KinematicLimits {
-    let loaded =
-        step.loaded.iter().any(|&effector| axis_moves_effector(robot, axis, effector));
+    let loaded = step.loaded.iter().any(|&effector| axis_moves_effector(robot, axis, effector));
     let axis = &robot.axes[axis];
     if loaded { axis.loaded } else { axis.empty }
 }

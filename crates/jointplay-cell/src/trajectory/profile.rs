@@ -166,7 +166,10 @@ mod tests {
             let t = 0.05 * f64::from(k);
             assert_eq!(in_order(t), profile.state(t));
             let found = profile.time_at(profile.state(t)[0]);
-            assert!((found - t).abs() < 1e-5 && profile.state(found)[0] >= profile.state(t)[0] - 1e-15, "{t}");
+            assert!(
+                (found - t).abs() < 1e-5 && profile.state(found)[0] >= profile.state(t)[0] - 1e-15,
+                "{t}"
+            );
         }
         let slow = profile.slowed(2.0);
         assert_eq!(slow.duration(), 4.0);

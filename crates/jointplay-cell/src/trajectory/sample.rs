@@ -22,12 +22,9 @@ pub struct Sample {
 impl Sample {
     /// Sets everything to zero for a number of axes.
     pub(super) fn reset(&mut self, axes: usize) {
-        for values in [
-            &mut self.positions,
-            &mut self.velocities,
-            &mut self.accelerations,
-            &mut self.jerks,
-        ] {
+        for values in
+            [&mut self.positions, &mut self.velocities, &mut self.accelerations, &mut self.jerks]
+        {
             values.clear();
             values.resize(axes, 0.0);
         }
@@ -61,6 +58,12 @@ impl SampleTimes {
         // An even time within a thousandth of an interval of the end is the end: round-off adds no sample.
         let intervals = (duration * rate - 1e-3).ceil().max(0.0) as u64;
         Self { duration, rate, intervals }
+    }
+
+    /// Start and end of a duration [s]; the start alone where the duration is 0.
+    #[must_use]
+    pub fn ends(duration: f64) -> Self {
+        Self { duration, rate: 1.0, intervals: u64::from(duration > 0.0) }
     }
 
     /// Number of intervals between the samples; there is one sample more than intervals.

@@ -1,8 +1,8 @@
 //! Fingerprints of segments.
 
-use crate::workcell::Cell;
 use crate::incremental::{Key, extend};
 use crate::program::{Path, Step};
+use crate::workcell::Cell;
 
 use super::options::TrajectoryOptions;
 

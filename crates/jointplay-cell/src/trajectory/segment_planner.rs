@@ -14,10 +14,10 @@ use super::segment_key::{moves, segment_key, shared_key};
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
-use crate::workcell::Cell;
 use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, whole};
 use crate::program::{Path, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
+use crate::workcell::Cell;
 
 /// Longest duration of a trajectory: a day [s].
 pub const MAX_DURATION: f64 = 86_400.0;
@@ -110,8 +110,7 @@ impl SegmentCache {
             .collect();
         let missing = keys.iter().map(|(index, key)| (*index, key));
         let missing = missing.filter(|(_, key)| !self.segments.knows(key));
-        let mut computed =
-            anew(missing, run, |index| plan_segment(cell, &steps[index], options))?;
+        let mut computed = anew(missing, run, |index| plan_segment(cell, &steps[index], options))?;
         let mut segments = Vec::with_capacity(steps.len());
         for (index, step) in steps.iter().enumerate() {
             let planned = match invalid(cell, steps, index) {
@@ -263,9 +262,8 @@ fn plan_line(
     let chain = ArmChain::new(robot, effector);
     let pose = |positions: &[f64]| cell.wafer_pose_by(&chain, positions, loaded);
     let jacobian = |positions: &[f64]| robot.jacobian_by(&chain, positions);
-    let variables: Vec<usize> = (0..robot.axes.len())
-        .filter(|&axis| axis_moves_effector(robot, axis, effector))
-        .collect();
+    let variables: Vec<usize> =
+        (0..robot.axes.len()).filter(|&axis| axis_moves_effector(robot, axis, effector)).collect();
     // Three rods and two motors place the centre and the plane; a third motor also determines the heading.
     let heading_is_free = variables.len() >= RODS + 3;
     let turn: f64 = robot.arms[effector.arm]

@@ -145,8 +145,7 @@ impl Move<'_> {
     fn profiles(&self, units: Units, planned: &Trajectory<0>) -> SynchronizedProfile {
         let duration = planned.duration * units.time;
         let minimum = &planned.independent_min_durations;
-        let limiting =
-            (0..self.moving.len()).max_by(|&a, &b| minimum[a].total_cmp(&minimum[b]));
+        let limiting = (0..self.moving.len()).max_by(|&a, &b| minimum[a].total_cmp(&minimum[b]));
         let mut axes: Vec<JerkLimitedProfile> = self
             .from
             .iter()

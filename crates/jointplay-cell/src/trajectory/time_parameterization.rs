@@ -193,8 +193,11 @@ impl<'a> TimeParameterization<'a> {
         for k in 0..GRID_INTERVALS {
             let acceleration = grid[k].max_acceleration(share, x);
             // The rate stays above zero between the ends: otherwise the piece would take for ever.
-            let floor =
-                if k + 1 < GRID_INTERVALS { 1e-9 * grid[k + 1].max_squared_rate(share) } else { 0.0 };
+            let floor = if k + 1 < GRID_INTERVALS {
+                1e-9 * grid[k + 1].max_squared_rate(share)
+            } else {
+                0.0
+            };
             let next = (x + 2.0 * ds * acceleration).min(controllable[k + 1]).max(floor);
             let duration = 2.0 * ds / (x.sqrt() + next.sqrt());
             pieces.push(Piece { duration, acceleration: (next - x) / (2.0 * ds) });
@@ -206,8 +209,7 @@ impl<'a> TimeParameterization<'a> {
     /// Constraints of all axes at one value of the path parameter.
     fn grid_point(&self, s: f64) -> GridPoint {
         let interval = self.spline.interval(s);
-        let (mut by_velocity, mut by_curvature) =
-            (self.max_rate * self.max_rate, f64::INFINITY);
+        let (mut by_velocity, mut by_curvature) = (self.max_rate * self.max_rate, f64::INFINITY);
         let mut rows = Vec::with_capacity(self.limits.len());
         for &(axis, limits) in &self.limits {
             let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
@@ -350,9 +352,7 @@ impl GridPoint {
 
     /// Largest acceleration of the path parameter at a squared rate x [1/s²].
     fn max_acceleration(&self, share: f64, x: f64) -> f64 {
-        self.rows
-            .iter()
-            .fold(1e12, |most, row| most.min(share * row.limit - row.curvature * x))
+        self.rows.iter().fold(1e12, |most, row| most.min(share * row.limit - row.curvature * x))
     }
 
     /// Largest squared rate x from which a squared rate of at most `next` is reached at the next grid point.
@@ -363,8 +363,7 @@ impl GridPoint {
     /// Each constraint bounds x from above or always holds, because all hold for x = 0; constraints of two axes on each other are part of [`Self::max_squared_rate`].
     fn controllable(&self, share: f64, ds: f64, next: f64) -> f64 {
         self.rows.iter().fold(self.max_squared_rate(share), |x, row| {
-            let (slope, constant) =
-                (1.0 - 2.0 * ds * row.curvature, 2.0 * ds * share * row.limit);
+            let (slope, constant) = (1.0 - 2.0 * ds * row.curvature, 2.0 * ds * share * row.limit);
             if slope > 0.0 {
                 x.min((next + constant) / slope)
             } else if slope < 0.0 {
@@ -429,7 +428,11 @@ mod tests {
         Spline::through(&knots, &values)
     }
 
-    fn worst(spline: &Spline, profile: &JerkLimitedProfile, limits: &[KinematicLimits]) -> [f64; 3] {
+    fn worst(
+        spline: &Spline,
+        profile: &JerkLimitedProfile,
+        limits: &[KinematicLimits],
+    ) -> [f64; 3] {
         let mut worst = [0.0_f64; 3];
         for k in 1..20_000 {
             let [s, r, a, j] = profile.state(profile.duration() * f64::from(k) / 20_000.0);

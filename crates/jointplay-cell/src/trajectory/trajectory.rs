@@ -90,8 +90,7 @@ impl Trajectory {
     #[must_use]
     pub fn moving_axes(&self, step: usize) -> Vec<usize> {
         let overlaps = self.half_overlaps(step);
-        let moves =
-            |step: usize, axis: usize| self.segments[step].moves(&self.steps[step], axis);
+        let moves = |step: usize, axis: usize| self.segments[step].moves(&self.steps[step], axis);
         let any = |axis: &usize| {
             moves(step, *axis)
                 || (overlaps.previous > 0.0 && moves(step - 1, *axis))

@@ -1,6 +1,6 @@
 //! How far an arm gives way at its end.
 
-use super::{Droop, DroopRow};
+use super::model::{Droop, DroopRow};
 
 /// Relative slack at the ends of a table, so that a reach computed to lie on its end is not beyond it by round-off.
 const SLACK: f64 = 1e-9;
@@ -22,8 +22,7 @@ pub struct Deflection {
 pub enum DroopError {
     /// Nearer or farther than was measured.
     #[error(
-        "the droop at a reach of {:.3} mm is not known: the table goes from {:.3} to {:.3} mm; measure there, or give a cantilever",
-        reach * 1e3, min * 1e3, max * 1e3
+        "the droop at a reach of {reach} m is not known: the table goes from {min} to {max} m; measure there, or give a cantilever"
     )]
     Reach {
         /// Asked for [m].
@@ -35,8 +34,7 @@ pub enum DroopError {
     },
     /// Heavier than was measured, or lighter than nothing.
     #[error(
-        "the droop under {:.3} g is not known: the table goes from 0 to {:.3} g; measure with more, or give a cantilever",
-        load * 1e3, max * 1e3
+        "the droop under {load} kg is not known: the table goes from 0 to {max} kg; measure with more, or give a cantilever"
     )]
     Load {
         /// Asked for [kg].
@@ -66,11 +64,11 @@ impl Droop {
     /// # Source
     /// [Roark], beams
     pub fn at(&self, reach: f64, load: f64, gravity: f64) -> Result<Deflection, DroopError> {
-        self.by_reach(reach, load, gravity).map(|[at, ..]| at)
+        self.derivatives_by_reach(reach, load, gravity).map(|[at, ..]| at)
     }
 
     /// The same, with its first and second derivative by the reach.
-    pub(super) fn by_reach(
+    pub(super) fn derivatives_by_reach(
         &self,
         reach: f64,
         load: f64,
@@ -103,7 +101,8 @@ impl Droop {
     pub(crate) fn at_most(&self, reach: f64, load: f64, gravity: f64) -> DroopBounds {
         let Self::Table { rows } = self else {
             // All of it grows with the reach and the load.
-            let [at, rate, bend] = self.by_reach(reach, load, gravity).unwrap_or_default();
+            let [at, rate, bend] =
+                self.derivatives_by_reach(reach, load, gravity).unwrap_or_default();
             return DroopBounds { at, rate, bend, turn: rate.slope };
         };
         let mut most = DroopBounds::default();
@@ -241,7 +240,9 @@ mod tests {
             for k in 0..=700 {
                 for load in [0.0, 0.13] {
                     let reach = 1e-3 * f64::from(k);
-                    let Ok([at, rate, bend]) = droop.by_reach(reach, load, 9.81) else { continue };
+                    let Ok([at, rate, bend]) = droop.derivatives_by_reach(reach, load, 9.81) else {
+                        continue;
+                    };
                     looks += 1;
                     seen.at = seen.at.or(at);
                     seen.rate = seen.rate.or(rate);

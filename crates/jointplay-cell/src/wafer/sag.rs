@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use jointplay_core::linalg::svd;
 
+use super::model::{Support, Wafer};
 use super::plate::{self, Orbit};
-use super::{Support, Wafer};
 
 /// Points of half a rail that may carry; with twice as many the sag changes by less than a thousandth.
 const RAIL_POINTS: usize = 16;
@@ -60,8 +60,7 @@ pub enum SagError {
     },
     /// Supports that the wafer does not reach, or does not rest on safely.
     #[error(
-        "{what} of {:.3} mm does not carry a wafer of {:.3} mm: it has to be more than 0 and at most {:.3} mm",
-        found * 1e3, diameter * 1e3, most * 1e3
+        "{what} of {found} m does not carry a wafer of {diameter} m: it has to be more than 0 and at most {max} m"
     )]
     Support {
         /// What is wrong.
@@ -71,7 +70,7 @@ pub enum SagError {
         /// Diameter of the wafer [m].
         diameter: f64,
         /// Largest allowed [m].
-        most: f64,
+        max: f64,
     },
     /// The forces on the rails cannot be computed.
     #[error(transparent)]
@@ -98,11 +97,11 @@ pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagErr
     let poisson = checked(wafer, gravity)?;
     let a = wafer.diameter / 2.0;
     let unit = wafer.weight_by_area(gravity) * a.powi(4) / wafer.stiffness();
-    let within = |what, found: f64, most: f64| {
-        if found > 0.0 && found <= most * (1.0 + SLACK) {
-            return Ok((found / most).min(1.0));
+    let within = |what, found: f64, max: f64| {
+        if found > 0.0 && found <= max * (1.0 + SLACK) {
+            return Ok((found / max).min(1.0));
         }
-        Err(SagError::Support { what, found, diameter: wafer.diameter, most })
+        Err(SagError::Support { what, found, diameter: wafer.diameter, max })
     };
     let shape = match *support {
         Support::Edge => Shape { poisson, reactions: Vec::new(), lift: plate::on_edge(poisson) },
@@ -434,7 +433,7 @@ mod tests {
         }
         assert_eq!(
             refused(Support::ThreePoints { radius: 1.01 }).to_string(),
-            "a circle of three points with a radius of 1010.000 mm does not carry a wafer of 2000.000 mm: it has to be more than 0 and at most 1000.000 mm"
+            "a circle of three points with a radius of 1.01 m does not carry a wafer of 2 m: it has to be more than 0 and at most 1 m"
         );
         assert!(matches!(refused(Support::TwoRails { distance: 2.1 }), SagError::Support { .. }));
         let mut wafer = unit(0.28);

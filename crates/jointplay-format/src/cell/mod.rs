@@ -5,6 +5,7 @@
 mod bodies;
 mod edit;
 pub mod explain;
+pub mod explain_trajectory;
 mod file;
 mod mesh;
 mod problem;

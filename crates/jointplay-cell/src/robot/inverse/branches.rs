@@ -4,19 +4,21 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{Translation3, Vector2, Vector3};
 
-use super::super::arm_chain::{ArmChain, AxisCoefficients};
-use super::super::{EffectorId, HybridRobot, Positions, RODS};
-use super::closed::Ways;
-use super::newton::{solutions, wrapped};
-use super::plan::{Pair, Plan};
+use super::closed_form::Ways;
+use super::decomposition::{Pair, Plan};
+use super::newton::solutions;
 use super::redundant::Redundant;
 use super::revolutions::{Ranges, Turns};
-use super::{
-    Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach, Reaching,
-    WaferTarget,
+use super::solution::{
+    Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
+    ReachDirection, WaferTarget,
 };
 use crate::CellError;
+use crate::robot::angle::wrap_angle;
 use crate::robot::arm_chain::turned;
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients};
+use crate::robot::hybrid_robot::{EffectorId, HybridRobot, RODS};
+use crate::robot::positions::Positions;
 
 /// A branch that is farther from its target is none [m].
 const RESIDUAL: f64 = 1e-12;
@@ -145,26 +147,26 @@ impl HybridRobot {
             if residual > RESIDUAL {
                 return;
             }
-            let mut broken = Vec::new();
+            let mut violations = Vec::new();
             for axis in (0..RODS).chain(planar.axes().iter().copied()) {
-                self.check_axis(axis, positions[axis], &mut broken);
+                self.check_axis(axis, positions[axis], &mut violations);
             }
-            self.check_tilt(tilt, &mut broken);
+            self.check_tilt(tilt, &mut violations);
             branches.push(Branch {
                 distance: self.time_between(near, &positions),
                 positions,
                 configuration,
-                standing: if broken.is_empty() {
+                selection: if violations.is_empty() {
                     BranchSelection::NotNearest
                 } else {
                     BranchSelection::BreaksLimits
                 },
-                broken,
+                violations,
                 residual,
                 normal_residual: missing.tilt.norm(),
                 corrections,
                 heading: missing.heading,
-                heading_off: if with_heading { 0.0 } else { missing.turn },
+                heading_difference: if with_heading { 0.0 } else { missing.turn },
             });
         };
         let mut out_of_reach = None;
@@ -189,13 +191,13 @@ impl HybridRobot {
             let max = planar.arrows().iter().map(|arrow| arrow.vector.norm()).sum::<f64>();
             out_of_reach = Some(OutOfReach { distance, min: 0.0, max });
         }
-        let mut broken_by_plane = Vec::new();
+        let mut plane_violations = Vec::new();
         for rod in 0..RODS {
-            self.check_axis(rod, start[rod], &mut broken_by_plane);
+            self.check_axis(rod, start[rod], &mut plane_violations);
         }
-        self.check_tilt(tilt, &mut broken_by_plane);
+        self.check_tilt(tilt, &mut plane_violations);
         let chosen = choose(&mut branches, bend);
-        Ok(Inverse { branches, chosen, out_of_reach, broken_by_plane })
+        Ok(Inverse { branches, chosen, out_of_reach, plane_violations })
     }
 
     /// Whether an effector may head where it likes, its wafer's centre and plane given.
@@ -222,28 +224,28 @@ impl HybridRobot {
     /// [`CellError::WrongLength`], [`CellError::NotFinite`]
     pub fn limit_violations(&self, positions: &[f64]) -> Result<Vec<LimitViolation>, CellError> {
         self.check_positions(positions)?;
-        let mut broken = Vec::new();
+        let mut violations = Vec::new();
         for (axis, &position) in positions.iter().enumerate() {
-            self.check_axis(axis, position, &mut broken);
+            self.check_axis(axis, position, &mut violations);
         }
         let rods = [positions[0], positions[1], positions[2]];
-        self.check_tilt(self.gpr.plane_tilt(&rods), &mut broken);
-        Ok(broken)
+        self.check_tilt(self.gpr.plane_tilt(&rods), &mut violations);
+        Ok(violations)
     }
 
-    fn check_axis(&self, axis: usize, position: f64, broken: &mut Vec<LimitViolation>) {
+    fn check_axis(&self, axis: usize, position: f64, violations: &mut Vec<LimitViolation>) {
         let (min, max) = (self.axes[axis].min, self.axes[axis].max);
         let slack = SLACK * (max - min);
         if position < min - slack || position > max + slack {
-            broken.push(LimitViolation::Axis { axis, position, min, max });
+            violations.push(LimitViolation::Axis { axis, position, min, max });
         }
     }
 
-    fn check_tilt(&self, tilt: Tilt, broken: &mut Vec<LimitViolation>) {
+    fn check_tilt(&self, tilt: Tilt, violations: &mut Vec<LimitViolation>) {
         let max = self.gpr.limits().tilt_max;
         let pitch = tilt.pitch.abs();
         if pitch > max * (1.0 + SLACK) + SLACK {
-            broken.push(LimitViolation::Tilt { pitch, max });
+            violations.push(LimitViolation::Tilt { pitch, max });
         }
     }
 
@@ -313,7 +315,8 @@ impl Solver<'_> {
 /// All bends that the pair of a plan can have.
 fn bends(plan: &Plan) -> impl Iterator<Item = Configuration> {
     const ELBOWS: [Option<Elbow>; 2] = [Some(Elbow::Left), Some(Elbow::Right)];
-    const REACHES: [Option<Reaching>; 2] = [Some(Reaching::Forward), Some(Reaching::Backward)];
+    const REACHES: [Option<ReachDirection>; 2] =
+        [Some(ReachDirection::Forward), Some(ReachDirection::Backward)];
     let (elbows, reaches): (&[_], &[_]) = match plan.pair {
         Pair::Links(_) => (&ELBOWS, &[None]),
         Pair::Slide(_) => (&[None], &REACHES),
@@ -326,7 +329,7 @@ fn bends(plan: &Plan) -> impl Iterator<Item = Configuration> {
 
 /// Of the branches within limits: one that is bent as the arm is, and of those the nearest.
 fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
-    let within = |branch: &Branch| branch.broken.is_empty();
+    let within = |branch: &Branch| branch.violations.is_empty();
     let stays = branches.iter().any(|b| within(b) && b.configuration.agrees_with(bend));
     let mut chosen: Option<usize> = None;
     for k in 0..branches.len() {
@@ -335,13 +338,13 @@ fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
             continue;
         }
         if stays && !branch.configuration.agrees_with(bend) {
-            branches[k].standing = BranchSelection::OtherElbow;
+            branches[k].selection = BranchSelection::OtherElbow;
         } else if chosen.is_none_or(|best| branch.distance < branches[best].distance) {
             chosen = Some(k);
         }
     }
     if let Some(chosen) = chosen {
-        branches[chosen].standing = BranchSelection::Chosen;
+        branches[chosen].selection = BranchSelection::Chosen;
     }
     chosen
 }
@@ -354,7 +357,7 @@ fn within(
 ) -> (Vector2<f64>, Option<f64>) {
     let center = base_from_platform.rotation.inverse()
         * (target.center - base_from_platform.translation.vector);
-    let heading = target.heading.map(|heading| wrapped(heading - platform.twist_about_normal()));
+    let heading = target.heading.map(|heading| wrap_angle(heading - platform.twist_about_normal()));
     (center.xy(), heading)
 }
 

@@ -3,8 +3,9 @@
 use jointplay_core::linalg::least_norm_of_three;
 use nalgebra::{Vector2, Vector3};
 
-use super::super::arm_chain::{ArmChain, AxisCoefficients};
 use super::revolutions::Ranges;
+use crate::robot::angle::wrap_angle;
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients};
 
 /// Starts along each axis, between its limits.
 const STARTS: usize = 5;
@@ -75,7 +76,7 @@ fn descend(
     let size = point.norm() + planar.arrows().iter().map(|arrow| arrow.vector.norm()).sum::<f64>();
     for _ in 0..MOST_STEPS {
         let missing = point - planar.tip(&own);
-        let turn = heading.map_or(0.0, |heading| wrapped(heading - planar.heading(&own)));
+        let turn = heading.map_or(0.0, |heading| wrap_angle(heading - planar.heading(&own)));
         if missing.norm() <= 1e-15 * size.max(f64::MIN_POSITIVE) * 8.0 && turn.abs() <= 1e-14 {
             return Some(own);
         }
@@ -105,10 +106,4 @@ fn descend(
     }
     let missing = (point - planar.tip(&own)).norm();
     (missing <= 1e-13 * size).then_some(own)
-}
-
-/// An angle from −π to π [rad].
-pub(in super::super) fn wrapped(angle: f64) -> f64 {
-    let turns = (angle / std::f64::consts::TAU).round();
-    angle - turns * std::f64::consts::TAU
 }

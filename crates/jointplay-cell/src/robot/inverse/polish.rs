@@ -4,10 +4,11 @@ use jointplay_core::linalg::svd;
 use jointplay_core::spatial::{Pose, leaning};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::super::{EffectorId, HybridRobot, Positions};
-use super::WaferTarget;
-use super::newton::wrapped;
+use super::solution::WaferTarget;
 use crate::CellError;
+use crate::robot::angle::wrap_angle;
+use crate::robot::hybrid_robot::{EffectorId, HybridRobot};
+use crate::robot::positions::Positions;
 
 /// Better than this, nothing is corrected: round-off of a metre [m and rad].
 const EXACT: f64 = 1e-13;
@@ -44,7 +45,7 @@ impl Missing {
             center: target.center - base_from_wafer.translation.vector,
             tilt: found.cross(normal),
             heading,
-            turn: target.heading.map_or(0.0, |wanted| wrapped(wanted - heading)),
+            turn: target.heading.map_or(0.0, |wanted| wrap_angle(wanted - heading)),
         }
     }
 

@@ -4,12 +4,12 @@ use std::array::from_fn;
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::super::arm_chain::{ArmChain, AxisCoefficients, perpendicular, turned};
-use super::Configuration;
 use super::barrier::{AXES, Bent, ENDS, Each, Gain, LEAST, Model, Pole, of_limits};
-use super::closed::Found;
-use super::plan::{Pair, Plan};
+use super::closed_form::Found;
+use super::decomposition::{Pair, Plan};
 use super::revolutions::{Ranges, Turns};
+use super::solution::Configuration;
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients, perpendicular, turned};
 
 /// Steps of the descent at most; it takes three to five, and more only out of a nearly stretched arm.
 const MOST_STEPS: usize = 100;

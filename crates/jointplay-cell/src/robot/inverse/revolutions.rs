@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::Vector4;
 
-use super::super::arm_chain::AxisCoefficients;
-use super::plan::{Pair, Plan};
+use super::decomposition::{Pair, Plan};
+use crate::robot::arm_chain::AxisCoefficients;
 
 /// Most combinations of whole turns that are tried; with axes of at most ten turns there are fewer on any usual arm.
 const MOST: i64 = 20_000;

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector2};
 
-use super::super::arm_chain::{ArmChain, AxisCoefficients, LinkVector, turned};
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients, LinkVector, turned};
 
 /// Arrows of a belt-coupled arm count as equally long within this share of their length.
 const SAME_LENGTH: f64 = 1e-12;

@@ -2,9 +2,9 @@
 
 use nalgebra::Vector2;
 
-use super::super::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
-use super::plan::{Carried, Link, Pair, Plan};
-use super::{Configuration, Elbow, OutOfReach, Reaching};
+use super::decomposition::{Carried, Link, Pair, Plan};
+use super::solution::{Configuration, Elbow, OutOfReach, ReachDirection};
+use crate::robot::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
 
 /// A point counts as reached where it is beyond the stretched arm by no more than this share: round-off.
 const STRETCHED: f64 = 1e-14;
@@ -134,10 +134,10 @@ fn elbow(left: f64) -> Option<Elbow> {
     }
 }
 
-fn reaching(forward: f64) -> Option<Reaching> {
+fn reaching(forward: f64) -> Option<ReachDirection> {
     match forward {
-        forward if forward > 0.0 => Some(Reaching::Forward),
-        forward if forward < 0.0 => Some(Reaching::Backward),
+        forward if forward > 0.0 => Some(ReachDirection::Forward),
+        forward if forward < 0.0 => Some(ReachDirection::Backward),
         _ => None,
     }
 }
@@ -203,7 +203,7 @@ fn belt(
     let along = along.max(0.0).sqrt();
     let mut ways = [None; 4];
     let mut count = 0;
-    for (sign, reaching) in [(1.0, Reaching::Forward), (-1.0, Reaching::Backward)] {
+    for (sign, reaching) in [(1.0, ReachDirection::Forward), (-1.0, ReachDirection::Backward)] {
         let grown = sign * along - w.x;
         if grown.abs() > stretched * (1.0 + STRETCHED) || (sign < 0.0 && along == 0.0) {
             continue;
@@ -271,6 +271,6 @@ fn slide(
             Found { pair, configuration, arrows: [*point, direction], from_end }
         })
     };
-    let backward = if along > 0.0 { way(-1.0, Reaching::Backward) } else { None };
-    Ok([way(1.0, Reaching::Forward), backward, None, None])
+    let backward = if along > 0.0 { way(-1.0, ReachDirection::Backward) } else { None };
+    Ok([way(1.0, ReachDirection::Forward), backward, None, None])
 }
