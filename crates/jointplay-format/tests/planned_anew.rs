@@ -173,7 +173,8 @@ fn pushes(cell: &Cell, motion: &Trajectory, index: usize, rate: f64) -> Vec<(f64
             velocities: &sample.velocities,
             accelerations: &sample.accelerations,
         };
-        let shares = step.loaded.iter().map(|&id| cell.slip(id, &now).unwrap().share());
+        let shares =
+            step.loaded.iter().map(|&id| cell.friction_margin(id, &now).unwrap().utilization());
         pushes.extend(shares.reduce(f64::max).map(|share| (time, share)));
     }
     pushes
