@@ -4,22 +4,22 @@ use jointplay_core::gpr::Gpr;
 
 use super::model::PlatformModel;
 
-/// Number of rods; their positions come first among those of all axes.
+/// Number of rods; their axes come first.
 pub const RODS: usize = 3;
 
-/// Most joints of an arm.
+/// Largest number of joints of an arm.
 pub const MAX_JOINTS: usize = 4;
 
-/// Most arms.
+/// Largest number of arms.
 pub const MAX_ARMS: usize = 2;
 
-/// Most axes: those of the rods, and a motor for each joint.
+/// Largest number of axes: rods, and a motor for each joint.
 pub const MAX_AXES: usize = RODS + MAX_ARMS * MAX_JOINTS;
 
-/// What an axis may do.
+/// Limits of the motion of an axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KinematicLimits {
-    /// Largest speed [m/s or rad/s].
+    /// Largest velocity [m/s or rad/s].
     pub velocity: f64,
     /// Largest acceleration [m/s² or rad/s²].
     pub acceleration: f64,
@@ -27,31 +27,31 @@ pub struct KinematicLimits {
     pub jerk: f64,
 }
 
-/// Whether an axis, or a joint, turns or slides.
+/// Kind of motion of an axis or a joint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AxisKind {
-    /// About the platform normal [rad].
+    /// Rotation about the platform normal [rad].
     Rotary,
-    /// Along the radial direction of its link [m].
+    /// Translation along the radial direction of the link [m].
     Linear,
 }
 
-/// A motor: of a rod, or of the arms on the platform.
+/// An axis: the motor of a rod, or of the arms on the platform.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it is called in files and programs: `q1`, `T`, `R`, …
+    /// Name in files and programs: `q1`, `T`, `R`, …
     pub name: String,
-    /// What its position is.
+    /// Kind of motion.
     pub kind: AxisKind,
     /// Least position [m or rad].
     pub min: f64,
     /// Largest position [m or rad].
     pub max: f64,
-    /// Position that HOME goes to [m or rad].
+    /// Position after HOME [m or rad].
     pub home: f64,
-    /// While no effector that it moves carries a wafer.
+    /// Limits while no effector that the axis moves carries a wafer.
     pub empty: KinematicLimits,
-    /// While one does.
+    /// Limits while an effector that the axis moves carries a wafer.
     pub loaded: KinematicLimits,
 }
 
@@ -62,72 +62,72 @@ pub struct Axis {
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmJoint {
-    /// Turns about the platform normal, or slides along the x axis of the link before.
+    /// Rotation about the platform normal, or translation along the x axis of the link before.
     pub kind: AxisKind,
     /// Value where all axes are at zero [m or rad].
     pub zero: f64,
-    /// Axes that move it, as indices into [`HybridRobot::axes`] from [`RODS`] on, each with its belt ratio.
+    /// Axes that drive the joint, as indices into [`HybridRobot::axes`] from [`RODS`] on, each with its transmission ratio.
     pub drives: Vec<(usize, f64)>,
-    /// Where the next joint is along the x axis of the link after it [m]; on the last link the wafer's place says it.
+    /// Distance to the next joint along the x axis of the link after this joint [m]; on the last link the position of the wafer takes its place.
     pub length: f64,
-    /// Where the next joint is along the y axis of the link after it [m].
+    /// Distance to the next joint along the y axis of the link after this joint [m].
     pub offset: f64,
-    /// Rise of the link after it above the one before, along the platform normal [m].
+    /// Height of the link after this joint above the link before, along the platform normal [m].
     pub rise: f64,
 }
 
-/// What holds a wafer.
+/// An end effector: it holds a wafer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Effector {
-    /// What it is called in programs: `A`, `B`, …
+    /// Name in programs: `A`, `B`, …
     pub name: String,
-    /// Centre of the wafer in the frame of the last link (x along the link, y, z up), z the plane it rests on [m].
+    /// Centre of the wafer in the frame of the last link (x along the link, y, z up), in the plane that the wafer rests on [m].
     pub wafer_center: [f64; 3],
-    /// Where the wafer's heading points, about the platform normal from the last link [rad].
+    /// Heading of the wafer, about the platform normal from the last link [rad].
     pub heading: f64,
-    /// How it carries a wafer.
+    /// Support of the wafer.
     pub support: crate::wafer::Support,
-    /// Friction between wafer and pads.
+    /// Coefficient of friction between wafer and pads.
     pub friction: f64,
 }
 
 /// A planar serial arm on the platform.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
-    /// What it is called.
+    /// Name.
     pub name: String,
-    /// First joint in the platform frame: x, y, and the height of the first joint's plane z [m].
+    /// First joint in the platform frame: x, y, and the height z of the first joint's plane [m].
     pub mount: [f64; 3],
-    /// From the platform out; one to four.
+    /// Joints from the platform outward; one to four.
     pub joints: Vec<ArmJoint>,
-    /// One or more.
+    /// End effectors; one or more.
     pub effectors: Vec<Effector>,
-    /// How it gives way under its own weight and its load.
+    /// Deflection under the arm's own weight and its load.
     pub droop: crate::wafer::Droop,
 }
 
 /// A three-rod robot with its arms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HybridRobot {
-    /// What it is called.
+    /// Name.
     pub name: String,
-    /// The robot under the platform.
+    /// The three-rod robot under the platform.
     pub gpr: Gpr,
-    /// Where the platform sits over the rods.
+    /// Model of the platform's pose over the rods.
     pub model: PlatformModel,
-    /// Rods first, then the motors of the arms.
+    /// Axes: rods first, then the motors of the arms.
     pub axes: Vec<Axis>,
-    /// One or two.
+    /// Arms; one or two.
     pub arms: Vec<Arm>,
-    /// Which of the parameters are assumed rather than known, as keys of the file with the reason.
+    /// Parameters that are assumed and not known, as keys of the file with the reason.
     pub assumed: Vec<String>,
 }
 
-/// An effector of a robot, by arm and place on it.
+/// Identity of an effector of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct EffectorId {
     /// Index of the arm.
     pub arm: usize,
-    /// Index of the effector on the arm.
+    /// Index of the effector on its arm.
     pub effector: usize,
 }

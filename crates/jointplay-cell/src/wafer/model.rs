@@ -1,9 +1,9 @@
 //! Descriptions of wafers, their supports, and the droop of arms.
 
-/// What a wafer is made of.
+/// Material of a wafer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// What it is called.
+    /// Name.
     pub name: String,
     /// Young's modulus [Pa].
     pub young: f64,
@@ -13,14 +13,14 @@ pub struct Material {
     pub density: f64,
 }
 
-/// A round plate.
+/// A round plate of constant thickness.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wafer {
     /// Diameter [m].
     pub diameter: f64,
     /// Thickness [m].
     pub thickness: f64,
-    /// What it is made of.
+    /// Material.
     pub material: Material,
 }
 
@@ -32,7 +32,7 @@ impl Wafer {
         area * self.thickness * self.material.density
     }
 
-    /// Weight of a unit of area, q [Pa].
+    /// Weight by area, q [Pa].
     #[must_use]
     pub fn weight_by_area(&self, gravity: f64) -> f64 {
         self.material.density * gravity * self.thickness
@@ -46,34 +46,34 @@ impl Wafer {
     }
 }
 
-/// What a wafer rests on.
+/// Support of a wafer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Support {
-    /// Along the whole edge, free to turn there.
+    /// The whole edge, simply supported.
     Edge,
-    /// On three points, evenly round a circle about its centre.
+    /// Three points, evenly spaced on a circle around the centre.
     ThreePoints {
         /// Radius of the circle [m].
         radius: f64,
     },
-    /// On two parallel straight rails, the same distance on both sides of its centre.
+    /// Two parallel straight rails, at the same distance on both sides of the centre.
     TwoRails {
         /// Distance between the rails [m].
         distance: f64,
     },
 }
 
-/// How an arm gives way, by reach and load.
+/// Deflection of an arm by reach and load.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Droop {
-    /// Not at all.
+    /// No deflection.
     Rigid,
-    /// Measured: drop and slope at reaches, empty and loaded; linear between.
+    /// Measured deflection at several reaches, empty and loaded; interpolated linearly.
     Table {
-        /// One row a reach, reaches growing.
+        /// One row for each reach, in growing order.
         rows: Vec<DroopRow>,
     },
-    /// A cantilever of constant stiffness with its own weight along it and the load at its tip.
+    /// A cantilever of constant stiffness with its own weight distributed along it and the load at its tip.
     Cantilever {
         /// Bending stiffness E·I [N m²].
         stiffness: f64,
@@ -82,7 +82,7 @@ pub enum Droop {
     },
 }
 
-/// What is measured of a drooping arm at one reach.
+/// Measured deflection of an arm at one reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DroopRow {
     /// Distance of the wafer centre from the first joint [m].
@@ -95,6 +95,6 @@ pub struct DroopRow {
     pub loaded_drop: f64,
     /// Slope with the load [rad].
     pub loaded_slope: f64,
-    /// Mass of the load that was measured with [kg].
+    /// Mass of the load of the measurement [kg].
     pub load: f64,
 }

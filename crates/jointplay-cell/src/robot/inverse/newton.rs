@@ -7,23 +7,23 @@ use super::revolutions::Ranges;
 use crate::robot::angle::wrap_angle;
 use crate::robot::arm_chain::{ArmChain, AxisCoefficients};
 
-/// Starts along each axis, between its limits.
+/// Number of starts along each axis, between its limits.
 const STARTS: usize = 5;
 
 const MOST_STEPS: usize = 40;
 
-/// Largest step, as a share of the ranges of the axes: farther, the arm is not what its tangent says.
+/// Largest step, as a share of the ranges of the axes: farther, the linearization is too inaccurate.
 const LARGEST_STEP: f64 = 0.25;
 
-/// Two solutions nearer than this share of the ranges are one.
+/// Distance below which two solutions are one, as a share of the ranges.
 const SAME: f64 = 1e-6;
 
-/// Most solutions that are listed.
+/// Largest number of solutions.
 const MOST: usize = 16;
 
-/// Solutions near the starts, that nearest to `near` first.
+/// Solutions from several starts, the one nearest to `near` first.
 ///
-/// Steps are the shortest ones, each axis counted in its range; an arm with more motors than are needed stays near its start, which is `near` if that leads to a solution.
+/// Steps have least norm in units of the ranges of the axes: an arm with more motors than needed stays near its start, which is `near` if that leads to a solution.
 pub(super) fn solutions(
     planar: &ArmChain,
     ranges: &Ranges,
@@ -67,7 +67,7 @@ fn descend(
     start: &AxisCoefficients,
 ) -> Option<AxisCoefficients> {
     let mut own = *start;
-    // One column more than there are axes, for the heading that nobody asked for.
+    // One more column than axes, for a heading that is not prescribed.
     let count = ranges.count + 1;
     let mut compliance = [1.0; 5];
     for (a, compliance) in compliance.iter_mut().enumerate().take(ranges.count) {

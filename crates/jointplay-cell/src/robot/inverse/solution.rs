@@ -7,14 +7,14 @@ use nalgebra::Vector3;
 
 use crate::robot::positions::Positions;
 
-/// Where a wafer is to lie, in the base frame.
+/// Target of a wafer, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WaferTarget {
-    /// Its centre, on the plane that it rests on [m].
+    /// Centre of the wafer, in the plane that it rests on [m].
     pub center: Vector3<f64>,
-    /// Normal of that plane, upward, of any length.
+    /// Upward normal of that plane, of any length.
     pub normal: Vector3<f64>,
-    /// Its heading about the normal, from the shortest rotation of level to the normal [rad]; `None` leaves it to the arm.
+    /// Heading of the wafer about the normal, from the shortest rotation of level to the normal [rad]; `None` leaves it to the arm.
     pub heading: Option<f64>,
 }
 
@@ -29,109 +29,109 @@ impl WaferTarget {
     }
 }
 
-/// All ways to reach a target.
+/// All solutions of the inverse kinematics for a target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inverse {
-    /// Every set of positions that puts the wafer there, also those beyond limits.
+    /// All branches that bring the wafer to the target, including those that violate limits.
     pub branches: Vec<Branch>,
-    /// Which of them to take; `None` where each breaks a limit, or there is none.
+    /// Index of the branch to take; `None` where each violates a limit, or there is none.
     pub chosen: Option<usize>,
-    /// Why there is no branch.
+    /// Reason why there is no branch.
     pub out_of_reach: Option<OutOfReach>,
-    /// Limits of rods and tilt that the plane asked for breaks, whatever the arm does.
+    /// Limits of rods and tilt that the target plane violates, whatever the arm does.
     pub plane_violations: Vec<LimitViolation>,
 }
 
-/// One way to reach a target.
+/// One solution of the inverse kinematics for a target.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branch {
-    /// Positions of all axes; those that do not move the effector are where they were.
+    /// Positions of all axes; axes that do not move the effector keep their positions.
     pub positions: Positions,
-    /// How the arm is bent.
+    /// Elbow and reach direction of the arm.
     pub configuration: Configuration,
-    /// Limits that it breaks, rods and tilt included; empty without allocating.
+    /// Limits that the branch violates, rods and tilt included; empty without allocation.
     pub violations: Vec<LimitViolation>,
-    /// Whether it is the one to take, and why not.
+    /// Whether the branch is taken, and why not.
     pub selection: BranchSelection,
-    /// Time of the slowest axis on the way there at its top speed without a wafer [s].
+    /// Duration of the slowest axis to the branch at its velocity limit without a wafer [s].
     pub distance: f64,
-    /// How far the wafer's centre is from the target [m].
+    /// Distance of the wafer's centre from the target [m].
     pub residual: f64,
-    /// How far the wafer's plane is from that of the target [rad].
+    /// Angle between the wafer's plane and that of the target [rad].
     pub normal_residual: f64,
-    /// Newton steps of the whole chain that it took; 0 where the closed form was exact.
+    /// Number of Newton steps of the whole chain; 0 where the closed form was exact.
     pub corrections: usize,
-    /// Heading that the wafer has, as in [`WaferTarget::heading`] [rad].
+    /// Heading of the wafer, as in [`WaferTarget::heading`] [rad].
     pub heading: f64,
-    /// How far that is from the heading asked for, where the arm is not free to choose it [rad].
+    /// Difference of the heading from the one asked for, where the arm cannot choose it [rad].
     pub heading_difference: f64,
 }
 
-/// Why a branch is taken, or is not.
+/// Reason why a branch is taken or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BranchSelection {
-    /// It is the one to take.
+    /// The branch to take.
     Chosen,
-    /// It breaks limits, see [`Branch::violations`].
+    /// The branch violates limits, see [`Branch::violations`].
     BreaksLimits,
-    /// Another one keeps the arm bent as it is; this one would take it through its stretched or folded position.
+    /// Another branch keeps the present configuration; this one would take the arm through its stretched or folded position.
     OtherElbow,
-    /// Another one is bent alike and nearer.
+    /// Another branch of the same configuration is nearer.
     NotNearest,
 }
 
-/// A limit that a branch breaks.
+/// A limit that positions violate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LimitViolation {
-    /// An axis is beyond its stops.
+    /// An axis is outside its range.
     Axis {
         /// Index of the axis.
         axis: usize,
-        /// Where it would have to be [m or rad].
+        /// Position of the axis [m or rad].
         position: f64,
-        /// Its least position [m or rad].
+        /// Least position of the axis [m or rad].
         min: f64,
-        /// Its largest position [m or rad].
+        /// Largest position of the axis [m or rad].
         max: f64,
     },
-    /// The platform leans too far.
+    /// The platform tilts too far.
     Tilt {
-        /// How far it leans [rad].
+        /// Tilt of the platform [rad].
         pitch: f64,
-        /// How far it may [rad].
+        /// Largest tilt of the platform [rad].
         max: f64,
     },
 }
 
-/// On which side of the line from its first to its last joint a two-link arm has its elbow, seen from above.
+/// Side of the line from first to last joint on which a two-link arm has its elbow, seen from above.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Elbow {
-    /// To the left of it.
+    /// Left of the line.
     Left,
-    /// To the right of it.
+    /// Right of the line.
     Right,
 }
 
-/// Whether a radial arm holds the wafer before or behind the joint that it turns about.
+/// Side of the first joint on which a radial arm holds the wafer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum ReachDirection {
-    /// Before it, where the arm points.
+    /// In front of the joint, where the arm points.
     Forward,
-    /// Behind it.
+    /// Behind the joint.
     Backward,
 }
 
-/// How an arm is bent; of no meaning where it has no choice, or is stretched.
+/// Configuration of an arm; without meaning where the arm has no choice, or is stretched.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Configuration {
     /// Side of the elbow.
     pub elbow: Option<Elbow>,
-    /// Side of the wafer.
+    /// Direction in which a radial arm reaches.
     pub reaching: Option<ReachDirection>,
 }
 
 impl Configuration {
-    /// Whether an arm goes from one to the other without passing its stretched or folded position.
+    /// Whether an arm can move from one configuration to the other without passing its stretched or folded position.
     #[must_use]
     pub fn agrees_with(self, other: Self) -> bool {
         fn alike<T: PartialEq>(one: Option<T>, other: Option<T>) -> bool {
@@ -159,19 +159,19 @@ impl fmt::Display for Configuration {
     }
 }
 
-/// Why no positions at all reach a target, limits aside.
+/// Reason why no positions reach a target, whatever the limits.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OutOfReach {
-    /// Distance that the links have to span, from the joint that they turn about [m].
+    /// Distance that the links have to span, from the joint that they rotate about [m].
     pub distance: f64,
-    /// Least distance that they span [m].
+    /// Least distance that the links span [m].
     pub min: f64,
-    /// Largest distance that they span [m].
+    /// Largest distance that the links span [m].
     pub max: f64,
 }
 
 impl OutOfReach {
-    /// How far the target is from the nearest place that the links reach [m].
+    /// Distance of the target from the nearest point that the links reach [m].
     #[must_use]
     pub fn missing(&self) -> f64 {
         (self.min - self.distance).max(self.distance - self.max).max(0.0)
