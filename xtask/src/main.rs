@@ -11,6 +11,7 @@
 //! | `cell`   | Do other programs read exported motions?             |
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
+//! | `book`   | Does the documentation build, without dead links?   |
 
 #![allow(
     clippy::print_stdout,
@@ -18,6 +19,7 @@
     reason = "a chore reports to the person who runs it"
 )]
 
+mod book;
 mod cell;
 mod circles;
 mod command;
@@ -46,8 +48,9 @@ usage: cargo xtask CHORE
   words    words to avoid, and the field's terms for them
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
-  studio   the studio's server, held to its own description
-  page     the studio's page: built, and tested in a browser";
+  studio   the studio's server, checked against its own description
+  page     the studio's page: built, and tested in a browser
+  book     the documentation as a book, with every link checked";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -62,6 +65,10 @@ fn main() -> ExitCode {
         ["cell"] => cell::run(&root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
+        ["book"] => book::run(&root),
+        // Asked by mdbook alone.
+        ["chapters"] => book::chapters(),
+        ["chapters", "supports", renderer] => renderer == "html",
         // Asked by maturin alone.
         ["rustc", ref arguments @ ..] => python::rustc(arguments, &root),
         [] | ["help" | "-h" | "--help"] => {

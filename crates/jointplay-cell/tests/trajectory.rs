@@ -181,7 +181,7 @@ proptest! {
         };
         keeps(&cell, &motion);
         let straight = motion.line_deviation(0).unwrap();
-        prop_assert!(straight.deviation <= 1e-6);
+        prop_assert!(straight.distance <= 1e-6);
         let end = cell.wafer_pose(A, &to, loaded).unwrap();
         let along = (end.translation.vector - start.translation.vector).normalize();
         let mut worst = 0.0_f64;
@@ -195,7 +195,7 @@ proptest! {
             let angle = normal(&pose).angle(&first) + normal(&pose).angle(&last);
             prop_assert!(angle <= first.angle(&last) + 1e-5, "{angle}");
         }
-        prop_assert!(worst <= straight.deviation * 1.3 + 1e-11, "{worst} {}", straight.deviation);
+        prop_assert!(worst <= straight.distance * 1.3 + 1e-11, "{worst} {}", straight.distance);
     }
 
     #[test]

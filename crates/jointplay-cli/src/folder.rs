@@ -1,6 +1,6 @@
 //! Result files, written whole or not at all, and never over a file that exists unless `--force` is given.
 //!
-//! This is the one policy of all commands; `docs/command.md` describes it for users.
+//! This is the one policy of all commands; `docs/reference/command.md` describes it for users.
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -172,8 +172,8 @@ impl From<std::io::Error> for Contents {
     }
 }
 
-impl From<jointplay::format::export::Error> for Contents {
-    fn from(error: jointplay::format::export::Error) -> Self {
+impl From<jointplay::interop::export::Error> for Contents {
+    fn from(error: jointplay::interop::export::Error) -> Self {
         Self::Other(error.into())
     }
 }

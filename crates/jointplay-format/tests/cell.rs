@@ -69,7 +69,7 @@ fn every_slot_of_the_example_is_within_reach_of_both_arms() {
 
 #[test]
 fn the_file_of_the_documents_is_a_cell() {
-    let document = include_str!("../../../docs/cells.md");
+    let document = include_str!("../../../docs/reference/cell-files.md");
     let text =
         document.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let cell = read(text, &mut no_files).unwrap();

@@ -230,7 +230,7 @@ impl Gearing {
         self.weights * rods.iter().fold(0.0, |most: f64, rod| most.max(rod.abs()))
     }
 
-    /// How far points of an item went, at most; see "Trajectory bounds" in `docs/theory.md`.
+    /// How far points of an item went, at most; see "Trajectory bounds" in `docs/explanation/collision-guarantee.md`.
     pub(crate) fn travel(&self, levers: &Levers, moved: &Moved) -> Travel {
         let turned = moved.lean + moved.twist;
         let by = |levers: &[f64; MAX_AXES]| -> f64 {

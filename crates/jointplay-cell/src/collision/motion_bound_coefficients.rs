@@ -103,7 +103,7 @@ impl Levers {
     ///    |δ̇|  ≤  d' |ṙ|  +  R (s' |ṙ| + s |u̇| + s |φ̇|)  +  |ψ̇| (d + R s)
     /// ```
     /// δ: deflection; d, s: drop and slope by the reach r; R: distance from the wafer's centre; u: direction across the reach; φ, ψ: turns of the last link and of what carries both.
-    /// See "Trajectory bounds" in `docs/theory.md`.
+    /// See "Trajectory bounds" in `docs/explanation/collision-guarantee.md`.
     fn beyond(cell: &Cell, extent: Extent, common: usize) -> Self {
         let robot = &cell.robot;
         let Extent { holder, origin, center: radius } = extent;

@@ -140,7 +140,7 @@ impl<'c> MotionSequencer<'c> {
 
     /// The platform to a tilt, its height on the axis kept.
     pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
-        let to = self.leaning(tilt);
+        let to = self.tilt_rotation(tilt);
         self.within_limits("this TILT", &to)?;
         self.go(Phase::Move, to, Path::PointToPoint);
         Ok(())
@@ -304,7 +304,7 @@ impl<'c> MotionSequencer<'c> {
     fn level(&mut self) {
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
-            let to = self.leaning(Tilt::LEVEL);
+            let to = self.tilt_rotation(Tilt::LEVEL);
             self.push(Phase::Level, to, Path::PointToPoint);
         }
     }
@@ -321,7 +321,7 @@ impl<'c> MotionSequencer<'c> {
     }
 
     /// Positions with another tilt, at the same height on the axis.
-    fn leaning(&self, tilt: Tilt) -> Vec<f64> {
+    fn tilt_rotation(&self, tilt: Tilt) -> Vec<f64> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         let mut to = self.positions.clone();

@@ -1,6 +1,6 @@
 //! From positions, velocities and accelerations of the axes to the motion of an effector's wafer.
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
@@ -208,7 +208,7 @@ impl HybridRobot {
     /// Motion of the platform, its pose known.
     pub(crate) fn platform_motion(
         &self,
-        now: &Forward,
+        now: &PlatformPose,
         motion: &AxesMotion<'_>,
     ) -> Result<FrameMotion, CellError> {
         let (velocities, accelerations) =

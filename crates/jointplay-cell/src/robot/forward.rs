@@ -1,6 +1,6 @@
-//! Forward kinematics: from positions of all axes to poses of all links.
+//! PlatformPose kinematics: from positions of all axes to poses of all links.
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Translation3, Vector3};
 
@@ -13,7 +13,7 @@ use crate::CellError;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainPose {
     /// Pose of the platform over its rods.
-    pub platform: Forward,
+    pub platform: PlatformPose,
     /// Frame of each link, by arm: origin at its joint, x along the link.
     pub base_from_link: Vec<Vec<Pose>>,
     /// Frame of each effector's wafer, by arm: origin at the wafer's centre on its resting plane, x along its heading.
@@ -178,7 +178,7 @@ impl HybridRobot {
 
     /// Pose of the platform over its rods.
     #[inline]
-    pub(crate) fn platform(&self, positions: &[f64]) -> Result<Forward, CellError> {
+    pub(crate) fn platform(&self, positions: &[f64]) -> Result<PlatformPose, CellError> {
         let rods = [positions[0], positions[1], positions[2]];
         Ok(self.model.forward(&self.gpr, rods)?)
     }

@@ -1,6 +1,6 @@
 //! The longest overlap of two successive segments.
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 
 use super::blend::Blend;
@@ -50,7 +50,7 @@ pub(super) struct BlendCandidate<'a> {
     /// Arms to all effectors.
     chains: Vec<ArmChain>,
     /// The platform in the positions where the steps meet; `None` where it cannot be computed.
-    platform: Option<Forward>,
+    platform: Option<PlatformPose>,
 }
 
 impl<'a> BlendCandidate<'a> {
@@ -133,7 +133,7 @@ impl<'a> BlendCandidate<'a> {
     }
 
     /// The platform in given positions of all axes.
-    fn platform(&self, positions: &[f64]) -> Option<Forward> {
+    fn platform(&self, positions: &[f64]) -> Option<PlatformPose> {
         match &self.platform {
             // Where the rods rest, which is most often, the model need not be solved again.
             Some(platform) if platform.rods == positions[..RODS] => Some(*platform),
@@ -239,7 +239,7 @@ struct BlendSample {
     /// Axes by the first segment alone, by the second alone, and superposed.
     rates: [AxesRates; 3],
     /// Platform in each of them.
-    platforms: [Forward; 3],
+    platforms: [PlatformPose; 3],
 }
 
 /// Index of the superposed motion in a [`BlendSample`].

@@ -1,6 +1,6 @@
 //! Paths of all axes on which a wafer's centre moves along a straight line and its plane rotates evenly.
 
-use jointplay_core::spatial::{Pose, leaning};
+use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::spline::Spline;
@@ -428,6 +428,6 @@ fn normal(pose: &Pose) -> Vector3<f64> {
 
 /// Rotation of a wafer about its normal, beyond the shortest rotation from level to the normal [rad].
 fn heading(pose: &Pose) -> f64 {
-    let turned = leaning(&normal(pose)).inverse() * pose.rotation;
+    let turned = tilt_rotation(&normal(pose)).inverse() * pose.rotation;
     turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)])
 }

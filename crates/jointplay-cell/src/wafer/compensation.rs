@@ -1,6 +1,6 @@
 //! Inverse kinematics of drooping arms: the platform compensates the deflection.
 
-use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use nalgebra::{Rotation3, Vector3};
 
 use super::deflection::deflection_rotation;
@@ -111,8 +111,8 @@ impl Cell {
             // A heading is an angle about the normal: the new normal needs another angle for the same direction.
             aim.heading = target.heading.map(|heading| {
                 let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
-                let along = back * (leaning(&target_normal) * turned * Vector3::x());
-                let level = leaning(&aim.normal).inverse() * along;
+                let along = back * (tilt_rotation(&target_normal) * turned * Vector3::x());
+                let level = tilt_rotation(&aim.normal).inverse() * along;
                 level.y.atan2(level.x)
             });
         }

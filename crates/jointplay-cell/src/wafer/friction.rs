@@ -19,7 +19,7 @@ use crate::robot::FrameMotion;
 /// The condition is sufficient for any position of the pads and any distribution of the weight over them; it is exact without a moment, and without a force in the plane.
 ///
 /// # Source
-/// Own derivation, docs/theory.md
+/// Own derivation, docs/explanation/wafers.md
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionMargin {
     /// Force by mass that friction has to transmit; infinite where the wafer lifts off its support [m/s²].

@@ -83,7 +83,7 @@ pub enum SagError {
 ///    D ∇⁴w = q,    D = E h³ / 12 (1 − ν²),    q = ρ g h        edge free of moment, and of force but at the supports
 /// ```
 /// On its whole edge w = q a⁴ (5 + ν) / 64 (1 + ν) D at the centre.
-/// On points and rails, w is the sum over the loaded points of exact solutions for the free plate, see docs/theory.md; rails only push, so that the plate may lift off them.
+/// On points and rails, w is the sum over the loaded points of exact solutions for the free plate, see docs/explanation/wafers.md; rails only push, so that the plate may lift off them.
 ///
 /// # Errors
 /// [`SagError`] for invalid dimensions, and for supports that the wafer would fall off.
@@ -92,7 +92,7 @@ pub enum SagError {
 /// Thin, isotropic, small deflections; no friction in the plane.
 ///
 /// # Source
-/// [Timoshenko] for the edge; own derivation for the series, docs/theory.md.
+/// [Timoshenko] for the edge; own derivation for the series, docs/explanation/wafers.md.
 pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagError> {
     let poisson = checked(wafer, gravity)?;
     let a = wafer.diameter / 2.0;

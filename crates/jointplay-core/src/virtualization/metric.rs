@@ -1,6 +1,6 @@
 //! How lengths and angles of virtual joints are weighed against each other.
 
-use super::{Motion, Platform};
+use super::{Platform, VirtualJointKind};
 use crate::Error;
 use crate::error::finite;
 
@@ -12,7 +12,7 @@ use crate::error::finite;
 /// Without it, a least displacement would depend on the unit of length.
 ///
 /// # Source
-/// Own choice; that the paper's numbers in mm and rad are ρ = 1 mm is shown in `docs/errata.md`.
+/// Own choice; that the paper's numbers in mm and rad are ρ = 1 mm is shown in `docs/explanation/errata.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Metric {
     /// ρ = 1 mm: what [Virtualization] does, without saying so, by adding mm² to rad².
@@ -48,7 +48,7 @@ impl Metric {
     }
 }
 
-impl Motion {
+impl VirtualJointKind {
     /// What a unit of this motion measures in the metric: 1 for a slide, ρ for a turn.
     #[must_use]
     #[inline]

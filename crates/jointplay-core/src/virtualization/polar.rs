@@ -3,19 +3,19 @@
 use nalgebra::Vector2;
 
 use super::platform::unit;
-use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization};
+use super::{BuiltIn, Platform, Sockets, VirtualJoint, VirtualJointKind, Virtualization};
 
 /// Sockets in polar coordinates about O_p: p_k = l_k u(β_k + φ_k).
 ///
 /// Six unknowns for three sides: the metric decides.
 ///
 /// # Source
-/// [Virtualization], V.A, with the signs of ∂F_31/∂φ put right (`docs/errata.md`)
+/// [Virtualization], V.A, with the signs of ∂F_31/∂φ put right (`docs/explanation/errata.md`)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Polar;
 
 static JOINTS: [VirtualJoint; 6] =
-    VirtualJoint::pairs(("l", Motion::Linear), ("phi", Motion::Angular));
+    VirtualJoint::pairs(("l", VirtualJointKind::Linear), ("phi", VirtualJointKind::Angular));
 
 impl Virtualization for Polar {
     fn name(&self) -> &str {
@@ -27,8 +27,8 @@ impl Virtualization for Polar {
         &JOINTS
     }
 
-    fn kernel(&self) -> Option<Kernel> {
-        Some(Kernel::Polar)
+    fn as_built_in(&self) -> Option<BuiltIn> {
+        Some(BuiltIn::Polar)
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! Inverse kinematics of the whole chain: rods from the plane, height from the arm's plane, motors from the point within it.
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{Translation3, Vector2, Vector3};
 
@@ -48,7 +48,7 @@ impl HybridRobot {
     /// In closed form, only the list of branches is allocated. A branch farther than 10⁻¹³ m from the target is corrected by Newton's method on all axes, and rejected if it stays farther than 10⁻¹² m.
     ///
     /// # Source
-    /// Own derivation, `docs/theory.md`
+    /// Own derivation, `docs/explanation/arms.md`
     pub fn inverse(
         &self,
         id: EffectorId,
@@ -352,7 +352,7 @@ fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
 /// Centre and heading of a target in the platform frame.
 fn within(
     base_from_platform: &Pose,
-    platform: &Forward,
+    platform: &PlatformPose,
     target: &WaferTarget,
 ) -> (Vector2<f64>, Option<f64>) {
     let center = base_from_platform.rotation.inverse()

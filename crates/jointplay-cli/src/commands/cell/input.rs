@@ -10,9 +10,10 @@ use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{StepError, Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
 use jointplay::format::cell::explain_trajectory::explain_step;
-use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
-use jointplay::format::{cell, program, report};
+use jointplay::format::{cell, program};
+use jointplay::interop::export::{self, Flaw, Recording};
+use jointplay::report;
 
 use super::text::counted;
 use crate::arguments::TextFormat;
@@ -195,7 +196,7 @@ impl InputArgs {
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = report::flaws(&report);
+        let flaws = export::flaws(&report);
         Ok(Planned { input, motion, report, flaws })
     }
 }

@@ -14,7 +14,7 @@ use crate::spatial::Pose;
 /// Virtual joints stay where they are.
 ///
 /// # Source
-/// Own derivation, `docs/theory.md`
+/// Own derivation, `docs/explanation/mechanisms.md`
 #[derive(Debug, Clone)]
 pub struct SparseSystem<'a> {
     pub(super) kinematics: Kinematics<'a>,
