@@ -14,7 +14,7 @@ use super::segment_key::{moves, segment_key, shared_key};
 use super::synchronized::synchronized_profile;
 use super::time_parameterization::TimeParameterization;
 use super::trajectory::Trajectory;
-use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, whole};
+use crate::incremental::{CacheStats, Interrupted, Kept, Key, Run, anew, whole};
 use crate::program::{Path, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
 use crate::workcell::Cell;
@@ -201,7 +201,7 @@ impl SegmentCache {
     }
 
     /// Cache statistics of the segments in the last trajectory.
-    pub(crate) fn reuse(&self) -> Reuse {
+    pub(crate) fn reuse(&self) -> CacheStats {
         self.segments.reuse()
     }
 }
