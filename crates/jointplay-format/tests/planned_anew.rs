@@ -81,7 +81,7 @@ fn sample_by_sample(
             let positions = match k {
                 0 => step.from.clone(),
                 k if k == count => step.to.clone(),
-                _ => motion.at(time).positions,
+                _ => motion.sample_at(time).positions,
             };
             let (from, to) = (positions.clone(), positions);
             let path = Path::Dwell(0.0);
@@ -171,13 +171,14 @@ fn pushes(cell: &Cell, motion: &Trajectory, index: usize, rate: f64) -> Vec<(f64
     let mut pushes = Vec::new();
     let end = motion.times[index] + motion.step_duration(index);
     for time in (0..count).map(|k| motion.times[index] + k as f64 / rate).chain([end]) {
-        let sample = motion.at(time.max(motion.times[index]));
+        let sample = motion.sample_at(time.max(motion.times[index]));
         let now = AxesMotion {
             positions: &sample.positions,
             velocities: &sample.velocities,
             accelerations: &sample.accelerations,
         };
-        let shares = step.loaded.iter().map(|&id| cell.slip(id, &now).unwrap().share());
+        let shares =
+            step.loaded.iter().map(|&id| cell.friction_margin(id, &now).unwrap().utilization());
         pushes.extend(shares.reduce(f64::max).map(|share| (time, share)));
     }
     pushes

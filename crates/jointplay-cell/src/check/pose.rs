@@ -164,7 +164,7 @@ impl<'a> Held<'a> {
             };
             touching = pair_of(&first.entities);
             // Where that is, as a share of the whole path.
-            let reached = motion.at(first.worst_time).positions;
+            let reached = motion.sample_at(first.worst_time).positions;
             let (mut free, mut touched) = (0.0, share_of([from, to], &reached).min(share));
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (free + touched);

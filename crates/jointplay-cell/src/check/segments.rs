@@ -33,7 +33,7 @@ pub(super) struct Start {
 impl Start {
     fn new(motion: &Trajectory, index: usize, (scene, cast): (usize, &Cast)) -> Self {
         let step = &motion.steps[index];
-        let mut key = motion.segment_fingerprint(index);
+        let mut key = motion.step_fingerprint(index);
         key.add(&(step.phase == Phase::Turn)).add(&step.loaded).add(&cast.key);
         Self { scene, key }
     }

@@ -1,6 +1,6 @@
 //! Fingerprints of stations.
 
-use super::{Approach, SlotId, Station, Stroke};
+use super::description::{Approach, SlotId, Station, Stroke};
 use crate::incremental::{Fingerprint, Fingerprinted};
 
 impl Fingerprinted for SlotId {
