@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::coordinates::Coordinates;
-use jointplay::format::import::{self, Imported};
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::number;
-use jointplay::format::report;
 use jointplay::format::units::m_from_mm;
+use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
     Closure, Commanded, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble, branches,
@@ -16,6 +15,7 @@ use jointplay::mechanism::{
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
+use jointplay::report;
 use jointplay::{Error, format};
 use serde::Serialize;
 

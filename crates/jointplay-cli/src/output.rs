@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 
 use jointplay::format::number::rounded;
-use jointplay::format::report::{LimitReport, VirtualJointGroups};
+use jointplay::report::{LimitReport, VirtualJointGroups};
 use serde::Serialize;
 
 use crate::console;

@@ -2,13 +2,13 @@
 
 use jointplay::bulk::{Status, Tally};
 use jointplay::constraint::System as _;
-use jointplay::format::report;
 use jointplay::mechanism::{
     Drive, MechanismSystem, PositionSolver, ReliefSolver, assemble, branches, guess,
     mechanism_mobility, suggest,
 };
 use jointplay::mobility::{RANK_THRESHOLD, near_mobility};
 use jointplay::nalgebra::DVector;
+use jointplay::report;
 use jointplay::sensitivity::commanded_sensitivity;
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};

@@ -1,12 +1,12 @@
 //! What is found of a mechanism, as results of Python.
 
-use jointplay::format::report;
 use jointplay::mechanism::{
     BeyondLimits, Class, Closure, Mechanism, MechanismMobility, MechanismSystem, Motion, Relief,
     SparseMobility, Suggestions, VirtualMotion, link_motion, self_stresses,
 };
 use jointplay::mobility::NearMobility;
 use jointplay::nalgebra::DVector;
+use jointplay::report;
 use jointplay::sensitivity::Sensitivity;
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};

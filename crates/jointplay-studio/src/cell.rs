@@ -233,7 +233,7 @@ impl Desk {
     pub(crate) fn window(
         &self,
         key: &str,
-    ) -> Option<Result<Vec<u8>, jointplay::format::export::Error>> {
+    ) -> Option<Result<Vec<u8>, jointplay::interop::export::Error>> {
         let plans: Vec<Arc<Plan>> = self.plans().iter().map(Arc::clone).collect();
         plans.iter().rev().find_map(|plan| plan.window(key))
     }

@@ -9,8 +9,9 @@ use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramErro
 use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{Interrupted, Memory, Stop, Unplanned};
-use jointplay::format::export::{self, Flaw, Recording, Timeline};
-use jointplay::format::{program, report};
+use jointplay::format::program;
+use jointplay::interop::export::{self, Flaw, Recording, Timeline};
+use jointplay::report;
 
 use crate::cell::CellFiles;
 use crate::wire::cell::{Of, ProblemAt};
@@ -132,7 +133,7 @@ impl Plan {
     ) -> Result<(), Interrupted> {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;
-        self.flaws = report::flaws(report);
+        self.flaws = export::flaws(report);
         let Some(cell) = &self.cell else { return Ok(()) };
         let document = report::cell(cell, &self.program_text, &motion, report);
         go_on()?;

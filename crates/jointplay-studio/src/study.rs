@@ -10,7 +10,7 @@ use arrow_schema::{ArrowError, DataType, Field, Schema};
 use axum::body::{Body, Bytes};
 use jointplay::bulk::{Column, Quantity, Status};
 use jointplay::format::robot::Robot;
-use jointplay::format::table;
+use jointplay::report::table;
 use jointplay::virtualization::{SolveOptions, Virtualization};
 use tokio::sync::mpsc::{self, Sender};
 use tokio_stream::wrappers::ReceiverStream;

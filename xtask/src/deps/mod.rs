@@ -142,6 +142,10 @@ mod tests {
             check_imports(package, &refused, &refused);
         }
         check_imports("jointplay-plot", &["jointplay-format"], &["jointplay-format"]);
+        check_imports("jointplay-report", &["jointplay-format"], &[]);
+        check_imports("jointplay-interop", &["jointplay-format", "jointplay-report"], &[]);
+        check_imports("jointplay-format", &["jointplay-report"], &["jointplay-report"]);
+        check_imports("jointplay-report", &["jointplay-interop"], &["jointplay-interop"]);
     }
 
     #[test]

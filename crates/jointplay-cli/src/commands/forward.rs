@@ -1,7 +1,7 @@
 //! `jointplay forward`: from rods to pose.
 
 use clap::Args;
-use jointplay::format::report;
+use jointplay::report;
 
 use super::pose_text;
 use crate::arguments::{AnswerArgs, ModelArgs, RodArgs};

@@ -1,8 +1,8 @@
 //! `jointplay inverse`: from tilt and height to rods.
 
 use clap::{Args, ValueEnum};
-use jointplay::format::report;
 use jointplay::gpr::{AxisHeight, CenterHeight};
+use jointplay::report;
 
 use super::pose_text;
 use crate::arguments::{AnswerArgs, ModelArgs, TiltArgs};

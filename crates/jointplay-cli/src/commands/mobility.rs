@@ -7,14 +7,14 @@ use clap::Args;
 use jointplay::constraint::CLOSURE_TOLERANCE;
 use jointplay::format::mechanism::MAX_BYTES;
 use jointplay::format::number::{counted, rounded};
-use jointplay::format::report::{
-    self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
-    NearMissReport, SparseMobilityReport,
-};
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
 use jointplay::mechanism::{MechanismSystem, mechanism_mobility};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility};
+use jointplay::report::{
+    self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
+    NearMissReport, SparseMobilityReport,
+};
 use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};

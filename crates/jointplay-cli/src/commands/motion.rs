@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::constraint::System as _;
-use jointplay::format::report::{self, MotionReport};
 use jointplay::format::steps::spread;
-use jointplay::format::table;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
     Drive, MechanismSystem, Motion, SparseSystem, drive_relieved, drive_watched,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::plot::results::{Follower, motion};
+use jointplay::report::table;
+use jointplay::report::{self, MotionReport};
 
 use crate::arguments::finite;
 use crate::failure::Failure;

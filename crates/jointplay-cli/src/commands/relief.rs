@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use jointplay::constraint::System as _;
-use jointplay::format::report::{self, ReliefReport};
 use jointplay::mechanism::MechanismSystem;
 use jointplay::mobility::RANK_THRESHOLD;
+use jointplay::report::{self, ReliefReport};
 use jointplay::sensitivity::commanded_sensitivity;
 
 use crate::arguments::AnswerArgs;

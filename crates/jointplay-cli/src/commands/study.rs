@@ -6,8 +6,9 @@ use std::time::Instant;
 
 use clap::Args;
 use jointplay::format::catalogue;
-use jointplay::format::report::{self, SHARES, TotalsReport};
-use jointplay::format::study::{self, MAX_BYTES, StudyFile, Table, TableError, TableKind};
+use jointplay::format::study::{self, MAX_BYTES, StudyFile};
+use jointplay::report::study_table::{Table, TableError, TableKind};
+use jointplay::report::{self, SHARES, TotalsReport};
 use jointplay::study::parallel::MOST_THREADS;
 use jointplay::study::plan::{self, Block};
 

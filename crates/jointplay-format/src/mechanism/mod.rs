@@ -24,7 +24,7 @@
 
 mod expression;
 mod file;
-pub(crate) mod frame;
+pub mod frame;
 mod joint;
 mod loops;
 mod parameters;

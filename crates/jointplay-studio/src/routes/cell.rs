@@ -13,8 +13,8 @@ use axum::response::{IntoResponse, Response};
 use jointplay::cell::check::{CheckOptions, Moment, check_pose};
 use jointplay::cell::{Interrupted, Stop};
 use jointplay::format::cell;
-use jointplay::format::export::{self, Window};
-use jointplay::format::table::{Column, Values};
+use jointplay::interop::export::{self, Window};
+use jointplay::report::table::{Column, Values};
 
 use super::cell_jog::{named_effector, named_slot, robot, with_robot};
 use crate::app::App;

@@ -12,8 +12,8 @@ use jointplay::cell::wafer::Unreachable;
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{CellError, Stop};
 use jointplay::format::cell::explain;
-use jointplay::format::export::{Recording, frames};
 use jointplay::gpr::AxisHeight;
+use jointplay::interop::export::{Recording, frames};
 
 use super::cell::{desk, interrupted, nothing};
 use super::cell_parts::forgotten;
@@ -90,7 +90,7 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
     let id = named_effector(cell, request.effector.as_deref(), "effector")?;
     let fields = ["seen_from.station", "seen_from.slot"];
     let slot = request.seen_from.map(|slot| named_slot(cell, &slot, fields)).transpose()?;
-    let placing = |error: jointplay::format::export::Error| {
+    let placing = |error: jointplay::interop::export::Error| {
         Problem::request(StatusCode::CONFLICT, error.to_string())
     };
     let (_, carried) = frames(recording, time, &from).map_err(placing)?;
@@ -143,7 +143,7 @@ fn document(
     (moment, id, slot): (&Moment<'_>, EffectorId, Option<SlotId>),
     carried: &[EffectorId],
     jogged: &Jogged,
-    placing: impl Fn(jointplay::format::export::Error) -> Problem,
+    placing: impl Fn(jointplay::interop::export::Error) -> Problem,
 ) -> Result<JogDocument, Problem> {
     let (cell, at) = (recording.cell, jogged.positions.as_slice());
     let loaded = carried.contains(&id);

@@ -2,8 +2,8 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, CompareReport};
 use jointplay::gpr::{AxisHeight, Gpr};
+use jointplay::report::{self, CompareReport};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::built_in;
 

@@ -2,8 +2,8 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, ForwardReport};
 use jointplay::gpr::Gpr;
+use jointplay::report::{self, ForwardReport};
 
 use super::{allowed, reached};
 use crate::app::App;

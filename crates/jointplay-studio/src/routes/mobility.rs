@@ -2,9 +2,9 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, MobilityReport};
 use jointplay::gpr::Gpr;
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
+use jointplay::report::{self, MobilityReport};
 use jointplay::virtualization::{Planar, SolveOptions};
 
 use super::allowed;

@@ -2,8 +2,8 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, SensitivityReport};
 use jointplay::gpr::Gpr;
+use jointplay::report::{self, SensitivityReport};
 use jointplay::spatial::Tilt;
 
 use super::{allowed, reached};

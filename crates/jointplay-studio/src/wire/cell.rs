@@ -2,8 +2,8 @@
 
 use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
-use jointplay::format::report::{CellReport, InstructionReport, ViolationReport};
 use jointplay::nalgebra::Vector3;
+use jointplay::report::{CellReport, InstructionReport, ViolationReport};
 use jointplay::spatial::Tilt;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

@@ -3,10 +3,10 @@
 use jointplay::cell::geometry::Shape;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station, teach};
+use jointplay::interop::export::wafers_at_start;
 use jointplay::cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
-use jointplay::format::export::wafers_at_start;
-use jointplay::format::report::{self, StationReport};
 use jointplay::nalgebra::Vector3;
+use jointplay::report::{self, StationReport};
 use jointplay::spatial::{Pose, Tilt};
 use serde::Serialize;
 use utoipa::ToSchema;

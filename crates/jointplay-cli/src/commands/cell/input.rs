@@ -9,9 +9,10 @@ use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, nam
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
-use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
-use jointplay::format::{cell, program, report};
+use jointplay::format::{cell, program};
+use jointplay::interop::export::{self, Flaw, Recording};
+use jointplay::report;
 
 use super::text::counted;
 use crate::arguments::TextFormat;
@@ -194,7 +195,7 @@ impl InputArgs {
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = report::flaws(&report);
+        let flaws = export::flaws(&report);
         Ok(Planned { input, motion, report, flaws })
     }
 }

@@ -7,10 +7,10 @@ use clap::Args;
 use jointplay::format::cell::{self, Change};
 use jointplay::format::number::number;
 use jointplay::format::place::not_known;
-use jointplay::format::report::{self, StationReport, TeachReport};
 use jointplay::format::units::m_from_mm;
 use jointplay::nalgebra::Vector3;
 use jointplay::plot::cell::Taught;
+use jointplay::report::{self, StationReport, TeachReport};
 
 use super::input::{CellArgs, Named};
 use super::pictures::PNG_WIDTH;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use jointplay::cell::check::{Kind, Violation};
 use jointplay::cell::program::Place;
-use jointplay::format::report::{CellReport, InstructionReport, ShareReport, explain_violation};
+use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
 
 use super::input::Planned;
 use crate::output::fixed;
