@@ -1,8 +1,8 @@
 //! How the frames of a robot follow from its axes.
 
 use jointplay::cell::robot::{self, Arm};
-use jointplay::interop::export::HeldAt;
 use jointplay::cell::workcell::Cell;
+use jointplay::interop::export::HeldAt;
 use serde::Serialize;
 use utoipa::ToSchema;
 

@@ -3,8 +3,8 @@
 use jointplay::cell::geometry::Shape;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station, teach};
-use jointplay::interop::export::wafers_at_start;
 use jointplay::cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
+use jointplay::interop::export::wafers_at_start;
 use jointplay::nalgebra::Vector3;
 use jointplay::report::{self, StationReport};
 use jointplay::spatial::{Pose, Tilt};

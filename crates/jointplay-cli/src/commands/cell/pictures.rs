@@ -2,8 +2,8 @@
 
 use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
-use jointplay::interop::export;
 use jointplay::cell::workcell::{Body, Carrier};
+use jointplay::interop::export;
 use jointplay::plot;
 use jointplay::plot::cell::{Gantt, TopView, Track};
 
