@@ -75,7 +75,7 @@ fn run(desk: &Desk, line: &str, page: &str) -> Option<String> {
     {
         return None;
     }
-    let run = desk.run(line);
+    let run = desk.run(&quick(line));
     let expected =
         comment.split_once("exit code ").map_or(0, |(_, code)| code.trim().parse().unwrap());
     assert_eq!(run.code, expected, "{page}: {line}: {}", run.stderr);
@@ -83,6 +83,15 @@ fn run(desk: &Desk, line: &str, page: &str) -> Option<String> {
         desk.write(file.trim(), &run.stdout);
     }
     Some(run.stdout + &run.stderr)
+}
+
+/// A command as it is run here: exports and figures of the example's lot of 25 wafers take a program of one, all else is the same.
+pub(crate) fn quick(line: &str) -> String {
+    if !(line.starts_with("cell run") || line.starts_with("cell export")) {
+        return line.to_owned();
+    }
+    let names_a_cell = line.split(' ').any(|word| word.ends_with(".toml"));
+    format!("{line} {}one.program", if names_a_cell { "" } else { "example " })
 }
 
 /// Compares an output with the one shown; numbers that are zero but for round-off differ from machine to machine.
