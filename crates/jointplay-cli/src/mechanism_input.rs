@@ -10,8 +10,8 @@ use jointplay::format::units::m_from_mm;
 use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Closure, Commanded, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble, branches,
-    guess, relieve,
+    Closure, CommandedJoints, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble,
+    branches, guess, relieve,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
@@ -278,7 +278,7 @@ impl Input {
         let mechanism = &self.file.mechanism;
         let home = MechanismSystem::new(mechanism, self.assembled(&[])?.coordinates)?;
         let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
-        let commanded = Commanded::new(&home, &coordinates)?;
+        let commanded = CommandedJoints::new(&home, &coordinates)?;
         let start = commanded.start(values, mechanism.virtual_joints().len());
         let system = MechanismSystem::new(mechanism, start)?;
         relieve(&system, &commanded, ReliefSolver::LeastNorm).map_err(|error| {

@@ -13,7 +13,7 @@ use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::Pose;
-use jointplay_core::virtualization::Kernel;
+use jointplay_core::virtualization::BuiltIn;
 use jointplay_format::{cell, program};
 use jointplay_interop::export::dialect::{DIALECTS, Dialect};
 use jointplay_interop::export::{Flaw, Frame, MACRO, Recording, frames, gltf, samples, solidworks};
@@ -205,7 +205,7 @@ fn numbers(root: &Value, bytes: &[u8], accessor: usize) -> Vec<f32> {
 #[test]
 fn the_platform_stands_where_the_robots_own_model_puts_it() {
     let mut shifts = Vec::new();
-    for virtualization in [Kernel::Planar, Kernel::Radial, Kernel::Polar] {
+    for virtualization in [BuiltIn::Planar, BuiltIn::Radial, BuiltIn::Polar] {
         let mut cell = cell();
         cell.robot.model.virtualization = virtualization;
         let mut motion = motion(&cell);

@@ -6,7 +6,7 @@ use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
-use jointplay_core::virtualization::Kernel;
+use jointplay_core::virtualization::BuiltIn;
 use jointplay_format::{cell, program};
 use jointplay_interop::export::{Recording, Timeline};
 use nalgebra::{Quaternion, Translation3, UnitQuaternion};
@@ -117,6 +117,6 @@ fn channels_of_windows_are_where_the_motion_is() {
     let mut cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
     check(&cell, TEXT);
     // A platform without a closed form.
-    cell.robot.model.virtualization = Kernel::Polar;
+    cell.robot.model.virtualization = BuiltIn::Polar;
     check(&cell, TEXT);
 }

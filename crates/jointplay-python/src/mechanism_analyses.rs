@@ -1,6 +1,6 @@
 //! What any mechanism is asked.
 
-use jointplay::bulk::{Status, Tally};
+use jointplay::bulk::{Status, StatusCounts};
 use jointplay::constraint::System as _;
 use jointplay::mechanism::{
     Drive, MechanismSystem, PositionSolver, ReliefSolver, assemble, branches, guess,
@@ -433,7 +433,7 @@ impl PyMechanism {
             coordinates = PyArray2::from_owned_array(py, array),
             residual = PyArray1::from_vec(py, residuals),
         );
-        let tally = Tally::of(&status);
+        let tally = StatusCounts::of(&status);
         evidence(py, &[poses], status, tally, &fields)?;
         skin::result(py, "Positions", &fields)
     }

@@ -8,7 +8,7 @@ use jointplay_cell::robot::AxisKind;
 use jointplay_cell::station::Origin;
 use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
 use jointplay_cell::workcell::Cell;
-use jointplay_core::virtualization::Kernel;
+use jointplay_core::virtualization::BuiltIn;
 use serde::Serialize;
 
 use crate::distance::{DistanceReport, distance};
@@ -260,10 +260,10 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
     });
     let model = &robot.model;
     let metric = match model.virtualization {
-        Kernel::Polar | Kernel::Offset => {
+        BuiltIn::Polar | BuiltIn::Offset => {
             model.options.metric.characteristic_length(robot.gpr.platform()).ok().map(mm)
         }
-        Kernel::Radial | Kernel::Planar => None,
+        BuiltIn::Radial | BuiltIn::Planar => None,
     };
     let distances: Vec<DistanceReport> = report.distances.iter().map(distance).collect();
     CellReport {

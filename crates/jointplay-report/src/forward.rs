@@ -1,6 +1,6 @@
 //! A pose.
 
-use jointplay_core::gpr::{BrokenLimit, Forward};
+use jointplay_core::gpr::{BrokenLimit, PlatformPose};
 use jointplay_core::virtualization::Virtualization;
 
 use crate::limits::LimitReport;
@@ -10,7 +10,7 @@ use jointplay_format::units::{deg, mm};
 /// What `forward` and `inverse` answer.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
-#[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `Forward`")]
+#[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `PlatformPose`")]
 pub struct ForwardReport {
     pub q_mm: [f64; 3],
     pub sides_mm: [f64; 3],
@@ -28,7 +28,7 @@ pub struct ForwardReport {
 /// Where the platform is.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 #[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
-#[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `Forward`")]
+#[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `PlatformPose`")]
 pub struct PlatformReport {
     pub origin_mm: [f64; 3],
     pub normal: [f64; 3],
@@ -45,7 +45,7 @@ pub struct PlatformReport {
 /// Tells of a pose.
 #[must_use]
 pub fn forward<V: Virtualization + ?Sized>(
-    pose: &Forward,
+    pose: &PlatformPose,
     virtualization: &V,
     broken: &[BrokenLimit],
 ) -> ForwardReport {

@@ -3,7 +3,7 @@
 use jointplay_core::Error;
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
-    Class, Closure, Mechanism, MechanismMobility, MechanismSystem, Relief, SparseMobility,
+    Closure, Mechanism, MechanismMobility, MechanismSystem, MobilityClass, Relief, SparseMobility,
     SparseSystem, link_motion, self_stresses,
 };
 use jointplay_core::mobility::{NearMiss, NearMobility, kutzbach_mobility, near_miss};
@@ -258,10 +258,11 @@ pub fn sparse_mobility(
             rank: found.rank,
             redundancy: found.redundancy,
         },
-        class: Class::counted(found.finite, found.mobility, found.redundancy).words(),
+        class: MobilityClass::from_mobilities(found.finite, found.mobility, found.redundancy)
+            .description(),
         largest_singular_value: found.largest,
-        smallest_counted: found.smallest_counted,
-        largest_uncounted: found.largest_uncounted,
+        smallest_counted: found.smallest_nonzero,
+        largest_uncounted: found.largest_zero,
         threshold: found.threshold,
         characteristic_length_mm: mm(found.characteristic_length),
         null_space: found.null_space().as_ref().map(columns),
@@ -383,13 +384,13 @@ pub fn mechanism_mobility(
 }
 
 /// The class in words, with the freedoms of the branches where they differ.
-fn class_words(class: Class, branches: Option<&[usize]>) -> String {
+fn class_words(class: MobilityClass, branches: Option<&[usize]>) -> String {
     let dimensions = branches.unwrap_or_default();
-    if class != Class::Kinematotropic {
-        return class.words().to_owned();
+    if class != MobilityClass::Kinematotropic {
+        return class.description().to_owned();
     }
     let list: Vec<String> = dimensions.iter().map(usize::to_string).collect();
-    class.words().replacen("here", &format!("here ({})", list.join(", ")), 1)
+    class.description().replacen("here", &format!("here ({})", list.join(", ")), 1)
 }
 
 /// Displacements of the virtual joints by name, in the units of the file.

@@ -1,6 +1,6 @@
 //! What can move.
 
-use jointplay_core::gpr::{BrokenLimit, Forward};
+use jointplay_core::gpr::{BrokenLimit, PlatformPose};
 use jointplay_core::mobility::{FiniteMobility, InstantaneousMobility};
 use nalgebra::DMatrix;
 
@@ -89,7 +89,7 @@ pub struct AugmentedReport {
 /// * `augmented` – name of a virtualization with its mobility, if one was asked for
 #[must_use]
 pub fn mobility(
-    pose: &Forward,
+    pose: &PlatformPose,
     kutzbach_mobility: i64,
     finite: &FiniteMobility,
     augmented: Option<(&str, &InstantaneousMobility)>,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use jointplay_core::mechanism::{Motion, Stop};
+use jointplay_core::mechanism::{DrivenMotion, Stop};
 
 use crate::mechanism::{ByName, UnitsReport, by_name};
 use crate::table::{Column, Values};
@@ -64,7 +64,7 @@ pub fn motion(
     file: &MechanismFile,
     driven: &[usize],
     held: &[usize],
-    motion: &Motion,
+    motion: &DrivenMotion,
 ) -> MotionReport {
     let coordinates = Coordinates::of(file);
     let name = |&k: &usize| coordinates.all()[k].name.clone();
@@ -136,7 +136,7 @@ impl MotionReport {
     }
 }
 
-fn largest_displacements(coordinates: &Coordinates, motion: &Motion) -> Option<ByName<f64>> {
+fn largest_displacements(coordinates: &Coordinates, motion: &DrivenMotion) -> Option<ByName<f64>> {
     let named = coordinates.all().iter().enumerate().skip(coordinates.joints());
     let largest = named.map(|(k, one)| {
         let values = motion.waypoints.iter().map(|at| at.coordinates[k].abs());
@@ -147,7 +147,11 @@ fn largest_displacements(coordinates: &Coordinates, motion: &Motion) -> Option<B
 }
 
 /// Names of the coordinates that are beyond their limits somewhere on the way, and of virtual joints beyond their clearance.
-fn beyond_limits(file: &MechanismFile, coordinates: &Coordinates, motion: &Motion) -> Vec<String> {
+fn beyond_limits(
+    file: &MechanismFile,
+    coordinates: &Coordinates,
+    motion: &DrivenMotion,
+) -> Vec<String> {
     let beyond =
         motion.waypoints.iter().flat_map(|at| file.mechanism.beyond_limits(&at.coordinates));
     let all: BTreeSet<usize> = beyond.map(|one| one.coordinate).collect();

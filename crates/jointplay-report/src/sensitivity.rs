@@ -1,6 +1,6 @@
 //! How much play a tilt takes.
 
-use jointplay_core::gpr::{Bounded, BrokenLimit, TiltPlay};
+use jointplay_core::gpr::{BrokenLimit, EvaluatedBounds, TiltPlay};
 use jointplay_core::virtualization::Virtualization;
 
 use crate::limits::LimitReport;
@@ -107,7 +107,7 @@ pub fn sensitivity<V: Virtualization + ?Sized>(
     }
 }
 
-fn bounds(derivatives_at: &'static str, bounded: &Bounded) -> BoundsReport {
+fn bounds(derivatives_at: &'static str, bounded: &EvaluatedBounds) -> BoundsReport {
     let found = &bounded.bounds;
     BoundsReport {
         derivatives_at,

@@ -1,6 +1,6 @@
 //! Displacements of virtual joints, grouped by symbol.
 
-use jointplay_core::virtualization::{Motion, VirtualJoint};
+use jointplay_core::virtualization::{VirtualJoint, VirtualJointKind};
 use jointplay_format::units::{deg, mm};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
@@ -17,8 +17,8 @@ impl VirtualJointGroups {
         let mut groups: Vec<(String, Vec<f64>)> = Vec::new();
         for (joint, &x) in joints.iter().zip(x) {
             let (unit, value) = match joint.motion {
-                Motion::Linear => ("mm", mm(x)),
-                Motion::Angular => ("deg", deg(x)),
+                VirtualJointKind::Linear => ("mm", mm(x)),
+                VirtualJointKind::Angular => ("deg", deg(x)),
             };
             let name = format!("{}_{unit}", joint.symbol);
             match groups.iter_mut().find(|(known, _)| *known == name) {

@@ -8,7 +8,7 @@ use jointplay::constraint::System as _;
 use jointplay::format::steps::spread;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Drive, MechanismSystem, Motion, SparseSystem, drive_relieved, drive_watched,
+    Drive, DrivenMotion, MechanismSystem, SparseSystem, drive_relieved, drive_with_progress,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::plot::results::{Follower, motion};
@@ -245,7 +245,12 @@ fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
 }
 
 /// To the beginning of the way, then along it.
-fn go(input: &Input, start: DVector<f64>, legs: &[Leg], held: &[usize]) -> Result<Motion, Failure> {
+fn go(
+    input: &Input,
+    start: DVector<f64>,
+    legs: &[Leg],
+    held: &[usize],
+) -> Result<DrivenMotion, Failure> {
     let to_begin: Vec<Drive> = legs
         .iter()
         .map(|leg| {
@@ -336,21 +341,21 @@ fn along(
     held: &[usize],
     count: usize,
     stage: &str,
-) -> Result<Motion, Failure> {
+) -> Result<DrivenMotion, Failure> {
     let mechanism = &input.file.mechanism;
     let mut progress = Progress::new(count);
     progress.stage(stage);
     let mut progress = |done| progress.at(done);
     if !MechanismSystem::fits(mechanism) {
         let system = SparseSystem::new(mechanism, from.clone())?;
-        return Ok(system.drive_watched(drives, held, count, &mut progress)?);
+        return Ok(system.drive_with_progress(drives, held, count, &mut progress)?);
     }
     let driven = |k: &usize| drives.iter().any(|drive| drive.coordinate == *k);
     let free: Vec<usize> =
         (0..mechanism.joint_freedoms()).filter(|k| !driven(k) && !held.contains(k)).collect();
     let system = MechanismSystem::new(mechanism, from.clone())?;
     if mechanism.virtual_joints().is_empty() {
-        Ok(drive_watched(&system, drives, &free, count, &mut progress)?)
+        Ok(drive_with_progress(&system, drives, &free, count, &mut progress)?)
     } else {
         let home = MechanismSystem::new(mechanism, input.assembled(&[])?.coordinates)?;
         Ok(drive_relieved(&home, &system, drives, &free, count, &mut progress)?)

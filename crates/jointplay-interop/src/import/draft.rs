@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use jointplay_core::mechanism::{Joint, JointKind, Mechanism, MechanismError, Play};
+use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism, MechanismError};
 use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
+use super::model::{Dialect, Imported};
 use super::problem::Error;
 use super::xml::{Xml, place};
-use super::{Dialect, Imported};
 
 pub(super) struct Draft<'a> {
     pub(super) xml: Xml<'a>,
@@ -166,7 +166,7 @@ pub(super) fn bare(name: String, kind: JointKind, links: [usize; 2], frames: [Po
         actuated: false,
         guess: Vec::new(),
         limits: Vec::new(),
-        clearance: Play::default(),
-        stiffness: Play::default(),
+        clearance: LinearAndAngular::default(),
+        stiffness: LinearAndAngular::default(),
     }
 }

@@ -8,7 +8,7 @@ mod paint;
 mod scene;
 mod view;
 
-use jointplay_core::mechanism::{Kinematics, Mechanism, exaggerated};
+use jointplay_core::mechanism::{Kinematics, Mechanism, exaggerate_play};
 use nalgebra::DVector;
 
 use crate::{Error, png};
@@ -25,7 +25,7 @@ pub use view::View;
 /// Joints that may stand anywhere along their axis are drawn where they can be seen: a slide in the middle of its telescope, hinges whose axes meet in a point around it.
 ///
 /// ```
-/// use jointplay_core::mechanism::{Joint, JointKind, Mechanism, Play};
+/// use jointplay_core::mechanism::{Joint, JointKind, Mechanism, LinearAndAngular};
 /// use jointplay_core::spatial::Pose;
 /// use jointplay_plot::MechanismPicture;
 /// use nalgebra::DVector;
@@ -38,8 +38,8 @@ pub use view::View;
 ///     actuated: true,
 ///     guess: vec![],
 ///     limits: vec![],
-///     clearance: Play::default(),
-///     stiffness: Play::default(),
+///     clearance: LinearAndAngular::default(),
+///     stiffness: LinearAndAngular::default(),
 /// };
 /// let links = vec!["wall".to_owned(), "door".to_owned()];
 /// let door = Mechanism::new("Door", links, vec![hinge])?;
@@ -128,7 +128,7 @@ impl<'a> MechanismPicture<'a> {
         let mut scene =
             Scene::of(self.mechanism, &kinematics.link_poses(&self.coordinates)?, None)?;
         if let Some(factor) = self.exaggeration {
-            scene.exaggerate(&exaggerated(self.mechanism, &self.coordinates, factor)?);
+            scene.exaggerate(&exaggerate_play(self.mechanism, &self.coordinates, factor)?);
         }
         let ghost = match &self.ghost {
             None => None,
