@@ -131,8 +131,12 @@ fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String, String> {
     let events = events.map_err(|error| format!("{}: {error}", latex.trim()))?;
     let events = events.into_iter().map(Ok::<_, std::convert::Infallible>);
     push_mathml(&mut math, events, config).map_err(|error| error.to_string())?;
-    // The library leaves out this blank.
-    let math = math.replace("\"minsize", "\" minsize");
+    // A blank that the library omits, and bars and slashes that browsers would set apart like other operators.
+    let mut math = math.replace("\"minsize", "\" minsize");
+    for sign in ["|", "‖", "/"] {
+        math = math
+            .replace(&format!(">{sign}</mo>"), &format!(" lspace=\"0\" rspace=\"0\">{sign}</mo>"));
+    }
     let mut out = String::with_capacity(math.len());
     let mut in_tag = false;
     for c in math.chars() {
