@@ -7,7 +7,7 @@ use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser, Storage, push_mathml};
 use serde_json::Value;
 
-use super::FILES;
+use super::links::FILES;
 
 /// Documents of the repository that are chapters, and those chapters.
 const INCLUDED: [(&str, &str); 5] = [
