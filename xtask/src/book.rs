@@ -77,8 +77,8 @@ pub(crate) fn install(tools: &Path) -> bool {
 /// Copies the files of the repository that the book links.
 fn copy(files: &[String], root: &Path, book: &Path) -> io::Result<()> {
     for file in files {
-        let from = root
-            .join(file.strip_suffix(".txt").filter(|path| path.ends_with(".md")).unwrap_or(file));
+        let from = root.join(file);
+        let from = if from.exists() { from } else { from.with_extension("md") };
         let to = book.join(FILES).join(file);
         // What is missing is reported as a dead link.
         if from.is_file() {
