@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::MechanismSystem;
 use crate::Error;
 use crate::constraint::{
-    Configuration, Dimension, System, scaled_jacobian, scaled_residual, units,
+    Configuration, Dimension, NewtonLimits, ScaledSystem, System, newton_at_rank, units,
 };
 use crate::linalg::svd;
 use crate::mobility::{instantaneous_mobility, quadrics};
@@ -82,31 +82,19 @@ impl<'a> DrivenCurve<'a> {
         self.system.kinematics().moved(self.system.home(), &all)
     }
 
-    fn scaled(&self, by: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let length = self.characteristic_length();
-        let rows = units(&self.constraint_dimensions(), length);
-        let columns = units(&self.coordinate_dimensions(), length);
-        let at = self.displaced(by);
-        (
-            scaled_residual(&self.residual(&at), &rows),
-            scaled_jacobian(&self.constraint_jacobian(&at), &rows, &columns),
-        )
-    }
-
     /// The point of the curve nearest a displacement, with the directions in which the curve goes on there.
-    fn on_curve(&self, mut by: DVector<f64>, rank: usize) -> Result<Option<OnCurve>, Error> {
-        for _ in 0..MAX_CORRECTIONS {
-            let (residual, jacobian) = self.scaled(&by);
-            let decomposition = svd(&jacobian)?;
-            if residual.amax() <= ON_CURVE {
-                return Ok(Some((by, decomposition.null_space(rank))));
-            }
-            by -= decomposition.solve(&residual, rank);
-            if !by.norm().is_finite() {
-                break;
-            }
-        }
-        Ok(None)
+    fn on_curve(&self, by: DVector<f64>, rank: usize) -> Result<Option<OnCurve>, Error> {
+        let scaled = ScaledSystem::new(self, self.characteristic_length());
+        let found = newton_at_rank(
+            &scaled,
+            &self.here(),
+            by,
+            &NewtonLimits { rank, corrections: MAX_CORRECTIONS },
+            |at| scaled.residual(at),
+            |_| ON_CURVE,
+            |by| by.norm().is_finite(),
+        )?;
+        Ok(found.map(|(by, decomposition)| (by, decomposition.null_space(rank))))
     }
 
     /// Where the drives come to a stop beyond here and would turn back: (f + M) coordinates, and how far the drives go until there in units of the way.

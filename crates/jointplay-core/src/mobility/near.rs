@@ -6,9 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::FiniteMobility;
 use crate::Error;
-use crate::constraint::{
-    Configuration, Dimension, System, scaled_jacobian, scaled_residual, units,
-};
+use crate::constraint::{Configuration, Dimension, ScaledSystem, System, backtrack};
 use crate::linalg::svd;
 use crate::random::Random;
 
@@ -121,12 +119,7 @@ pub fn near_tolerances<S: System + ?Sized>(
     at: &Configuration,
 ) -> Result<Vec<f64>, Error> {
     system.check(at)?;
-    let length = system.characteristic_length();
-    let follower = Follower {
-        system,
-        rows: units(&system.constraint_dimensions(), length),
-        columns: units(&system.coordinate_dimensions(), length),
-    };
+    let follower = Follower { scaled: ScaledSystem::new(system, system.characteristic_length()) };
     let residual = system.mismatch(at);
     let (candidates, values) = follower.candidates(at)?;
     let exact = values.iter().filter(|&&value| value <= EXACT).count();
@@ -222,30 +215,13 @@ impl Start {
 
 /// Follows motions in dimensionless coordinates.
 struct Follower<'a, S: ?Sized> {
-    system: &'a S,
-    rows: DVector<f64>,
-    columns: DVector<f64>,
+    scaled: ScaledSystem<'a, S>,
 }
 
 impl<S: System + ?Sized> Follower<'_, S> {
-    fn residual(&self, at: &Configuration) -> DVector<f64> {
-        scaled_residual(&self.system.residual(at), &self.rows)
-    }
-
-    fn jacobian(&self, at: &Configuration) -> DMatrix<f64> {
-        scaled_jacobian(&self.system.constraint_jacobian(at), &self.rows, &self.columns)
-    }
-
-    fn moved(&self, from: &Configuration, displacement: &DVector<f64>) -> Configuration {
-        Configuration {
-            coordinates: &from.coordinates + displacement.component_mul(&self.columns),
-            virtual_joints: from.virtual_joints.clone(),
-        }
-    }
-
     /// (n, candidates) orthonormal directions with small singular values, those of the largest first, and these values, the least first.
     fn candidates(&self, at: &Configuration) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
-        let found = svd(&self.jacobian(at))?;
+        let found = self.scaled.decomposed(at)?;
         let values = &found.singular_values;
         let counted = values.iter().filter(|&&value| value > CANDIDATES).count();
         let n = found.v.ncols();
@@ -276,7 +252,7 @@ impl<S: System + ?Sized> Follower<'_, S> {
     /// The largest residual on the ways along some directions and mixtures of them.
     fn followed(&self, from: &Configuration, directions: &DMatrix<f64>) -> Result<f64, Error> {
         let count = directions.ncols();
-        let mut largest = self.system.mismatch(from);
+        let mut largest = self.scaled.system().mismatch(from);
         let fitted = complement(directions)?;
         let mut random = Random(3);
         let mixed = if count > 1 { MIXED } else { 0 };
@@ -331,34 +307,32 @@ impl<S: System + ?Sized> Follower<'_, S> {
         mut displacement: DVector<f64>,
         fitted: &DMatrix<f64>,
     ) -> Result<(DVector<f64>, f64), Error> {
-        let mut at = self.moved(from, &displacement);
-        let mut residual = self.residual(&at);
+        let mut at = self.scaled.displaced(from, &displacement);
+        let mut residual = self.scaled.residual(&at);
         for _ in 0..MAX_CORRECTIONS {
-            let round_off = f64::EPSILON * at.coordinates.component_div(&self.columns).amax();
+            let round_off = self.scaled.coordinate_round_off(&at);
             if residual.amax() <= round_off.max(f64::EPSILON) {
                 break;
             }
-            let decomposition = svd(&(self.jacobian(&at) * fitted))?;
+            let decomposition = svd(&(self.scaled.jacobian(&at) * fitted))?;
             let before = residual.norm();
             let damping = before.max(LEAST_DAMPING);
             let mut step = -(fitted * decomposition.solve_damped(&residual, damping));
             step *= (LONGEST_CORRECTION / step.norm()).min(1.0);
-            let mut gained = false;
-            for _ in 0..MAX_HALVINGS {
-                let there = &displacement + &step;
-                let moved = self.moved(from, &there);
-                let reached = self.residual(&moved);
-                if reached.norm() < before {
-                    (displacement, at, residual, gained) = (there, moved, reached, true);
-                    break;
-                }
-                step *= 0.5;
-            }
-            if !gained || residual.norm() > STALLED * before {
+            let gain = backtrack(MAX_HALVINGS, before, |share| {
+                let there = &displacement + &step * share;
+                let moved = self.scaled.displaced(from, &there);
+                let reached = self.scaled.residual(&moved);
+                let size = reached.norm();
+                ((there, moved, reached), size)
+            });
+            let Some(gain) = gain else { break };
+            (displacement, at, residual) = gain.there;
+            if gain.residual > STALLED * before {
                 break;
             }
         }
-        Ok((displacement, self.system.mismatch(&at)))
+        Ok((displacement, self.scaled.system().mismatch(&at)))
     }
 
     /// Starts off the given one that satisfy the constraints to the largest tolerance.
@@ -373,7 +347,7 @@ impl<S: System + ?Sized> Follower<'_, S> {
             let (displacement, size) = self.fit(&start.at, by, &all)?;
             let far = displacement.norm() / BRANCH_RADIUS;
             if size <= *TOLERANCES.end() && far > SAME_POINT && found.len() < BRANCHES {
-                let at = self.moved(&start.at, &displacement);
+                let at = self.scaled.displaced(&start.at, &displacement);
                 let (candidates, _) = self.candidates(&at)?;
                 found.push(Start { at, candidates });
             }

@@ -5,13 +5,15 @@ use nalgebra::DVector;
 use super::linear::Linear;
 use super::system::SparseSystem;
 use crate::Error;
-use crate::constraint::{CLOSURE_TOLERANCE, Dimension};
+use crate::constraint::{CLOSURE_TOLERANCE, Dimension, Gain, backtrack};
 use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
 use crate::mechanism::{Drive, DrivenMotion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
 /// Changes of a step below this share of it are the end: Newton's method mends the rest.
 const SETTLED: f64 = 1e-6;
+/// Halvings of a correction that gains nothing.
+const MAX_HALVINGS: usize = 10;
 /// The longest step of a coordinate, in radians and characteristic lengths.
 const LONGEST_STEP: f64 = 0.3;
 /// The shortest step, as a share of the whole way: what cannot go so far is locked.
@@ -38,19 +40,15 @@ impl SparseSystem<'_> {
             iterations += 1;
             let linear = self.linear(held)?;
             let (x, by) = self.least_step(&linear, None);
-            let mut share = (LONGEST_STEP / self.largest(&by)).min(1.0);
-            let mut better = None;
-            for _ in 0..10 {
+            let longest = (LONGEST_STEP / self.largest(&by)).min(1.0);
+            let gain = backtrack(MAX_HALVINGS, residual, |share| {
                 let mut there = self.clone();
+                let share = longest * share;
                 let reached = there.displace((&x * share).as_slice(), &(&by * share));
-                if reached < residual {
-                    better = Some((there, reached));
-                    break;
-                }
-                share *= 0.5;
-            }
-            let Some((there, reached)) = better else { break };
-            moved += &by * share;
+                (there, reached)
+            });
+            let Some(Gain { share, there, residual: reached }) = gain else { break };
+            moved += &by * (longest * share);
             let stalled = residual <= CLOSURE_TOLERANCE && reached > 0.5 * residual;
             (*self, residual) = (there, reached);
             if stalled {
