@@ -63,6 +63,6 @@ fn columns_of_different_lengths() {
         &mut [],
     );
     let expected =
-        Error::WrongLength { what: "a column of rods", found: POSES - 1, expected: POSES };
+        Error::LengthMismatch { what: "a column of rods", found: POSES - 1, expected: POSES };
     assert_eq!(found, Err(expected));
 }

@@ -26,7 +26,7 @@ impl Gpr {
     /// * `wanted` – what is asked for, each with a column of n that is written, in the unit of the quantity
     ///
     /// # Errors
-    /// [`Error::WrongLength`] for columns of different lengths, [`Error::NoSuchQuantity`], [`Error::VirtualJointCount`], [`Error::OutOfRange`] for the metric.
+    /// [`Error::LengthMismatch`] for columns of different lengths, [`Error::NoSuchQuantity`], [`Error::VirtualJointCount`], [`Error::OutOfRange`] for the metric.
     /// Poses without an answer, or beyond the limits of a robot that checks them, are NaN and have their status.
     ///
     /// # Numerics
@@ -127,21 +127,21 @@ struct Within {
     rod_min: f64,
     rod_max: f64,
     /// Square of the largest horizontal part of the plane's normal, of the length of twice the triangle's area in the base [m⁴].
-    lean_squared: f64,
+    horizontal_squared: f64,
 }
 
 impl Within {
     fn of(gpr: &Gpr) -> Self {
         let Limits { rod_min, rod_max, .. } = *gpr.limits();
-        let lean = signed_area(gpr.base_points()) * gpr.steepest();
-        Self { rod_min, rod_max, lean_squared: lean * lean }
+        let horizontal = signed_area(gpr.base_points()) * gpr.steepest();
+        Self { rod_min, rod_max, horizontal_squared: horizontal * horizontal }
     }
 
     #[inline(always)]
     fn holds<S: Simd>(&self, robot: &Robot, rods: &Three<S>, balls: &Balls<S>) -> Mask<S> {
-        let lean = Plane::new(robot, balls).lean_squared();
-        let (least, most) = (lean.like(self.rod_min), lean.like(self.rod_max));
-        let mut within = lean.at_most(lean.like(self.lean_squared));
+        let horizontal = Plane::new(robot, balls).horizontal_squared();
+        let (least, most) = (horizontal.like(self.rod_min), horizontal.like(self.rod_max));
+        let mut within = horizontal.at_most(horizontal.like(self.horizontal_squared));
         for rod in rods {
             within = within & least.at_most(*rod) & rod.at_most(most);
         }
@@ -208,7 +208,7 @@ fn solved<S: Simd, M: Model>(robot: &Robot, options: &SolveOptions, balls: &Ball
     solve::least_norm::<S, M>(robot, balls, options.relative_threshold, options.max_iterations)
 }
 
-/// Which groups of quantities are asked for: what nobody asks for is not computed.
+/// Which groups of quantities are asked for: all others are not computed.
 struct Needs {
     sides: bool,
     displacement: bool,
@@ -240,7 +240,7 @@ impl Needs {
 /// Places for the values of all quantities.
 const PLACES: usize = 25;
 
-/// Where the value of a quantity stands among those of a block.
+/// Index of the value of a quantity among those of a block.
 #[inline]
 fn place(quantity: Quantity) -> usize {
     match quantity {
@@ -259,7 +259,7 @@ fn place(quantity: Quantity) -> usize {
     }
 }
 
-/// Writes the values that are needed, each what [`value`] is for one pose; says where they can be relied on.
+/// Writes the values that are needed, each what [`value`] is for one pose; returns the lanes whose values are valid.
 #[inline(always)]
 fn fill<S: Simd, M: Model>(
     values: &mut [Lanes<S>; PLACES],
@@ -433,7 +433,7 @@ mod tests {
 
     /// Programs that run elsewhere take other registers than those that the laws were tested with.
     #[test]
-    fn every_kind_of_registers_says_the_same() {
+    fn all_register_widths_give_equal_results() {
         let rods = rods();
         for solver in [Solver::Newton, Solver::LeastNorm] {
             let options = SolveOptions { solver, ..SolveOptions::default() };

@@ -1,4 +1,4 @@
-//! Constraint systems Φ(P, X) = 0: what every analysis speaks to.
+//! Constraint systems Φ(P, X) = 0: the interface of every analysis.
 
 mod newton;
 mod scaled_system;

@@ -1,4 +1,4 @@
-//! What a mobility means: which joints take part in a redundancy, how a link moves, what class of mechanism it is.
+//! Evidence of mobility: joints that carry a self-stress, motion of a link, class of the mechanism.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -10,20 +10,20 @@ use crate::mobility::{FiniteMobility, InstantaneousMobility};
 /// Wrenches and twists below this share of the largest count as zero.
 const NOTHING: f64 = 1e-9;
 
-/// What class of mechanism a configuration belongs to.
+/// Class of a mechanism by its mobility at a configuration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum MobilityClass {
-    /// Nothing moves, not even to first order, and no constraint is redundant.
+    /// No mobility, finite or instantaneous, and no redundant constraint.
     Rigid,
-    /// Nothing moves, and some constraints are carried twice.
+    /// No mobility, and some constraints are redundant.
     OverconstrainedRigid,
-    /// More moves to first order than for real.
+    /// Instantaneous mobility exceeds finite mobility; *shaky* in rigidity theory.
     InfinitesimallyMobile,
-    /// Moves, all constraints independent.
+    /// Movable, all constraints independent.
     Movable,
-    /// Moves for real although constraints are redundant.
+    /// Movable although some constraints are redundant.
     OverconstrainedMovable,
-    /// Branches of different freedom meet here, so that the mechanism can change how many it has.
+    /// Branches of different freedom meet here, so that the mechanism can change its mobility.
     Kinematotropic,
     /// The bounds of the finite mobility differ: some motion is neither found nor excluded.
     Undecided,
@@ -40,7 +40,7 @@ impl MobilityClass {
         )
     }
 
-    /// The class that follows from finite mobility, mobility to first order, and redundancy.
+    /// The class that follows from finite mobility, instantaneous mobility, and redundancy.
     #[must_use]
     pub fn from_mobilities(finite: Option<usize>, instantaneous: usize, redundancy: usize) -> Self {
         match (finite, redundancy) {
@@ -76,7 +76,7 @@ impl MobilityClass {
     }
 }
 
-/// A wrench that the mechanism carries in itself, unseen from outside.
+/// A wrench that the mechanism carries in itself, without an external load.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SelfStress {
     /// The joints that carry it: index, moment, and force times the characteristic length, in the base frame about [`MechanismSystem::reference`]; the largest entry of all is ±1.
@@ -177,7 +177,7 @@ fn direction_words(direction: &Vector3<f64>) -> String {
     }
 }
 
-/// How a link moves to first order.
+/// Instantaneous motion of a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LinkMotion {
     /// Dimension of its twists.

@@ -1,4 +1,4 @@
-//! Where a mechanism would have to have play.
+//! Suggestion of joints that need play.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,7 +11,7 @@ use super::{
 use crate::Error;
 use crate::linalg::svd;
 
-/// Sets of virtual joints looked at before the search is cut short.
+/// Sets of virtual joints compared before the search is cut short.
 const MAX_SETS: usize = 50_000;
 /// Sets of one size tried with the whole kinematics, best first by the linear estimate.
 const MAX_TRIED: usize = 40;
@@ -31,7 +31,7 @@ pub struct Suggestion {
     pub symmetric: bool,
     /// The largest displacement over the commands, in the metric [m].
     pub size: f64,
-    /// (M) how far each virtual joint goes at most over the commands [m or rad].
+    /// (M) largest displacement of each virtual joint over the commands [m or rad].
     pub largest: Vec<f64>,
     /// Where the mechanism is for each command: (f) coordinates of the joints [m, rad].
     pub configurations: Vec<DVector<f64>>,
@@ -91,7 +91,7 @@ pub fn suggest(
     super::kinematics::check_coordinates(home, f)?;
     if let Some(found) = commands.iter().find(|command| command.len() != commanded.len()) {
         let (found, expected) = (found.len(), commanded.len());
-        return Err(Error::WrongLength { what: "a command", found, expected });
+        return Err(Error::LengthMismatch { what: "a command", found, expected });
     }
     let bare = with(mechanism, &[]);
     let at_home = MechanismSystem::new(&bare, home.clone())?;
@@ -307,7 +307,7 @@ fn sets(
     (sets, cut_short)
 }
 
-/// All ways to pick `size` of `count`; ends when `visit` says so.
+/// All combinations of `size` of `count`; ends when `visit` returns `false`.
 fn combinations(
     count: usize,
     size: usize,

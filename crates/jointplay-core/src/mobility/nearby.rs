@@ -10,7 +10,7 @@ use crate::constraint::{Configuration, System};
 use crate::linalg::svd;
 use crate::random::Random;
 
-/// Distance from the given configuration at which branches are looked for, in radians and characteristic lengths.
+/// Distance from the given configuration at which branches are searched for, in radians and characteristic lengths.
 const RADIUS: f64 = 1e-2;
 /// Distance at which their dimension is proven: far enough out that a motion stopped at an order below 14 has ended.
 const OUTER_RADIUS: f64 = 0.1;
@@ -20,7 +20,7 @@ const INNER_RADIUS: f64 = 1e-3;
 const PROOF_RADIUS: f64 = 0.1;
 /// Singular values there below this share of the largest count as zero: where a constraint touches, a configuration is known to 10⁻⁷ only.
 const NEIGHBOUR_RANK_THRESHOLD: f64 = 1e-6;
-/// Displacements longer than this many times the distance asked for are not looked at.
+/// Displacements longer than this multiple of the distance are discarded.
 const FARTHEST: f64 = 3.0;
 /// Singular values of displacements below this share of the distance asked for are no motion: one stopped at order p leads to 10^(−14/p), half of the distance only from order 14 on.
 const CONTINUED_SHARE: f64 = 0.5;
@@ -57,7 +57,7 @@ impl NearbyConfigurations {
     }
 }
 
-/// Looks for branches until one of dimension `enough` is found.
+/// Searches for branches until one of dimension `enough` is found.
 ///
 /// Starts are random motions of first order, and zeros of the second-order conditions near them.
 /// A branch counts if it is found at three distances from the given configuration, and if its dimension is proven at the farthest of them.
@@ -74,7 +74,7 @@ pub(super) fn find_nearby<S: System + ?Sized>(
         let free = &first.null_space * &second.free_motions;
         let kept = match search.followed(at, first, &free, KEPT_RADIUS) {
             Continuation::Finite(_) => true,
-            // The motions may bend into the ones that are stopped.
+            // The motions may curve into the ones that are stopped.
             Continuation::Obstructed | Continuation::Unresolved => {
                 all_lead(search, at, &free, KEPT_RADIUS)?
             }
@@ -166,7 +166,7 @@ fn proven_dimension<S: System + ?Sized>(
     Ok((dimension > 0 && dimension == upper_bound).then_some(dimension))
 }
 
-/// Dimension of the motions that lead on from a configuration: that of the displacements on which random motions of first order end, if mixtures of these displacements lead on as well; 0 otherwise.
+/// Dimension of the finite motions from a configuration: that of the displacements at the ends of random instantaneous motions, if mixtures of these displacements are finite motions too; 0 otherwise.
 fn spanned<S: System + ?Sized>(
     search: &Search<'_, S>,
     there: &Configuration,
@@ -183,7 +183,7 @@ fn spanned<S: System + ?Sized>(
     for mut end in ends.column_iter_mut() {
         let direction = &end * 1.0_f64.copysign(end.dot(outward));
         match led(&direction)? {
-            // What turns back has come to the end of its range.
+            // A motion that reverses is at the end of its range.
             Some(found) if found.dot(&direction) > 0.0 => end.copy_from(&(found / PROOF_RADIUS)),
             _ => end.fill(0.0),
         }

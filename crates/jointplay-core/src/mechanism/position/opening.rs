@@ -18,7 +18,7 @@ pub(super) struct Closing {
     pub(super) row: usize,
     /// Unknowns that move one side only, and the sense in which they change the mismatch.
     pub(super) moved_by: Vec<(usize, f64, usize)>,
-    /// The two sides, as they stand.
+    /// Current frames of the two sides.
     pub(super) frames: [Frame; 2],
 }
 
@@ -43,13 +43,13 @@ impl Meeting {
     }
 }
 
-/// Unknowns on the way to one side of a loop but not the other.
+/// Unknowns that move one side of a loop but not the other.
 pub(super) fn moved_by(
     tree: &[TreeEdge],
     links: [usize; 2],
     sides: &[Walk; 2],
 ) -> Vec<(usize, f64, usize)> {
-    let way = |side: usize| {
+    let columns_to = |side: usize| {
         let mut columns: Vec<usize> = sides[side].columns().collect();
         let mut link = links[side];
         while let Some(branch) = tree.iter().find(|branch| branch.to == link) {
@@ -58,10 +58,10 @@ pub(super) fn moved_by(
         }
         columns
     };
-    let ways = [way(0), way(1)];
+    let sides = [columns_to(0), columns_to(1)];
     let only = |side: usize, sense: f64| {
-        let other = &ways[1 - side];
-        let here = ways[side].iter().filter(|column| !other.contains(column));
+        let other = &sides[1 - side];
+        let here = sides[side].iter().filter(|column| !other.contains(column));
         here.map(move |&column| (column, sense, side)).collect::<Vec<_>>()
     };
     [only(0, 1.0), only(1, -1.0)].concat()
