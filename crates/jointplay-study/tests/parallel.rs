@@ -1,4 +1,4 @@
-//! Many cores say what one says.
+//! Results on many cores equal those on one.
 #![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::Error;

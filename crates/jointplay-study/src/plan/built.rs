@@ -1,4 +1,4 @@
-//! Robots that are not built as they were designed.
+//! Robots as built, which differ from the design by tolerances.
 
 use jointplay_core::Error;
 use jointplay_core::gpr::{Gpr, Limb};

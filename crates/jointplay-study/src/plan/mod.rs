@@ -1,12 +1,12 @@
-//! Studies of any length: what is varied over which values or at random, what is wanted of each sample, computed in chunks.
+//! Studies of any length: values or distributions of what is varied, quantities to compute, computed in chunks.
 //!
 //! | to… | use |
 //! | --- | --- |
-//! | say what is varied, and what is wanted | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
+//! | define what is varied, and what is computed | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
 //! | compute some samples | [`compute`] → [`Block`] |
 //! | compute all of them over all cores, in order, in memory that does not grow | [`run`] |
-//! | sum columns up on the way | [`Totals`], [`Moments`] |
-//! | know medians and other quantiles | [`quantiles`] |
+//! | accumulate columns | [`Totals`], [`Moments`] |
+//! | compute medians and other quantiles | [`quantiles`] |
 //!
 //! Every sample depends on the plan and its number alone: not on chunks, threads, or where a run was taken up again.
 //!

@@ -112,7 +112,7 @@ impl SparseSystem<'_> {
         while done < 1.0 {
             let share = if done + *step > 1.0 - 0.01 * shortest { 1.0 - done } else { *step };
             let linear = self.linear(held)?;
-            let (x, by) = self.least_step(&linear, Some(&(way * share)));
+            let (x, by) = self.least_step(&linear, Some(&(path * share)));
             let size = self.largest(&by);
             let mut there = self.clone();
             there.displace(x.as_slice(), &by);
