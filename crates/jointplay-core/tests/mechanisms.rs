@@ -7,7 +7,7 @@ use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
     Carrier, CommandedJoints, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
-    MobilityClass, PositionSolver, ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble,
+    MobilityClass, ScrewAxis, PositionSolver, ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble,
     branches, close, drive, exaggerate_play, guess, link_motion, relieve, self_stresses, suggest,
 };
 use jointplay_core::mobility::{
@@ -476,7 +476,7 @@ fn redundancy_in_words() {
     assert!(stresses.iter().all(|stress| stress.wrenches.len() == 4));
     let coupler = link_motion(&system, &found.instantaneous, 2).unwrap();
     assert_eq!((coupler.dimension, coupler.translations), (1, 0));
-    let (pitch, center) = coupler.screw.unwrap();
+    let ScrewAxis { pitch, point: center } = coupler.screw.unwrap();
     // The coupler turns about where the lines of crank and rocker meet: x = 0 and 4 (x − 3.5) + y = 0.
     assert!(pitch.abs() < 1e-12);
     assert!((center.xy() - jointplay_core::nalgebra::Vector2::new(0.0, 14.0)).norm() < 1e-9);

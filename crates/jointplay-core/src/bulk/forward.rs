@@ -320,19 +320,24 @@ fn fill<S: Simd, M: Model>(
 fn residual<S: Simd>(balls: &Balls<S>, found: &Found<S>) -> Lanes<S> {
     let ([m_1, m_2, m_3], [l_1, l_2, l_3]) = (found.missing, balls.squares);
     // The largest of three fractions, with one division.
-    let most = larger((m_1.squared(), l_1), (m_2.squared(), l_2));
-    let (most, square) = larger(most, (m_3.squared(), l_3));
-    (most / square).sqrt() * 0.5
+    let fraction = |missing: Lanes<S>, square| Fraction { above: missing.squared(), below: square };
+    let most = larger(fraction(m_1, l_1), fraction(m_2, l_2));
+    let most = larger(most, fraction(m_3, l_3));
+    (most.above / most.below).sqrt() * 0.5
 }
 
-/// The larger of two fractions with positive denominators.
+/// A fraction with a positive denominator, not yet divided.
+#[derive(Clone, Copy)]
+struct Fraction<S: Simd> {
+    above: Lanes<S>,
+    below: Lanes<S>,
+}
+
+/// The larger of two fractions.
 #[inline(always)]
-fn larger<S: Simd>(
-    (a, below_a): (Lanes<S>, Lanes<S>),
-    (b, below_b): (Lanes<S>, Lanes<S>),
-) -> (Lanes<S>, Lanes<S>) {
-    let more = (a * below_b).below(b * below_a);
-    (more.select(b, a), more.select(below_b, below_a))
+fn larger<S: Simd>(a: Fraction<S>, b: Fraction<S>) -> Fraction<S> {
+    let more = (a.above * b.below).below(b.above * a.below);
+    Fraction { above: more.select(b.above, a.above), below: more.select(b.below, a.below) }
 }
 
 #[inline(always)]

@@ -118,10 +118,10 @@ pub fn suggest(
         let found = relieve(&system, &commanded, ReliefSolver::LeastNorm)?;
         let y = found.virtual_joints.clone();
         let Reduced { relieving, roots, .. } = reduced(&system.at(found.coordinates)?, &commanded)?;
-        needs.push((&relieving * y.component_mul(&roots), relieving));
+        needs.push(Need { open: &relieving * y.component_mul(&roots), relieving });
     }
     let useful: Vec<usize> = (0..all.len())
-        .filter(|&k| needs.iter().any(|(_, a)| a.column(k).amax() > NO_EFFECT * a.amax()))
+        .filter(|&k| needs.iter().any(|Need { relieving: a, .. }| a.column(k).amax() > NO_EFFECT * a.amax()))
         .collect();
     let (sets, cut_short) = sets(&candidates, &useful, &needs);
     let compared = sets.len();
@@ -218,6 +218,14 @@ fn is_symmetric(members: &[usize], images: &[Vec<Option<usize>>]) -> bool {
         })
 }
 
+/// What a command requires of the virtual joints.
+struct Need {
+    /// (open) mismatch that no passive joint can close.
+    open: DVector<f64>,
+    /// (open, M) effect of the virtual joints on it.
+    relieving: DMatrix<f64>,
+}
+
 struct Set {
     members: Vec<usize>,
     symmetric: bool,
@@ -271,7 +279,7 @@ fn tried(
 fn sets(
     candidates: &[Candidate],
     useful: &[usize],
-    needs: &[(DVector<f64>, DMatrix<f64>)],
+    needs: &[Need],
 ) -> (Vec<Set>, bool) {
     let orbits: std::collections::BTreeSet<usize> =
         useful.iter().map(|&k| candidates[k].orbit).collect();
@@ -289,7 +297,7 @@ fn sets(
             sets.push(Set { members: [members(a), members(b)].concat(), symmetric: true });
         }
     }
-    let directions = needs.first().map_or(0, |(_, relieving)| relieving.nrows());
+    let directions = needs.first().map_or(0, |need| need.relieving.nrows());
     let mut chosen: Vec<usize> = Vec::new();
     let mut cut_short = false;
     for size in 1..=directions.min(useful.len()) {
@@ -331,15 +339,15 @@ fn combinations(
 
 /// Largest linear least-norm displacement over the commands, if the set spans what they ask.
 fn estimate(
-    needs: &[(DVector<f64>, DMatrix<f64>)],
+    needs: &[Need],
     members: &[usize],
 ) -> Result<Option<f64>, Error> {
     let mut size = 0.0_f64;
-    for (need, relieving) in needs {
+    for Need { open, relieving } in needs {
         let part = relieving.select_columns(members);
         let decomposition = svd(&part)?;
-        let y = decomposition.solve(need, decomposition.rank(1e-6));
-        if (&part * &y - need).norm() > LEFT_OPEN * need.norm() {
+        let y = decomposition.solve(open, decomposition.rank(1e-6));
+        if (&part * &y - open).norm() > LEFT_OPEN * open.norm() {
             return Ok(None);
         }
         size = size.max(y.norm());

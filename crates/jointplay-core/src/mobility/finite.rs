@@ -1,7 +1,7 @@
 //! Finite mobility: dimension of the set of configurations around a given one.
 
 use super::nearby::{NearbyConfigurations, find_nearby};
-use super::search::{Continuation, KEPT_RADIUS, Search};
+use super::tracking::{Continuation, KEPT_RADIUS, ConfigurationTracker};
 use super::second_order::{SecondOrder, second_order};
 use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
@@ -72,18 +72,18 @@ pub fn finite_mobility<S: System + ?Sized>(
     if instantaneous.redundancy == 0 || instantaneous.mobility == 0 {
         return Ok(by_first_order(instantaneous, None));
     }
-    let search = Search::new(system, at, instantaneous.characteristic_length);
+    let tracker = ConfigurationTracker::new(system, at, instantaneous.characteristic_length);
     let all_finite = |tried, mobility| {
         Some(NearbyConfigurations { tried, found: tried, dimensions: vec![mobility] })
     };
     let mobility = instantaneous.mobility;
-    let room = match search.followed(at, &instantaneous, &instantaneous.null_space, KEPT_RADIUS) {
+    let room = match tracker.followed(at, &instantaneous, &instantaneous.null_space, KEPT_RADIUS) {
         Continuation::Finite(tried) => {
             return Ok(by_first_order(instantaneous, all_finite(tried, mobility)));
         }
         Continuation::Obstructed => mobility - 1,
         Continuation::Unresolved => {
-            match search.continued(at, &instantaneous, instantaneous.threshold)? {
+            match tracker.continued(at, &instantaneous, instantaneous.threshold)? {
                 Some(tried) => {
                     return Ok(by_first_order(instantaneous, all_finite(tried, mobility)));
                 }
@@ -93,7 +93,7 @@ pub fn finite_mobility<S: System + ?Sized>(
     };
     let second_order = second_order(system, at, &instantaneous)?;
     let upper_bound = second_order.upper_bound.min(room);
-    let mut nearby = find_nearby(&search, at, &instantaneous, &second_order, upper_bound)?;
+    let mut nearby = find_nearby(&tracker, at, &instantaneous, &second_order, upper_bound)?;
     nearby.dimensions.retain(|&dimension| dimension <= upper_bound);
     let lower_bound = nearby.dimension();
     Ok(FiniteMobility {

@@ -18,8 +18,8 @@ mod instantaneous;
 mod kutzbach;
 mod near;
 mod nearby;
-mod search;
 mod second_order;
+mod tracking;
 
 pub use branches::branch_dimensions;
 pub use finite::{FiniteMobility, finite_mobility};

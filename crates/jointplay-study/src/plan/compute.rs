@@ -6,12 +6,12 @@ use jointplay_core::bulk::{Column, Quantity, Status};
 use jointplay_core::gpr::{BrokenLimit, BrokenLimits, Gpr, ball_sides};
 
 use super::block::{Block, Outcome};
-use super::built::RodsFrom;
-use super::built::{RobotSampler, value};
+use super::as_built::RodsFrom;
+use super::as_built::{RobotSampler, value};
 use super::definition::Plan;
 use super::inputs::Inputs;
 use super::moments::Moments;
-use super::wanted::{self, OutputQuantity};
+use super::output::{self, OutputQuantity};
 use crate::Error;
 
 /// Computes samples of a plan.
@@ -106,7 +106,7 @@ fn too_long_or_short(broken: &BrokenLimits) -> bool {
 
 /// Columns under computation for one virtualization.
 struct Model {
-    columns: wanted::Columns,
+    columns: output::Columns,
     outcomes: Vec<Outcome>,
 }
 
@@ -125,7 +125,7 @@ fn models(plan: &Plan, len: usize) -> Result<Vec<Model>, Error> {
             _ => None,
         });
         let outcomes = vec![Outcome::NoRobot; len];
-        Model { columns: wanted::columns(measures, len), outcomes }
+        Model { columns: output::columns(measures, len), outcomes }
     };
     Ok((0..plan.models.len()).map(of).collect())
 }

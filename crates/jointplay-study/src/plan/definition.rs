@@ -4,9 +4,9 @@ use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
 use super::block::BLOCK;
-use super::built::{RodsFrom, Tolerances};
-use super::spread::Variation;
-use super::wanted::OutputQuantity;
+use super::as_built::{RodsFrom, Tolerances};
+use super::variation::Variation;
+use super::output::OutputQuantity;
 use crate::Error;
 
 /// Two angles that define a tilt.

@@ -32,7 +32,7 @@
 //! ```
 
 mod block;
-mod built;
+mod as_built;
 mod compute;
 mod definition;
 mod inputs;
@@ -40,17 +40,17 @@ mod moments;
 mod quantiles;
 mod random;
 mod run;
-mod spread;
+mod variation;
 mod totals;
-mod wanted;
+mod output;
 
 pub use block::{BLOCK, Block, CHUNK, Outcome};
-pub use built::{Dimension, RodsFrom, Tolerances};
+pub use as_built::{Dimension, RodsFrom, Tolerances};
 pub use compute::compute;
 pub use definition::{Plan, TiltForm, Tilts};
 pub use moments::Moments;
 pub use quantiles::{QUANTILE_SAMPLES, quantiles};
 pub use run::run;
-pub use spread::Variation;
+pub use variation::Variation;
 pub use totals::{Outcomes, Totals};
-pub use wanted::{OutputQuantity, PlatformQuantity};
+pub use output::{OutputQuantity, PlatformQuantity};

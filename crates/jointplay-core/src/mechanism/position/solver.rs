@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::elimination::Elimination;
-use super::opening::{Closing, Meeting, TreeEdge, moved_by};
+use super::opening::{Closing, Meeting, SideUnknown, TreeEdge, moved_by};
 use super::walk::{Frame, Part, Screw, Turned, Walk};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
@@ -367,7 +367,7 @@ impl PositionSolver {
             let z: Vector3<f64> = first_side.rotation.column(2).into_owned();
             // How the components of the first z along the second x and y change with a turn.
             let across = [0, 1].map(|axis| z.cross(&second_side.rotation.column(axis)));
-            for &(column, sense, side) in &closing.moved_by {
+            for &SideUnknown { column, sense, side } in &closing.moved_by {
                 let screw = &self.screws[column];
                 let scale = sense * self.unknowns[column].unit;
                 let first = column * m + closing.row;

@@ -63,8 +63,8 @@ pub(super) fn random_direction(random: &mut Random, count: usize) -> DVector<f64
     DVector::from_fn(count, |_, _| random.next()).normalize()
 }
 
-/// A search for configurations, in dimensionless coordinates.
-pub(super) struct Search<'a, S: ?Sized> {
+/// Follows motions from a configuration, and corrects configurations onto the constraints, in dimensionless coordinates.
+pub(super) struct ConfigurationTracker<'a, S: ?Sized> {
     scaled: ScaledSystem<'a, S>,
     /// Residual of the given configuration, which counts as closed; its part in redundant constraints cannot be corrected.
     closed: DVector<f64>,
@@ -75,7 +75,7 @@ pub(super) struct Search<'a, S: ?Sized> {
 /// A displacement, and the tangent of the motion there.
 type Stepped = (DVector<f64>, DVector<f64>);
 
-impl<'a, S: System + ?Sized> Search<'a, S> {
+impl<'a, S: System + ?Sized> ConfigurationTracker<'a, S> {
     pub(super) fn new(system: &'a S, at: &Configuration, characteristic_length: f64) -> Self {
         let scaled = ScaledSystem::new(system, characteristic_length);
         let closed = scaled.residual(at);
