@@ -75,7 +75,7 @@ impl Studio {
                     Source::read(path, MAX_BYTES)?.require(&[Kind::Cell], "a work cell")?;
                 }
                 let files = CellFiles::open(path).map_err(Failure::Robot)?;
-                let wrong = files.wrong();
+                let wrong = files.errors();
                 if !wrong.is_empty() {
                     let told = format!("{}\nit can be mended in the studio", wrong.join("\n"));
                     // Where standard error is gone, the page says it.

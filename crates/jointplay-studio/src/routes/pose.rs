@@ -9,9 +9,9 @@ use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions, Virtualization};
 
 use super::reached;
-use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::pose::{
     AnswerDocument, MOST_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
 };
@@ -34,11 +34,11 @@ use crate::wire::{self, ModelChoice, Rods};
     )
 )]
 pub(crate) async fn pose(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<PoseRequest>,
 ) -> Result<Json<PoseDocument>, Problem> {
-    let robot = app.robot.clone();
-    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let robot = state.robot.clone();
+    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {

@@ -11,7 +11,7 @@ use utoipa::ToSchema;
 use super::cell_chain::ChainDocument;
 use super::cell_parts::{BodyDocument, RobotParts, StationDocument, WaferDocument, ZoneDocument};
 use super::{Pair, Triple};
-use crate::cell::CellFiles;
+use crate::cell_files::CellFiles;
 use crate::problem::Problem;
 use crate::strict;
 

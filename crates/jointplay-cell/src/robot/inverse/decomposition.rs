@@ -1,0 +1,154 @@
+//! The unknowns of an arm: angles of its links, as linear functions of the positions of its axes.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix4, Vector2};
+
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients, LinkVector, turned};
+
+/// Relative difference of length up to which links of a belt-coupled arm count as equally long.
+const SAME_LENGTH: f64 = 1e-12;
+
+/// The two unknowns that place the wafer's centre.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Pair {
+    /// Two links that rotate independently.
+    Links([Link; 2]),
+    /// Two links of equal length and a third that rotates by the mean of both: they move it along its own direction.
+    Belt([Link; 2], Carried),
+    /// A link on a prismatic joint that rotates with it.
+    Slide(usize),
+}
+
+/// A link vector in polar coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Link {
+    pub(super) arrow: usize,
+    /// Length [m].
+    pub(super) length: f64,
+    /// Direction where the unknown is zero [rad].
+    pub(super) angle: f64,
+}
+
+/// The link that a belt-coupled pair moves along its own direction.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Carried {
+    pub(super) arrow: usize,
+    /// Direction in which the pair moves the link where both unknowns are zero: the mean of the links' directions [rad].
+    pub(super) middle: f64,
+    /// The link vector in the frame of that direction, its x not negative [m].
+    pub(super) vector: Vector2<f64>,
+}
+
+/// The unknowns of an arm: the two of the pair, then the angle of the last link, then that of the first.
+///
+/// ```text
+///    y = Y a        a: positions of the axes, n of each
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plan {
+    pub(super) pair: Pair,
+    /// Link that rotates with the wafer, where it is not part of the pair.
+    pub(super) last: Option<usize>,
+    /// Link at the platform, where it is not part of the pair.
+    pub(super) first: Option<usize>,
+    pub(super) count: usize,
+    /// Y⁻¹, padded with the identity.
+    pub(super) inverse: Matrix4<f64>,
+    /// Y, padded with the identity.
+    pub(super) forward: Matrix4<f64>,
+}
+
+impl Plan {
+    /// The decomposition of an arm; `None` where the arm has no closed form.
+    pub(super) fn new(planar: &ArmChain) -> Option<Self> {
+        let count = planar.axes().len();
+        let arrows = planar.arrows();
+        let mut rest: [usize; 4] = [0; 4];
+        let mut left = 0;
+        let last = if count > 2 {
+            Some(arrows.iter().position(|arrow| arrow.turn == planar.heading.1)?)
+        } else {
+            None
+        };
+        let first = if count > 3 { (0..arrows.len()).find(|&k| Some(k) != last) } else { None };
+        for k in (0..arrows.len()).filter(|&k| Some(k) != last && Some(k) != first) {
+            rest[left] = k;
+            left += 1;
+        }
+        let pair = match (planar.slides(), &rest[..left]) {
+            ([], &[i, j]) => Pair::Links([i, j].map(|k| Link::of(arrows, k))),
+            ([], &[i, j, k]) => {
+                let order = [[i, j, k], [i, k, j], [j, k, i]];
+                let [i, j, w] = order.into_iter().find(|&[i, j, w]| is_belt(planar, i, j, w))?;
+                belt([i, j].map(|k| Link::of(arrows, k)), arrows, w)
+            }
+            ([slide], &[g]) if slide.along.turn == arrows[g].turn => Pair::Slide(g),
+            _ => return None,
+        };
+        let rows: [&AxisCoefficients; 2] = match pair {
+            Pair::Links(pair) | Pair::Belt(pair, _) => pair.map(|link| &arrows[link.arrow].turn),
+            Pair::Slide(g) => [&arrows[g].turn, &planar.slides()[0].growth],
+        };
+        let rows = [
+            Some(rows[0]),
+            Some(rows[1]),
+            last.map(|k| &arrows[k].turn),
+            first.map(|k| &arrows[k].turn),
+        ];
+        let mut forward = Matrix4::identity();
+        for (r, row) in rows.into_iter().enumerate() {
+            if let Some(row) = row {
+                forward.set_row(r, &nalgebra::RowVector4::from_row_slice(row));
+            }
+        }
+        let used = 2 + usize::from(last.is_some()) + usize::from(first.is_some());
+        if used != count || forward.determinant().abs() < 1e-9 {
+            return None;
+        }
+        let inverse = forward.try_inverse()?;
+        Some(Self { pair, last, first, count, inverse, forward })
+    }
+
+    /// Positions of the axes for given unknowns.
+    #[inline]
+    pub(super) fn positions(&self, unknown: &AxisCoefficients) -> AxisCoefficients {
+        (self.inverse * nalgebra::Vector4::from(*unknown)).into()
+    }
+
+    /// Unknowns for given positions of the axes.
+    #[inline]
+    pub(super) fn unknown(&self, own: &AxisCoefficients) -> AxisCoefficients {
+        (self.forward * nalgebra::Vector4::from(*own)).into()
+    }
+}
+
+impl Link {
+    fn of(arrows: &[LinkVector], arrow: usize) -> Self {
+        let vector = &arrows[arrow].vector;
+        Self { arrow, length: vector.norm(), angle: vector.y.atan2(vector.x) }
+    }
+}
+
+/// A belt-coupled pair, with the one of its two mean directions along which the wafer points.
+fn belt([one, mut other]: [Link; 2], arrows: &[LinkVector], arrow: usize) -> Pair {
+    let mut middle = 0.5 * (one.angle + other.angle);
+    let mut vector = turned(&arrows[arrow].vector, -middle);
+    if vector.x < 0.0 {
+        let turn = if other.angle > 0.0 { -TAU } else { TAU };
+        other.angle += turn;
+        middle += 0.5 * turn;
+        vector = -vector;
+    }
+    Pair::Belt([one, other], Carried { arrow, middle, vector })
+}
+
+fn is_belt(planar: &ArmChain, i: usize, j: usize, w: usize) -> bool {
+    let arrows = planar.arrows();
+    let (one, other) = (arrows[i].vector.norm(), arrows[j].vector.norm());
+    let mean = (0..4).all(|a| {
+        let mean = 0.5 * (arrows[i].turn[a] + arrows[j].turn[a]);
+        (arrows[w].turn[a] - mean).abs() <= 1e-12
+    });
+    mean && (one - other).abs() <= SAME_LENGTH * one
+}
