@@ -7,8 +7,9 @@ use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
     Carrier, CommandedJoints, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
-    MobilityClass, ScrewAxis, PositionSolver, ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble,
-    branches, close, drive, exaggerate_play, guess, link_motion, relieve, self_stresses, suggest,
+    MobilityClass, PositionSolver, ReliefSolver, ScrewAxis, Stop, VirtualJoint, VirtualMotion,
+    assemble, branches, close, drive, exaggerate_play, guess, link_motion, relieve, self_stresses,
+    suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,

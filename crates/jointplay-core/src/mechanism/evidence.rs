@@ -65,7 +65,9 @@ impl MobilityClass {
         match self {
             Self::Rigid => "rigid",
             Self::OverconstrainedRigid => "overconstrained and rigid",
-            Self::InfinitesimallyMobile => "infinitesimally mobile: some motions are only instantaneous",
+            Self::InfinitesimallyMobile => {
+                "infinitesimally mobile: some motions are only instantaneous"
+            }
             Self::Movable => "movable",
             Self::OverconstrainedMovable => "overconstrained and movable",
             Self::Kinematotropic => {
@@ -132,10 +134,9 @@ pub fn self_stresses(
             })
             .filter(|wrench| wrench.largest() > NOTHING)
             .collect();
-        let main = wrenches
-            .iter()
-            .max_by(|a, b| a.largest().total_cmp(&b.largest()));
-        let words = main.map_or_else(String::new, |wrench| wrench_words(&wrench.moment, &wrench.force));
+        let main = wrenches.iter().max_by(|a, b| a.largest().total_cmp(&b.largest()));
+        let words =
+            main.map_or_else(String::new, |wrench| wrench_words(&wrench.moment, &wrench.force));
         stresses.push(SelfStress { wrenches, words });
     }
     Ok(stresses)

@@ -121,7 +121,9 @@ pub fn suggest(
         needs.push(Need { open: &relieving * y.component_mul(&roots), relieving });
     }
     let useful: Vec<usize> = (0..all.len())
-        .filter(|&k| needs.iter().any(|Need { relieving: a, .. }| a.column(k).amax() > NO_EFFECT * a.amax()))
+        .filter(|&k| {
+            needs.iter().any(|Need { relieving: a, .. }| a.column(k).amax() > NO_EFFECT * a.amax())
+        })
         .collect();
     let (sets, cut_short) = sets(&candidates, &useful, &needs);
     let compared = sets.len();
@@ -276,11 +278,7 @@ fn tried(
 }
 
 /// Symmetric sets and their pairs, then sets of single candidates up to as many as there are directions to relieve.
-fn sets(
-    candidates: &[Candidate],
-    useful: &[usize],
-    needs: &[Need],
-) -> (Vec<Set>, bool) {
+fn sets(candidates: &[Candidate], useful: &[usize], needs: &[Need]) -> (Vec<Set>, bool) {
     let orbits: std::collections::BTreeSet<usize> =
         useful.iter().map(|&k| candidates[k].orbit).collect();
     let members = |orbit: usize| {
@@ -338,10 +336,7 @@ fn combinations(
 }
 
 /// Largest linear least-norm displacement over the commands, if the set spans what they ask.
-fn estimate(
-    needs: &[Need],
-    members: &[usize],
-) -> Result<Option<f64>, Error> {
+fn estimate(needs: &[Need], members: &[usize]) -> Result<Option<f64>, Error> {
     let mut size = 0.0_f64;
     for Need { open, relieving } in needs {
         let part = relieving.select_columns(members);

@@ -1,8 +1,8 @@
 //! Finite mobility: dimension of the set of configurations around a given one.
 
 use super::nearby::{NearbyConfigurations, find_nearby};
-use super::tracking::{Continuation, KEPT_RADIUS, ConfigurationTracker};
 use super::second_order::{SecondOrder, second_order};
+use super::tracking::{ConfigurationTracker, Continuation, KEPT_RADIUS};
 use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
 use crate::constraint::{ACCEPTED_RESIDUAL, Configuration, System, scaled_residual, units};

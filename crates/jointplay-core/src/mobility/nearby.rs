@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::instantaneous::{InstantaneousMobility, instantaneous_mobility};
-use super::tracking::{Continuation, KEPT_RADIUS, ConfigurationTracker, random_direction};
 use super::second_order::{SecondOrder, common_zero_near, second_order};
+use super::tracking::{ConfigurationTracker, Continuation, KEPT_RADIUS, random_direction};
 use crate::Error;
 use crate::constraint::{Configuration, System};
 use crate::linalg::svd;
@@ -145,7 +145,9 @@ fn proven_dimension<S: System + ?Sized>(
     let broken = match followed(&first.null_space) {
         Continuation::Finite(_) => return Ok(Some(first.mobility)),
         Continuation::Obstructed => true,
-        Continuation::Unresolved if tracker.continued(there, &first, first.threshold)?.is_some() => {
+        Continuation::Unresolved
+            if tracker.continued(there, &first, first.threshold)?.is_some() =>
+        {
             return Ok(Some(first.mobility));
         }
         Continuation::Unresolved => false,

@@ -5,9 +5,9 @@ use std::ops::Range;
 use jointplay_core::bulk::{Column, Quantity, Status};
 use jointplay_core::gpr::{BrokenLimit, BrokenLimits, Gpr, ball_sides};
 
-use super::block::{Block, Outcome};
 use super::as_built::RodsFrom;
 use super::as_built::{RobotSampler, value};
+use super::block::{Block, Outcome};
 use super::definition::Plan;
 use super::inputs::Inputs;
 use super::moments::Moments;

@@ -3,10 +3,10 @@
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
-use super::block::BLOCK;
 use super::as_built::{RodsFrom, Tolerances};
-use super::variation::Variation;
+use super::block::BLOCK;
 use super::output::OutputQuantity;
+use super::variation::Variation;
 use crate::Error;
 
 /// Two angles that define a tilt.

@@ -31,26 +31,26 @@
 //! # Ok::<(), jointplay_study::Error>(())
 //! ```
 
-mod block;
 mod as_built;
+mod block;
 mod compute;
 mod definition;
 mod inputs;
 mod moments;
+mod output;
 mod quantiles;
 mod random;
 mod run;
-mod variation;
 mod totals;
-mod output;
+mod variation;
 
-pub use block::{BLOCK, Block, CHUNK, Outcome};
 pub use as_built::{Dimension, RodsFrom, Tolerances};
+pub use block::{BLOCK, Block, CHUNK, Outcome};
 pub use compute::compute;
 pub use definition::{Plan, TiltForm, Tilts};
 pub use moments::Moments;
+pub use output::{OutputQuantity, PlatformQuantity};
 pub use quantiles::{QUANTILE_SAMPLES, quantiles};
 pub use run::run;
-pub use variation::Variation;
 pub use totals::{Outcomes, Totals};
-pub use output::{OutputQuantity, PlatformQuantity};
+pub use variation::Variation;
