@@ -114,11 +114,11 @@ impl Samples {
 
 /// Computes all poses of a raster under one virtualization, each from the nominal virtual joints.
 ///
-/// The result does not depend on the order of the samples, save for their order.
+/// Samples are independent of each other: another order gives the same values.
 /// Poses beyond the limits are computed too; [`summarize`](crate::summarize) counts them.
 ///
 /// # Arguments
-/// * `progress` – told the number of samples done, now and then
+/// * `progress` – called with the number of samples done, from time to time
 ///
 /// # Errors
 /// [`Error::Empty`]; [`Error::Pose`] with the first pose that cannot be computed.

@@ -16,9 +16,9 @@ pub enum Quantity {
     Origin(usize),
     /// e_b1, e_b2 or e_b3 coordinate of the platform normal.
     Normal(usize),
-    /// Azimuth toward which the platform leans, from −π to π [rad].
+    /// Azimuth toward which the platform tilts, from −π to π [rad].
     Yaw,
-    /// How far it leans, from 0 to π [rad].
+    /// Tilt angle, from 0 to π [rad].
     Pitch,
     /// Turn about the platform normal beyond the shortest rotation to it [rad].
     Twist,

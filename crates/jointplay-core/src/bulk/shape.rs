@@ -74,7 +74,7 @@ pub(super) struct Robot {
     start_squares: [f64; 3],
     /// The first step from nominal: joints by sides, per change of a squared side.
     first_step: [[f64; 3]; 6],
-    /// How easily `b` gives way beside `a`: 1/ρ², or 1.
+    /// Compliance of `b` relative to `a`: 1/ρ², or 1.
     pub(super) compliance: f64,
     /// 4 · relative threshold².
     threshold: f64,

@@ -68,9 +68,9 @@ impl Gpr {
         let limits = self.limits();
         let balls = self.ball_centers(rods);
         let normal = (balls[1] - balls[0]).cross(&(balls[2] - balls[0]));
-        let lean = normal.z * self.steepest();
+        let horizontal = normal.z * self.steepest();
         rods.iter().all(|length| (limits.rod_min..=limits.rod_max).contains(length))
-            && normal.x * normal.x + normal.y * normal.y <= lean * lean
+            && normal.x * normal.x + normal.y * normal.y <= horizontal * horizontal
     }
 
     /// The pose of [`Self::forward`], limits not checked.
@@ -170,7 +170,7 @@ impl PlatformPose {
         AxisHeight(origin.z + (normal.x * origin.x + normal.y * origin.y) / normal.z)
     }
 
-    /// How far O_p stands off the base axis: its e_b1 and e_b2 coordinates [m].
+    /// Offset of O_p from the base axis: its e_b1 and e_b2 coordinates [m].
     #[must_use]
     pub fn center_shift(&self) -> Vector2<f64> {
         self.base_from_platform.translation.vector.xy()
@@ -203,9 +203,9 @@ mod tests {
             .forward([0.5; 3], &Planar, &SolveOptions::default())
             .unwrap();
         for (yaw, pitch, twist) in [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)] {
-            let lean = tilted_by(yaw, pitch);
+            let tilted = tilted_by(yaw, pitch);
             pose.base_from_platform.rotation =
-                lean * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
+                tilted * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
             assert!((pose.twist_about_normal() - twist).abs() < 1e-15);
         }
     }

@@ -27,11 +27,11 @@ pub enum BrokenLimit {
         /// Longest allowed [m].
         max: f64,
     },
-    /// The platform leans too far.
+    /// The tilt is too large.
     Tilt {
-        /// How far it leans [rad].
+        /// Tilt found [rad].
         pitch: f64,
-        /// How far it may [rad].
+        /// Largest tilt allowed [rad].
         max: f64,
     },
 }

@@ -33,7 +33,7 @@ pub struct ExaggeratedPlay {
 /// * `coordinates` – (f + M) of a relieved configuration [m, rad]
 ///
 /// # Errors
-/// [`Error::WrongLength`], [`Error::NotFinite`].
+/// [`Error::LengthMismatch`], [`Error::NotFinite`].
 ///
 /// # Source
 /// own derivation, `docs/explanation/mechanisms.md`

@@ -45,7 +45,7 @@ impl<'a> MechanismSystem<'a> {
     /// * `home` – (f + M) coordinates of the joints, then of the virtual joints [m, rad]
     ///
     /// # Errors
-    /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::TooLarge`] beyond [`MAX_DENSE`].
+    /// [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::TooLarge`] beyond [`MAX_DENSE`].
     pub fn new(mechanism: &'a Mechanism, home: DVector<f64>) -> Result<Self, Error> {
         if let Some((what, found)) = too_large(mechanism) {
             return Err(Error::TooLarge { what, found, allowed: MAX_DENSE });

@@ -2,7 +2,7 @@
 
 use super::closure::Closure;
 
-/// A mismatch up to this one may be the rounding of dimensions, and is told so.
+/// A mismatch up to this one may be the rounding of dimensions, and the message states so.
 const NEARLY_CLOSED: f64 = 1e-3;
 
 /// Loops that could not be closed from the guess.

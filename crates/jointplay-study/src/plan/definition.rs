@@ -1,15 +1,15 @@
-//! What a study computes.
+//! Definition of a study.
 
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
+use super::as_built::{RodsFrom, Tolerances};
 use super::block::BLOCK;
-use super::built::{RodsFrom, Tolerances};
-use super::spread::Variation;
-use super::wanted::OutputQuantity;
+use super::output::OutputQuantity;
+use super::variation::Variation;
 use crate::Error;
 
-/// Two angles that say a tilt.
+/// Two angles that define a tilt.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TiltForm {
     /// Yaw γ, then pitch α.
@@ -29,7 +29,7 @@ pub struct Tilts {
     pub second: Variation,
 }
 
-/// What a study computes.
+/// Definition of a study: what is varied, and what is computed of each sample.
 ///
 /// Lists of values make a grid: every value with every other, the second angle running fastest, then the first, then the height.
 /// Each draw of what is random runs through the whole grid: sample i has draw ⌊i / g⌋ at place i mod g of a grid of g.
@@ -53,7 +53,7 @@ pub struct Plan {
     pub models: Vec<&'static (dyn Virtualization + Sync)>,
     /// How their virtual joints are found.
     pub options: SolveOptions,
-    /// What is wanted of each sample, a column each.
+    /// Quantities to compute of each sample, a column each.
     pub wanted: Vec<OutputQuantity>,
 }
 

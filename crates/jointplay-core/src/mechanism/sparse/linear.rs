@@ -1,4 +1,4 @@
-//! The closures of all joints to first order, as a sparse system in the twists of the links.
+//! The linearized closures of all joints, as a sparse system in the twists of the links.
 
 use faer::linalg::solvers::SolveCore;
 use faer::sparse::linalg::solvers::{Llt, SymbolicLlt};
@@ -67,7 +67,7 @@ fn for_each_place(links: [usize; 2], mut see: impl FnMut((usize, usize, usize), 
     }
 }
 
-/// One joint to first order, at a point of its own; lengths over the length of the system.
+/// One joint linearized at a point of its own; lengths over the length of the system.
 #[derive(Debug, Clone)]
 pub(super) struct JointRow {
     pub(super) links: [usize; 2],
@@ -75,7 +75,7 @@ pub(super) struct JointRow {
     pub(super) arms: [Vector3<f64>; 2],
     /// (6) what the first link and the joint make of the second link's pose, against where it is.
     pub(super) mismatch: Vector6<f64>,
-    /// Coordinates that follow, those that depend on others left out.
+    /// Coordinates that follow, without those that depend on others.
     pub(super) follows: Vec<usize>,
     /// (follows, 6) how fast they go, of the relative twist.
     pub(super) rates: DMatrix<f64>,
@@ -154,7 +154,7 @@ impl JointRow {
     }
 }
 
-/// All joints to first order, and the factor of their damped normal equations.
+/// All joints linearized, and the factor of their damped normal equations.
 ///
 /// ```text
 ///    J x  =  M (x_first − x_second)  at each joint        M: what the joint refuses
