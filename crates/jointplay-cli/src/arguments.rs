@@ -14,10 +14,8 @@ use jointplay::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
 
-use serde::Serialize;
-
 use crate::failure::Failure;
-use crate::output;
+use crate::output::FormatArgs;
 use crate::source::{Kind, Source};
 
 /// Larger robot files are refused unread [bytes].
@@ -43,7 +41,7 @@ impl RobotArgs {
     pub(crate) fn or(&self, file: &Path) -> Result<Self, Failure> {
         if self.robot.is_some() {
             let text = "the robot is named twice: by FILE and by --robot";
-            return Err(Failure::Misused(text.to_owned()));
+            return Err(Failure::Usage(text.to_owned()));
         }
         Ok(Self { robot: Some(file.to_owned()) })
     }
@@ -167,14 +165,6 @@ impl LimitArgs {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TextFormat {
-    /// for people
-    Text,
-    /// for programs
-    Json,
-}
-
 /// What every command has that answers a question about one robot.
 #[derive(Args)]
 pub(crate) struct AnswerArgs {
@@ -182,28 +172,14 @@ pub(crate) struct AnswerArgs {
     robot: RobotArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
-    /// How the answer is printed
-    #[arg(long, value_enum, default_value = "text")]
-    format: TextFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 impl AnswerArgs {
     /// The robot; its limits are checked by [`LimitArgs`].
     pub(crate) fn load(&self) -> Result<Gpr, Failure> {
         Ok(self.robot.load()?.gpr.without_limit_checks())
-    }
-
-    pub(crate) fn json(&self) -> bool {
-        self.format == TextFormat::Json
-    }
-
-    /// Prints a report as asked: as JSON, or in the words of `text`.
-    pub(crate) fn print<R: Serialize>(
-        &self,
-        report: &R,
-        text: impl FnOnce(&R) -> String,
-    ) -> Result<(), Failure> {
-        if self.json() { output::json(report) } else { output::text(&text(report)) }
     }
 }
 

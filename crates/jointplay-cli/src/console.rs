@@ -63,7 +63,8 @@ pub(crate) fn detail(line: &str) {
     }
 }
 
-fn print(line: &str) {
-    // Where standard error is closed, there is no reader.
+/// A line on standard error.
+pub(crate) fn print(line: &str) {
+    // If standard error is closed, there is no reader.
     drop(writeln!(anstream::stderr(), "{line}"));
 }

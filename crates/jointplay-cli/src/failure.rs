@@ -27,12 +27,12 @@ pub(crate) enum Failure {
     Robot(String),
     /// What is wrong in files.
     #[error("{}", excerpts(.0))]
-    Wrong(Vec<Wrong>),
+    Invalid(Vec<Diagnostic>),
     /// Where more is asked for than can be.
     #[error("{}", excerpts(.0))]
-    CannotDo(Vec<Wrong>),
+    Infeasible(Vec<Diagnostic>),
     #[error("{0}")]
-    Misused(String),
+    Usage(String),
     #[error("{0}")]
     NotAssembled(String),
     #[error("{0}")]
@@ -94,7 +94,7 @@ pub(crate) enum Failure {
 
 /// One thing at one place of a file.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Wrong {
+pub(crate) struct Diagnostic {
     pub(crate) file: String,
     pub(crate) line: usize,
     pub(crate) column: usize,
@@ -103,7 +103,7 @@ pub(crate) struct Wrong {
     pub(crate) excerpt: String,
 }
 
-impl Wrong {
+impl Diagnostic {
     pub(crate) fn new<P: std::fmt::Display>(error: &place::Error<P>, file: &str) -> Self {
         let place::Place { line, column, .. } = error.place;
         let (message, excerpt) = (error.to_string(), error.with_excerpt(file));
@@ -116,7 +116,7 @@ const MOST_ERRORS: usize = 21;
 /// Most names of files that text lists.
 const MOST_NAMES: usize = 5;
 
-fn excerpts(all: &[Wrong]) -> String {
+fn excerpts(all: &[Diagnostic]) -> String {
     let mut text: Vec<&str> = all.iter().take(MOST_ERRORS).map(|one| &*one.excerpt).collect();
     let more = match all.len().saturating_sub(MOST_ERRORS) {
         0 => return text.join("\n"),
@@ -200,7 +200,7 @@ pub(crate) const INTERRUPTED: u8 = 130;
 impl Failure {
     /// What is wrong at one place of a file.
     pub(crate) fn at<P: std::fmt::Display>(error: &place::Error<P>, file: &str) -> Self {
-        Self::Wrong(vec![Wrong::new(error, file)])
+        Self::Invalid(vec![Diagnostic::new(error, file)])
     }
 
     fn exit_code(&self) -> u8 {
@@ -220,7 +220,7 @@ impl Failure {
             | Self::NotAssembled(_)
             | Self::Stopped(_)
             | Self::OverClearance(_)
-            | Self::CannotDo(_)
+            | Self::Infeasible(_)
             | Self::Unexpected(_)
             | Self::Unsolved(_) => NO,
             Self::Interrupted(_) => INTERRUPTED,
@@ -261,9 +261,9 @@ impl Failure {
             let kind = self.kind();
             let message = self.to_string();
             let places =
-                if let Self::Wrong(all) | Self::CannotDo(all) = self { &all[..] } else { &[] };
-            let place = |one: &Wrong| {
-                let Wrong { file, line, column, message, .. } = one;
+                if let Self::Invalid(all) | Self::Infeasible(all) = self { &all[..] } else { &[] };
+            let place = |one: &Diagnostic| {
+                let Diagnostic { file, line, column, message, .. } = one;
                 serde_json::json!({ "file": file, "line": line, "column": column, "message": message })
             };
             let places: Vec<_> = places.iter().map(place).collect();

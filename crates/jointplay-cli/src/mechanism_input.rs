@@ -17,11 +17,10 @@ use jointplay::mechanism::{
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
 use jointplay::{Error, format};
-use serde::Serialize;
 
-use crate::arguments::{TextFormat, finite};
+use crate::arguments::finite;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{self, FormatArgs};
 use crate::source::{Kind, Source};
 
 /// Other starts tried where the guess of a file does not close.
@@ -55,7 +54,7 @@ impl SetArgs {
         if self.set.is_empty() {
             Ok(())
         } else {
-            Err(Failure::Misused("--set needs a mechanism file".to_owned()))
+            Err(Failure::Usage("--set needs a mechanism file".to_owned()))
         }
     }
 }
@@ -86,9 +85,8 @@ pub(crate) struct MechanismArgs {
     file: PathBuf,
     #[command(flatten)]
     set: SetArgs,
-    /// How the answer is printed
-    #[arg(long, value_enum, default_value = "text")]
-    format: TextFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 impl MechanismArgs {
@@ -98,19 +96,6 @@ impl MechanismArgs {
 
     pub(crate) fn path(&self) -> &Path {
         &self.file
-    }
-
-    pub(crate) fn json(&self) -> bool {
-        self.format == TextFormat::Json
-    }
-
-    /// Prints a report as asked: as JSON, or in the words of `text`.
-    pub(crate) fn print<R: Serialize>(
-        &self,
-        report: &R,
-        text: impl FnOnce(&R) -> String,
-    ) -> Result<(), Failure> {
-        if self.json() { output::json(report) } else { output::text(&text(report)) }
     }
 }
 
@@ -148,7 +133,7 @@ impl Input {
         if import::is_model(&source.text) {
             if let Some(one) = set.first() {
                 let name = &one.name;
-                return Err(Failure::Misused(format!(
+                return Err(Failure::Usage(format!(
                     "--set {name}: a model has no parameters; `jointplay import` makes a mechanism file of it, which can have some"
                 )));
             }
@@ -192,7 +177,7 @@ impl Input {
             return Ok(si);
         }
         let (name, unit) = (&self.coordinates.all()[k].name, self.coordinates.unit(k));
-        Err(Failure::Misused(format!(
+        Err(Failure::Usage(format!(
             "{name} = {} {unit} is too far, values have to lie within ±{} {unit}",
             number(value),
             number(self.coordinates.from_si(k, most))

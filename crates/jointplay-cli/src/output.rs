@@ -1,14 +1,46 @@
-//! Text and JSON to standard output, and how numbers look there.
+//! Text and JSON on standard output, and the formatting of numbers in text.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
 
+use clap::{Args, ValueEnum};
 use jointplay::format::number::rounded;
 use jointplay::format::report::{LimitReport, VirtualJointGroups};
 use serde::Serialize;
 
 use crate::console;
 use crate::failure::Failure;
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum TextFormat {
+    /// text for reading
+    Text,
+    /// a JSON document for other programs
+    Json,
+}
+
+/// The format of the answer on standard output; every command has it.
+#[derive(Args, Clone, Copy)]
+pub(crate) struct FormatArgs {
+    /// Output format of the answer and of errors
+    #[arg(long, global = true, value_enum, default_value = "text")]
+    format: TextFormat,
+}
+
+impl FormatArgs {
+    pub(crate) fn json(self) -> bool {
+        self.format == TextFormat::Json
+    }
+
+    /// Prints a report: as a JSON document, or as the text that `text` makes of it.
+    pub(crate) fn print<R: Serialize>(
+        self,
+        report: &R,
+        text: impl FnOnce(&R) -> String,
+    ) -> Result<(), Failure> {
+        if self.json() { json(report) } else { self::text(&text(report)) }
+    }
+}
 
 /// Prints text; a heading is a line that starts without a space.
 pub(crate) fn text(text: &str) -> Result<(), Failure> {

@@ -38,7 +38,7 @@ impl Source {
                 let known: Vec<String> =
                     catalogue::entries().iter().map(|entry| entry.name.to_owned()).collect();
                 let text = place::not_known("the file or catalogue entry", &label, &known);
-                return Err(Failure::Misused(text));
+                return Err(Failure::Usage(text));
             }
         }
         Ok(Self { label, text: read_text(path, allowed as u64)? })
@@ -63,7 +63,7 @@ impl Source {
                     ""
                 };
                 let (label, noun, used) = (&self.label, kind.noun(), kind.used_by(&self.label));
-                Err(Failure::Misused(format!(
+                Err(Failure::Usage(format!(
                     "{label} is {noun}, but {needed} is needed here\n  {used}{hint}"
                 )))
             }
@@ -167,7 +167,7 @@ pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
     let read = if path == Path::new(STANDARD) {
         if STANDARD_INPUT_READ.swap(true, Ordering::Relaxed) {
             let text = "standard input can be read only once: name a file for the other `-`";
-            return Err(Failure::Misused(text.to_owned()));
+            return Err(Failure::Usage(text.to_owned()));
         }
         std::io::stdin().lock().take(allowed + 1).read_to_string(&mut text)
     } else {

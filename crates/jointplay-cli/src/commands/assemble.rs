@@ -59,7 +59,7 @@ impl Assemble {
             input.tolerance,
             others.as_deref(),
         );
-        self.mechanism.print(&report, |report| text(&input, report))?;
+        self.mechanism.format.print(&report, |report| text(&input, report))?;
         input.within_limits(&closed.coordinates)
     }
 }

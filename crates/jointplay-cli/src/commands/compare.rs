@@ -72,14 +72,14 @@ impl Compare {
         let options = self.metric.options(self.solver);
         let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
         let report = report::compare(&comparison, &broken);
-        self.answer.print(&report, table)?;
+        self.answer.format.print(&report, table)?;
         let figure = comparison_figure(&comparison);
         let written = self.figure.write(|format| match format {
             Format::Svg => figure.to_svg().map(String::into_bytes),
             Format::Png => figure.to_png(PNG_WIDTH),
         })?;
         match written {
-            Some(path) if !self.answer.json() => {
+            Some(path) if !self.answer.format.json() => {
                 output::text(&format!("figure: {}\n", path.display()))
             }
             _ => Ok(()),

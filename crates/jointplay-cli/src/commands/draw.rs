@@ -5,13 +5,14 @@ use std::path::PathBuf;
 use clap::Args;
 use jointplay::format::number::number;
 use jointplay::plot::{MechanismPicture, View};
+use serde::Serialize;
 
 use super::motion::driven;
 use crate::arguments::finite;
 use crate::failure::Failure;
 use crate::figure::{FigureArgs, Format};
 use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
-use crate::output;
+use crate::output::{self, FormatArgs};
 use crate::source::STANDARD;
 
 /// Width of a PNG figure [px].
@@ -51,6 +52,16 @@ pub(crate) struct Draw {
     view: Option<View>,
     #[command(flatten)]
     figure: FigureArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// The picture: the file that it was written to, or its SVG text.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Drawn {
+    Figure(String),
+    Svg(String),
 }
 
 fn view(text: &str) -> Result<View, String> {
@@ -83,7 +94,7 @@ impl Draw {
         let posed = input.posed(&input.commands(&self.at)?)?;
         if self.exaggerate.is_some() && posed.relief.is_none() {
             let text = "--exaggerate: this configuration takes no play that could be shown larger; say one with --at that closes by the file's virtual joints only";
-            return Err(Failure::Misused(text.to_owned()));
+            return Err(Failure::Usage(text.to_owned()));
         }
         let mut picture = MechanismPicture::new(&input.file.mechanism, posed.closed.coordinates);
         (picture.view, picture.exaggeration) = (self.view, self.exaggerate);
@@ -95,12 +106,17 @@ impl Draw {
             Format::Svg => picture.to_svg().map(String::into_bytes),
             Format::Png => picture.to_png(PNG_WIDTH),
         })?;
-        match written {
-            Some(path) => output::text(&format!("picture: {}\n", path.display())),
+        let drawn = match written {
+            Some(path) => Drawn::Figure(path.display().to_string()),
             None => {
                 let failed = |source| Failure::Figure { figure: STANDARD.to_owned(), source };
-                output::raw(&picture.to_svg().map_err(failed)?)
+                Drawn::Svg(picture.to_svg().map_err(failed)?)
             }
+        };
+        match &drawn {
+            _ if self.format.json() => output::json(&drawn),
+            Drawn::Figure(path) => output::text(&format!("picture: {path}\n")),
+            Drawn::Svg(svg) => output::raw(svg),
         }
     }
 }

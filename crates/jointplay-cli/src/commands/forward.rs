@@ -30,6 +30,8 @@ impl ForwardCommand {
         let broken = self.answer.limits.check_rods(&gpr, &rods)?;
         let pose = gpr.forward(rods, model, &self.model.options())?;
         let report = report::forward(&pose, model, &broken);
-        self.answer.print(&report, |report| pose_text::pose(report, self.model.options().solver))
+        self.answer
+            .format
+            .print(&report, |report| pose_text::pose(report, self.model.options().solver))
     }
 }

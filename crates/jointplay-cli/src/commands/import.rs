@@ -7,10 +7,12 @@ use jointplay::format::import::{self, Imported};
 use jointplay::format::mechanism::{self, MAX_BYTES};
 use jointplay::format::number::counted;
 use jointplay::mechanism::Mechanism;
+use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::folder::ForceArgs;
 use crate::mechanism_input::imported;
+use crate::output::FormatArgs;
 use crate::source::{Kind, STANDARD, Source};
 use crate::{folder, output};
 
@@ -34,6 +36,20 @@ pub(crate) struct Import {
     output: Option<PathBuf>,
     #[command(flatten)]
     force: ForceArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// The imported mechanism: the file that it was written to, or its text.
+#[derive(Serialize)]
+struct ImportReport {
+    model_format: &'static str,
+    links: usize,
+    joints: usize,
+    loops: usize,
+    ignored: Vec<String>,
+    file: Option<String>,
+    text: Option<String>,
 }
 
 impl Import {
@@ -42,7 +58,7 @@ impl Import {
         source.require(&[Kind::Model], "a model of MuJoCo, Gazebo or ROS")?;
         if !import::is_model(&source.text) {
             let label = &source.label;
-            return Err(Failure::Misused(format!(
+            return Err(Failure::Usage(format!(
                 "{label} is no model: models are XML files, of MuJoCo, Gazebo or ROS"
             )));
         }
@@ -58,21 +74,37 @@ impl Import {
         };
         let origin = format!("{file_name}, a model in {}", dialect.name());
         let text = mechanism::write(&mechanism, Some(&origin));
-        output::ignored(&ignored);
-        let path = self.output.as_deref().filter(|path| *path != Path::new(STANDARD));
-        let Some(path) = path else { return output::raw(&text) };
-        if let Some(folder) = path.parent() {
-            std::fs::create_dir_all(folder)
-                .map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
+        if !self.format.json() {
+            output::ignored(&ignored);
         }
-        folder::write_file(path, text.as_bytes(), self.force)?;
-        output::text(&format!(
-            "written to {}: {}, {}, {}\n",
-            path.display(),
-            counted(mechanism.links().len(), "link"),
-            counted(mechanism.joints().len(), "joint"),
-            counted(mechanism.loops(), "loop"),
-        ))
+        let path = self.output.as_deref().filter(|path| *path != Path::new(STANDARD));
+        if let Some(path) = path {
+            if let Some(folder) = path.parent() {
+                std::fs::create_dir_all(folder)
+                    .map_err(|source| Failure::Write { path: folder.to_owned(), source })?;
+            }
+            folder::write_file(path, text.as_bytes(), self.force)?;
+        } else if !self.format.json() {
+            return output::raw(&text);
+        }
+        let report = ImportReport {
+            model_format: dialect.name(),
+            links: mechanism.links().len(),
+            joints: mechanism.joints().len(),
+            loops: mechanism.loops(),
+            ignored,
+            file: path.map(|path| path.display().to_string()),
+            text: path.is_none().then_some(text),
+        };
+        self.format.print(&report, |report| {
+            format!(
+                "written to {}: {}, {}, {}\n",
+                report.file.as_deref().unwrap_or_default(),
+                counted(report.links, "link"),
+                counted(report.joints, "joint"),
+                counted(report.loops, "loop"),
+            )
+        })
     }
 }
 

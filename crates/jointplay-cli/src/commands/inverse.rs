@@ -53,6 +53,6 @@ impl Inverse {
             }
         };
         let report = report::forward(&pose, model, &broken);
-        self.answer.print(&report, |report| pose_text::pose(report, options.solver))
+        self.answer.format.print(&report, |report| pose_text::pose(report, options.solver))
     }
 }

@@ -91,14 +91,14 @@ impl Mobility {
         };
         let augmented = augmented.as_ref().map(|(name, found)| (*name, found));
         let report = report::mobility(&pose, gpr.kutzbach_mobility(), &finite, augmented, &broken);
-        self.answer.print(&report, text)
+        self.answer.format.print(&report, text)
     }
 
     fn of_mechanism(&self, source: &Source) -> Result<(), Failure> {
         if self.rods.q_mm.is_some() || self.virtualization.is_some() {
             let text =
                 "--q-mm and --virtualization are of the three-rod robot; say --at for a mechanism";
-            return Err(Failure::Misused(text.to_owned()));
+            return Err(Failure::Usage(text.to_owned()));
         }
         let tolerance = self.near.tolerance;
         let input = Input { tolerance, ..Input::parse(source, &self.set.set)? };
@@ -108,7 +108,7 @@ impl Mobility {
             let found = system.mobility(RANK_THRESHOLD)?;
             let report = report::sparse_mobility(&input.file, &system, &found);
             drop(working);
-            self.answer.print(&report, sparse_text)?;
+            self.answer.format.print(&report, sparse_text)?;
             input.within_limits(system.coordinates())?;
             return self.compare_with_file(&input, report.joint_freedoms, &report.freedoms);
         }
@@ -128,7 +128,7 @@ impl Mobility {
             near.as_ref(),
         )?;
         drop(working);
-        self.answer.print(&report, |report| mechanism_text(&input, report))?;
+        self.answer.format.print(&report, |report| mechanism_text(&input, report))?;
         input.within_limits(&posed.closed.coordinates)?;
         self.compare_with_file(&input, report.joint_freedoms, &report.freedoms)
     }
@@ -153,14 +153,14 @@ impl Mobility {
 
     fn refuse_tolerance(&self) -> Result<(), Failure> {
         let text = "--tolerance is for mechanism files; `gpr-mechanism` of the catalogue is this robot as one";
-        self.near.tolerance.map_or(Ok(()), |_| Err(Failure::Misused(text.to_owned())))
+        self.near.tolerance.map_or(Ok(()), |_| Err(Failure::Usage(text.to_owned())))
     }
 
     fn robot(&self, source: &Source) -> Result<Gpr, Failure> {
         self.refuse_tolerance()?;
         if !self.at.is_empty() || !self.set.set.is_empty() {
             let text = "--at and --set are for mechanism files; say --q-mm for this robot";
-            return Err(Failure::Misused(text.to_owned()));
+            return Err(Failure::Usage(text.to_owned()));
         }
         let read = robot::parse(&source.text);
         Ok(read.map_err(|error| Failure::at(&error, &source.label))?.gpr)

@@ -105,7 +105,7 @@ impl Move {
         if let (Some(folder), Some(names)) = (&self.out, names) {
             write(&input, &report, &driven, folder, names, self.force)?;
         }
-        self.mechanism.print(&report, |report| self.text(&input, report, &driven))?;
+        self.mechanism.format.print(&report, |report| self.text(&input, report, &driven))?;
         if let Some(message) = report.message {
             return Err(Failure::Stopped(message));
         }
@@ -120,14 +120,14 @@ impl Move {
         for way in &self.drives {
             let coordinate = input.find(&way.joint)?;
             if legs.iter().any(|leg| leg.coordinate == coordinate) {
-                return Err(Failure::Misused(format!("--drive {} is said twice", way.joint)));
+                return Err(Failure::Usage(format!("--drive {} is said twice", way.joint)));
             }
             let si = |value| input.value(coordinate, value);
             let (from, to) = (way.from.map(si).transpose()?, si(way.to)?);
             let step = way.step.map(si).transpose()?;
             if from.is_some_and(|from| from == to) {
                 let text = format!("--drive {}: FROM and TO are the same", way.joint);
-                return Err(Failure::Misused(text));
+                return Err(Failure::Usage(text));
             }
             legs.push(Leg { coordinate, from, to, step, name: way.joint.clone() });
         }
@@ -202,7 +202,7 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
     let Some(joint) = actuated else {
         let text =
             "no joint of this mechanism is actuated; say which to drive: --drive JOINT=FROM:TO";
-        return Err(Failure::Misused(text.to_owned()));
+        return Err(Failure::Usage(text.to_owned()));
     };
     let named = input.coordinates.all();
     let found = named.iter().position(|one| one.joint == joint.name);
@@ -273,16 +273,16 @@ fn steps(input: &Input, start: &DVector<f64>, legs: &[Leg]) -> Result<Option<usi
         let [from, to, step] = [from, leg.to, step].map(in_file).map(rounded);
         let values = spread(from, to, step).map_err(|error| {
             let unit = input.coordinates.unit(leg.coordinate);
-            Failure::Misused(format!("--drive {} (in {unit}): {error}", leg.name))
+            Failure::Usage(format!("--drive {} (in {unit}): {error}", leg.name))
         })?;
         let steps = values.len() - 1;
         if steps > MOST_STEPS {
             let text = format!("a motion has at most {MOST_STEPS} steps; take a larger STEP");
-            return Err(Failure::Misused(text));
+            return Err(Failure::Usage(text));
         }
         match count {
             Some((other, name)) if other != steps => {
-                return Err(Failure::Misused(format!(
+                return Err(Failure::Usage(format!(
                     "--drive {name} takes {other} steps and --drive {} takes {steps}: drives arrive together, so give one STEP only, or as many steps to each",
                     leg.name
                 )));

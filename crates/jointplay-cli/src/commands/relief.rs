@@ -22,11 +22,11 @@ pub(super) fn run(
 ) -> Result<(), Failure> {
     if input.file.mechanism.virtual_joints().is_empty() {
         let text = "this mechanism has no virtual joints; add [[virtual_joint]] tables where there is play";
-        return Err(Failure::Misused(text.to_owned()));
+        return Err(Failure::Usage(text.to_owned()));
     }
     if command.is_empty() {
         let text = "nothing is commanded; say --command JOINT=VALUE";
-        return Err(Failure::Misused(text.to_owned()));
+        return Err(Failure::Usage(text.to_owned()));
     }
     let commands = input.commands(command)?;
     let working = Progress::of_work("sensitivity");
@@ -39,7 +39,7 @@ pub(super) fn run(
     let values = sensitivity.singular_values().as_slice();
     let report = report::relief(&input.file, &relief, &commanded, values, length);
     drop(working);
-    answer.print(&report, |report| text(input, report))?;
+    answer.format.print(&report, |report| text(input, report))?;
     let of_joints = relief.coordinates.rows(0, input.coordinates.joints()).into_owned();
     input.within_limits(&of_joints)?;
     let over: Vec<&str> =

@@ -66,7 +66,7 @@ impl SensitivityCommand {
         let start = gpr.forward(level, model, &options)?;
         let play = gpr.play_between(start, end, model)?;
         let report = report::sensitivity(&play, model, &broken);
-        self.answer.print(&report, text)
+        self.answer.format.print(&report, text)
     }
 }
 

@@ -19,7 +19,7 @@ use crate::arguments::{
 };
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
-use crate::output;
+use crate::output::{self, FormatArgs};
 use crate::progress::Progress;
 
 /// Run the paper's studies and write data and figures
@@ -54,9 +54,9 @@ pub(crate) struct Simulate {
     /// Order of the samples
     #[arg(long, value_enum, default_value = "raster")]
     order: OrderName,
-    /// Format of the samples; parquet needs a build with --features parquet
+    /// Format of the sample tables; parquet needs a build with --features parquet
     #[arg(long, value_enum, default_value = "csv")]
-    format: TableFormat,
+    table: TableFormat,
     /// Folder for the results
     #[arg(short, long, value_name = "FOLDER", default_value = "paper-study")]
     out: PathBuf,
@@ -64,6 +64,8 @@ pub(crate) struct Simulate {
     force: ForceArgs,
     #[command(flatten)]
     robot: RobotArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -150,11 +152,14 @@ impl Simulate {
         names.insert(0, SUMMARY.to_owned());
         names.push(README.to_owned());
         let summary = self.summary(&robot, &raster, &studies, &names);
-        files.insert(0, (SUMMARY.to_owned(), summary.into_bytes()));
+        files.insert(0, (SUMMARY.to_owned(), summary.clone().into_bytes()));
         files.push((README.to_owned(), simulate_text::READ_ME.as_bytes().to_vec()));
         folder::write(&self.out, &files, self.force)?;
         folder::remove_stale(&self.out, &own, &files)?;
         drop(progress);
+        if self.format.json() {
+            return output::raw(&summary);
+        }
         let reports: Vec<&StudyReport> = studies.iter().map(|study| &study.report).collect();
         let heading = format!(
             "{}: {} poses, yaw 0° to 360° by {}°, pitch {}° to {}°, axis height {} mm",
@@ -232,7 +237,7 @@ impl Simulate {
     fn table(&self, samples: &Samples) -> Result<(String, Vec<u8>), Failure> {
         let columns = table::columns(samples);
         let stem = format!("samples-{}", samples.virtualization);
-        match self.format {
+        match self.table {
             TableFormat::Csv => Ok((format!("{stem}.csv"), table::csv(&columns).into_bytes())),
             #[cfg(feature = "parquet")]
             TableFormat::Parquet => {

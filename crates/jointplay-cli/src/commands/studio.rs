@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::cell::MAX_BYTES;
 use jointplay_studio::{CellFiles, EXAMPLE, Error, Server};
+use serde::Serialize;
 
 use crate::arguments::{RobotArgs, whole};
 use crate::failure::Failure;
-use crate::output;
+use crate::output::FormatArgs;
 use crate::source::{Kind, Source};
 
 /// Show the robot in a browser: move it, watch its play, compare the models
@@ -37,6 +38,14 @@ pub(crate) struct Studio {
     /// Do not open the page in the browser
     #[arg(long)]
     no_open: bool,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// The address of a running server.
+#[derive(Serialize)]
+struct Address<'a> {
+    url: &'a str,
 }
 
 impl Studio {
@@ -49,7 +58,7 @@ impl Studio {
         }
         if self.cell.is_some() {
             let text = "the work cell is named twice: by FILE and by --cell";
-            return Err(Failure::Misused(text.to_owned()));
+            return Err(Failure::Usage(text.to_owned()));
         }
         self.serve(&self.robot, Some(file))
     }
@@ -85,7 +94,9 @@ impl Studio {
             }
         };
         let url = server.url();
-        output::text(&format!("the studio is at {url}\n  Ctrl-C ends it\n"))?;
+        self.format.print(&Address { url: &url }, |Address { url }| {
+            format!("the studio is at {url}\n  Ctrl-C ends it\n")
+        })?;
         if !self.no_open
             && let Err(error) = open::that_detached(&url)
         {

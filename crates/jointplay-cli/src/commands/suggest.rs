@@ -64,7 +64,7 @@ impl Suggest {
         };
         let told = commands.iter().map(in_units).collect();
         let report = report::suggestions(&input.file, names, told, &found);
-        self.mechanism.print(&report, |report| text(&input, &commanded, report))?;
+        self.mechanism.format.print(&report, |report| text(&input, &commanded, report))?;
         if !found.needed {
             return found.without_play.iter().try_for_each(|at| input.within_limits(at));
         }
@@ -97,7 +97,7 @@ impl Suggest {
                 }
                 _ => {
                     let text = "every --command has to name the same joints";
-                    return Err(Failure::Misused(text.to_owned()));
+                    return Err(Failure::Usage(text.to_owned()));
                 }
             }
         }
@@ -118,7 +118,7 @@ fn small_steps(
         .collect();
     if motors.is_empty() {
         let text = "the file has no actuated joint; say which joints are commanded by --command";
-        return Err(Failure::Misused(text.to_owned()));
+        return Err(Failure::Usage(text.to_owned()));
     }
     let length = jointplay::constraint::System::characteristic_length(&system);
     let at_home = DVector::from_iterator(motors.len(), motors.iter().map(|&k| home[k]));

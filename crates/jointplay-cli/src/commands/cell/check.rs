@@ -26,7 +26,7 @@ impl Check {
     pub(super) fn run(&self) -> Result<(), Failure> {
         let planned = self.input.plan()?;
         let document = planned.document();
-        if self.input.json() {
+        if self.input.format().json() {
             output::json(&document)?;
         } else {
             output::text(&text::report(&document, &planned))?;

@@ -117,7 +117,7 @@ impl Export {
             rate_hz: self.rate.0,
             files: files.iter().map(|(path, _)| path.clone()).collect(),
         };
-        if self.input.json() {
+        if self.input.format().json() {
             output::json(&written)
         } else {
             output::text(&told(&written, &files))
@@ -205,7 +205,7 @@ fn dialect(path: &Path) -> Result<Dialect, Failure> {
         Some(entry) => entry.text.to_owned(),
         None if !path.exists() && path.extension().is_none() && path != Path::new(STANDARD) => {
             let names = DIALECTS.map(|entry| entry.name.to_owned());
-            return Err(Failure::Misused(place::not_known("the dialect", &label, &names)));
+            return Err(Failure::Usage(place::not_known("the dialect", &label, &names)));
         }
         None => read_text(path, MAX_BYTES as u64)?,
     };

@@ -4,11 +4,12 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::program;
+use serde::Serialize;
 
 use super::input::{EXAMPLE, wrong};
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
-use crate::output;
+use crate::output::{self, FormatArgs};
 use crate::source::{STANDARD, label, read_text};
 
 /// Lay a program out evenly: words in capitals, blocks set in, comments kept
@@ -28,6 +29,17 @@ pub(super) struct Format {
     /// Write it into the file instead of printing it
     #[arg(long, requires = "program")]
     write: bool,
+    #[command(flatten)]
+    pub(super) format: FormatArgs,
+}
+
+/// The formatted program.
+#[derive(Serialize)]
+struct FormatReport<'a> {
+    /// Whether formatting changes the program.
+    changed: bool,
+    /// The formatted text, where it is not written into the file.
+    text: Option<&'a str>,
 }
 
 impl Format {
@@ -36,19 +48,24 @@ impl Format {
             Some(path) => (read_text(path, program::MAX_BYTES as u64)?, label(path)),
             None => (program::EXAMPLE.to_owned(), format!("{EXAMPLE}.program")),
         };
-        let even =
-            program::format(&text).map_err(|problems| Failure::Wrong(wrong(&problems, &label)))?;
+        let even = program::format(&text)
+            .map_err(|problems| Failure::Invalid(wrong(&problems, &label)))?;
         match &self.program {
             Some(path) if self.write && path == Path::new(STANDARD) => {
                 let text =
                     "--write: standard input is no file; without --write the program is printed";
-                Err(Failure::Misused(text.to_owned()))
+                Err(Failure::Usage(text.to_owned()))
             }
             Some(path) if self.write && even != text => {
                 folder::write_file(path, even.as_bytes(), ForceArgs::REPLACE)
             }
-            Some(_) if self.write => Ok(()),
-            _ => output::raw(&even),
+            _ => Ok(()),
+        }?;
+        let printed = (!self.write).then_some(even.as_str());
+        if self.format.json() {
+            output::json(&FormatReport { changed: even != text, text: printed })
+        } else {
+            printed.map_or(Ok(()), output::raw)
         }
     }
 }

@@ -14,8 +14,8 @@ use jointplay::format::place::Error as Placed;
 use jointplay::format::{cell, program, report};
 
 use super::text::counted;
-use crate::arguments::TextFormat;
-use crate::failure::{Failure, Wrong};
+use crate::failure::{Diagnostic, Failure};
+use crate::output::FormatArgs;
 use crate::progress::{Progress, Reporter};
 use crate::source::{self, Kind, STANDARD, Source, read_text};
 
@@ -30,9 +30,8 @@ pub(super) struct CellArgs {
     /// Cell file (TOML); without it, the example that comes along
     #[arg(value_name = "CELL")]
     file: Option<PathBuf>,
-    /// How the answer is printed
-    #[arg(long, value_enum, default_value = "text")]
-    format: TextFormat,
+    #[command(flatten)]
+    pub(super) format: FormatArgs,
 }
 
 /// A cell and a program for it.
@@ -63,7 +62,7 @@ impl Named {
         folder: Option<PathBuf>,
     ) -> Result<Self, Failure> {
         let read = cell::read(&text, &mut |name| beside(folder.as_deref(), name));
-        let cell = read.map_err(|problems| Failure::Wrong(wrong(&problems, &label)))?;
+        let cell = read.map_err(|problems| Failure::Invalid(wrong(&problems, &label)))?;
         Ok(Self { cell, label, stem, text, folder })
     }
 }
@@ -86,10 +85,6 @@ pub(super) struct Planned {
 }
 
 impl CellArgs {
-    pub(super) fn json(&self) -> bool {
-        self.format == TextFormat::Json
-    }
-
     pub(super) fn is_standard_input(&self) -> bool {
         self.file.as_deref() == Some(Path::new(STANDARD))
     }
@@ -119,8 +114,8 @@ impl CellArgs {
 }
 
 impl InputArgs {
-    pub(super) fn json(&self) -> bool {
-        self.cell.json()
+    pub(super) fn format(&self) -> FormatArgs {
+        self.cell.format
     }
 
     pub(super) fn load(&self) -> Result<Input, Failure> {
@@ -142,9 +137,11 @@ impl InputArgs {
                 let mut all = unread;
                 all.extend(misfits.iter().map(|one| told(one, &text, &label)));
                 all.sort_by_key(|one| (one.line, one.column));
-                Failure::Wrong(all)
+                Failure::Invalid(all)
             }
-            Err(Failure::Wrong(cell)) => Failure::Wrong(cell.into_iter().chain(unread).collect()),
+            Err(Failure::Invalid(cell)) => {
+                Failure::Invalid(cell.into_iter().chain(unread).collect())
+            }
             Err(cell) => cell,
         })
     }
@@ -156,7 +153,7 @@ impl InputArgs {
             (None, Some(cell)) if !self.cell.is_example() => {
                 let path = cell.with_extension(PROGRAM);
                 if !path.exists() {
-                    return Err(Failure::Misused(format!(
+                    return Err(Failure::Usage(format!(
                         "there is no {} beside the cell: name the program after the cell",
                         path.display()
                     )));
@@ -187,7 +184,7 @@ impl InputArgs {
         reporter.stage("timing");
         let motion = memory.timed(cell, steps, &MotionOptions::default()).map_err(|error| {
             let problems = error.problems.iter();
-            Failure::CannotDo(input.at(problems.map(|one| (one.place, one.message.clone()))))
+            Failure::Infeasible(input.at(problems.map(|one| (one.place, one.message.clone()))))
         })?;
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
@@ -204,11 +201,11 @@ impl Input {
     }
 
     /// Messages at places of the program; the same at one place once.
-    fn at(&self, messages: impl Iterator<Item = (Place, String)>) -> Vec<Wrong> {
-        let mut all: Vec<Wrong> = Vec::new();
+    fn at(&self, messages: impl Iterator<Item = (Place, String)>) -> Vec<Diagnostic> {
+        let mut all: Vec<Diagnostic> = Vec::new();
         for (at, message) in messages {
             let (file, excerpt) = (self.label.clone(), self.excerpt(at, &message));
-            let one = Wrong { file, line: at.line, column: at.column, message, excerpt };
+            let one = Diagnostic { file, line: at.line, column: at.column, message, excerpt };
             if !all.contains(&one) {
                 all.push(one);
             }
@@ -227,7 +224,11 @@ impl Input {
                     | ProgramProblem::Unreachable { .. }
             )
         };
-        if errors.iter().all(out_of_reach) { Failure::CannotDo(all) } else { Failure::Wrong(all) }
+        if errors.iter().all(out_of_reach) {
+            Failure::Infeasible(all)
+        } else {
+            Failure::Invalid(all)
+        }
     }
 }
 
@@ -280,13 +281,13 @@ fn counted_by(reporter: Reporter) -> Memory {
 }
 
 /// What is wrong with a file.
-pub(super) fn wrong<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> Vec<Wrong> {
-    problems.iter().map(|one| Wrong::new(one, label)).collect()
+pub(super) fn wrong<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> Vec<Diagnostic> {
+    problems.iter().map(|one| Diagnostic::new(one, label)).collect()
 }
 
 /// What is wrong with a program in its cell.
-fn told(error: &ProgramError, text: &str, label: &str) -> Wrong {
-    Wrong::new(&program::explain(text, error), label)
+fn told(error: &ProgramError, text: &str, label: &str) -> Diagnostic {
+    Diagnostic::new(&program::explain(text, error), label)
 }
 
 /// A file that a cell names: in its folder or below, and nowhere else.

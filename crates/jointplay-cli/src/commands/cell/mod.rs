@@ -13,6 +13,7 @@ mod text;
 use clap::{Args, Subcommand};
 
 use crate::failure::Failure;
+use crate::output::FormatArgs;
 
 /// Work cells: check programs of robots with arms, run them, export their motion, teach stations
 ///
@@ -53,13 +54,14 @@ impl CellCommand {
         }
     }
 
-    pub(crate) fn json(&self) -> bool {
+    pub(crate) fn format(&self) -> FormatArgs {
         match &self.action {
-            Action::Check(command) => command.input.json(),
-            Action::Run(command) => command.input.json(),
-            Action::Export(command) => command.input.json(),
-            Action::Teach(command) => command.cell.json(),
-            Action::Format(_) | Action::Example(_) => false,
+            Action::Check(command) => command.input.format(),
+            Action::Run(command) => command.input.format(),
+            Action::Export(command) => command.input.format(),
+            Action::Teach(command) => command.cell.format,
+            Action::Format(command) => command.format,
+            Action::Example(command) => command.format,
         }
     }
 }

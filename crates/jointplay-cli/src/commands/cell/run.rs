@@ -61,7 +61,7 @@ impl Run {
         }
         staged.publish()?;
         folder::remove_stale(&self.out, &own, &files)?;
-        if self.input.json() {
+        if self.input.format().json() {
             output::json(&document)?;
         } else {
             let mut told = text::report(&document, &planned);

@@ -89,7 +89,7 @@ impl Teach {
             let names: Vec<String> =
                 named.cell.stations.iter().map(|station| station.name.clone()).collect();
             if !names.contains(station) {
-                return Err(Failure::Misused(not_known("the station", station, &names)));
+                return Err(Failure::Usage(not_known("the station", station, &names)));
             }
             if let Some(change) = self.change() {
                 named = changed(named, station, change)?;
@@ -99,7 +99,7 @@ impl Teach {
             }
         }
         let document = report::teach(&named.cell, self.station.as_deref());
-        if self.cell.json() {
+        if self.cell.format.json() {
             output::json(&document)?;
         } else {
             output::text(&text(&document))?;
@@ -109,7 +109,7 @@ impl Teach {
             Format::Svg => picture.to_svg().map(String::into_bytes),
             Format::Png => picture.to_png(PNG_WIDTH),
         })?;
-        if let Some(path) = written.filter(|_| !self.cell.json()) {
+        if let Some(path) = written.filter(|_| !self.cell.format.json()) {
             output::text(&format!("picture: {}\n", path.display()))?;
         }
         let scattered = document.stations.iter().find(|station| {
@@ -159,11 +159,11 @@ impl Teach {
     fn save(&self, named: &Named) -> Result<(), Failure> {
         if self.cell.is_standard_input() {
             let text = "--write: standard input is no file; name the cell file";
-            return Err(Failure::Misused(text.to_owned()));
+            return Err(Failure::Usage(text.to_owned()));
         }
         if named.folder.is_none() {
             let text = "--write: the example is no file; `jointplay cell example` makes one of it";
-            return Err(Failure::Misused(text.to_owned()));
+            return Err(Failure::Usage(text.to_owned()));
         }
         folder::write_file(Path::new(&named.label), named.text.as_bytes(), ForceArgs::REPLACE)
     }
@@ -175,7 +175,7 @@ fn changed(named: Named, station: &str, change: Change) -> Result<Named, Failure
         .map_err(|problem| Failure::at(&problem, &named.label))?;
     match Named::read(named.label, named.stem, text, named.folder) {
         // The file was sound before: what is wrong now are the points.
-        Err(Failure::Wrong(all)) => Err(Failure::CannotDo(all)),
+        Err(Failure::Invalid(all)) => Err(Failure::Infeasible(all)),
         other => other,
     }
 }
