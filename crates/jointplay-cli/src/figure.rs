@@ -1,4 +1,4 @@
-//! One figure that is written where `--figure` asks for it.
+//! The figure that `--figure` writes.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,10 @@ use jointplay::plot;
 use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 
-/// Where the figure of a question goes.
+/// Points of a figure's curves in place of each given pitch, so that the curves look smooth.
+pub(crate) const FIGURE_REFINEMENT: u32 = 10;
+
+/// The file of a figure.
 #[derive(Args)]
 pub(crate) struct FigureArgs {
     /// Write the figure into this file, which ends in .svg or .png

@@ -35,7 +35,7 @@ pub(crate) fn place(
             let room = beside(*spot, *side, size);
             let outside = !(frame.contains((room.x, room.y))
                 && frame.contains((room.right(), room.bottom())));
-            let covered = taken.iter().filter(|other| overlap(&room, other)).count();
+            let covered = taken.iter().filter(|other| room.overlaps(other)).count();
             let crossed = strokes
                 .iter()
                 .flat_map(|stroke| stroke.windows(2))
@@ -77,10 +77,6 @@ fn beside((x, y): Spot, side: (f64, f64), (w, h): (f64, f64)) -> Rectangle {
         _ => at - 0.5 * length,
     };
     Rectangle { x: start(x, side.0, w), y: start(y, side.1, h), w, h }
-}
-
-fn overlap(a: &Rectangle, b: &Rectangle) -> bool {
-    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
 }
 
 #[cfg(test)]

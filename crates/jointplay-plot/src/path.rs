@@ -37,6 +37,23 @@ impl Rectangle {
         (self.x..=self.right()).contains(&x) && (self.y..=self.bottom()).contains(&y)
     }
 
+    /// Whether the two rectangles have points in common.
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        self.x < other.right()
+            && other.x < self.right()
+            && self.y < other.bottom()
+            && other.y < self.bottom()
+    }
+
+    /// Whether the circle about `center` passes through the rectangle.
+    pub(crate) fn meets_circle(&self, center: Spot, radius: f64) -> bool {
+        let (left, right) = (self.x - center.0, self.right() - center.0);
+        let (top, bottom) = (self.y - center.1, self.bottom() - center.1);
+        let nearest = left.max(-right).max(0.0).hypot(top.max(-bottom).max(0.0));
+        let farthest = left.abs().max(right.abs()).hypot(top.abs().max(bottom.abs()));
+        (nearest..=farthest).contains(&radius)
+    }
+
     /// The part of the stroke from `a` to `b` that is inside (clipping after Liang and Barsky).
     pub(crate) fn cut(&self, a: Spot, b: Spot) -> Option<(Spot, Spot)> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);

@@ -9,12 +9,12 @@ use jointplay::format::units::m_from_mm;
 use jointplay::gpr::AxisHeight;
 use jointplay::plot::results::comparison as comparison_figure;
 use jointplay::spatial::Tilt;
-use jointplay::study::compare;
+use jointplay::study::{compare, refine};
 use jointplay::virtualization::built_in;
 
 use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches, yaw};
 use crate::failure::Failure;
-use crate::figure::{FigureArgs, Format};
+use crate::figure::{FIGURE_REFINEMENT, FigureArgs, Format};
 use crate::output::{self, fixed, limits};
 
 /// What every model says of a range of tilts, side by side
@@ -73,7 +73,11 @@ impl Compare {
         let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
         let report = report::compare(&comparison, &broken);
         self.answer.format.print(&report, table)?;
-        let figure = comparison_figure(&comparison);
+        if self.figure.target()?.is_none() {
+            return Ok(());
+        }
+        let fine = refine(&pitches, FIGURE_REFINEMENT);
+        let figure = comparison_figure(&compare(&gpr, &built_in(), yaw, &fine, height, &options)?);
         let written = self.figure.write(|format| match format {
             Format::Svg => figure.to_svg().map(String::into_bytes),
             Format::Png => figure.to_png(PNG_WIDTH),

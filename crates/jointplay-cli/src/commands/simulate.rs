@@ -18,6 +18,7 @@ use crate::arguments::{
     MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, length, pitches,
 };
 use crate::failure::Failure;
+use crate::figure::FIGURE_REFINEMENT;
 use crate::folder::{self, ForceArgs};
 use crate::output::{self, FormatArgs};
 use crate::progress::Progress;
@@ -109,9 +110,6 @@ const COMMAND: &str = "jointplay simulate";
 const MOST_POSES: usize = 500_000;
 /// Width of the figures' PNG [px]: 180 mm at 250 dots an inch.
 const PNG_WIDTH: u32 = 1800;
-
-/// Tilt angles of a one-direction figure for each step of the raster: smooth curves.
-const REFINEMENT: u32 = 10;
 
 /// One virtualization's study.
 struct Study {
@@ -226,7 +224,8 @@ impl Simulate {
         let options = self.metric.options(self.solver);
         progress.stage(model.name());
         let samples = simulate(gpr, raster, model, &options, &mut |done| progress.at(done))?;
-        let one_direction = simulate(gpr, &one_direction(raster), model, &options, &mut |_| {})?;
+        let one_direction =
+            simulate(gpr, &raster.one_direction(FIGURE_REFINEMENT), model, &options, &mut |_| {})?;
         progress.part_done(raster.len());
         let bounds = check_bounds(gpr, raster, model, &options, &mut |done| progress.at(done))?;
         progress.part_done(raster.len());
@@ -269,20 +268,6 @@ impl Simulate {
             "files": files,
         });
         output::to_json(&document) + "\n"
-    }
-}
-
-/// The raster reduced to one tilt direction in finer steps, of a ninth of the way round: there no rod stays at rest.
-fn one_direction(raster: &Raster) -> Raster {
-    let refined = raster.pitches.windows(2).flat_map(|step| {
-        (0..REFINEMENT)
-            .map(|i| step[0] + (step[1] - step[0]) * f64::from(i) / f64::from(REFINEMENT))
-    });
-    Raster {
-        yaws: vec![raster.yaws[raster.yaws.len() / 9]],
-        pitches: refined.chain(raster.pitches.last().copied()).collect(),
-        height: raster.height,
-        order: raster.order,
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod gantt;
 mod outline;
+mod station_label;
 mod teach;
 mod top;
 

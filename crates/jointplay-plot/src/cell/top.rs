@@ -5,8 +5,10 @@ use jointplay_cell::robot::EffectorId;
 
 use super::effector_colour;
 use super::outline::outline;
+use super::station_label::{Circle, Obstacles, place};
 use crate::draw::RIM;
 use crate::mechanism::bar;
+use crate::path::Rectangle;
 use crate::svg::{Anchor, INK, Svg, element, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
@@ -113,7 +115,8 @@ impl<'a> TopView<'a> {
         self.stations(&mut svg, &camera);
         self.ways(&mut svg, &camera);
         self.named(&mut svg, &camera);
-        self.names(&mut svg, &camera, (top, bottom));
+        let frame = Rectangle { x: 2.0, y: top, w: self.width - 4.0, h: bottom - top };
+        self.station_labels(&mut svg, &camera, &frame);
         for &at in &self.wrong {
             let (x, y) = camera.at(at);
             let data = format!("M{} {}l9 9m0 -9l-9 9", px(x - 4.5), px(y - 4.5));
@@ -273,36 +276,51 @@ impl<'a> TopView<'a> {
         }
     }
 
-    /// Names of stations beyond them, and where they are entered.
-    fn names(&self, svg: &mut Svg, camera: &Camera, (top, bottom): (f64, f64)) {
-        let radius = 0.5 * self.cell.wafer.diameter;
+    /// Labels of stations, and arrows in the direction of entry.
+    fn station_labels(&self, svg: &mut Svg, camera: &Camera, frame: &Rectangle) {
+        let radius = 0.5 * self.cell.wafer.diameter * camera.scale;
+        let places = self.cell.stations.iter().map(|station| station.slot_frame(1));
+        let outline = |frame: jointplay_core::spatial::Pose| Circle {
+            center: camera.at(center(frame.translation.vector)),
+            radius,
+        };
+        let reaches = self
+            .tracks
+            .iter()
+            .flat_map(|track| track.reach)
+            .map(|reach| Circle { center: camera.at([0.0; 2]), radius: reach * camera.scale });
+        let paths = self
+            .tracks
+            .iter()
+            .map(|track| track.points.iter().map(|&point| camera.at(point)).collect::<Vec<_>>());
+        let mut obstacles = Obstacles {
+            circles: places.map(outline).chain(reaches).collect(),
+            paths: paths.collect(),
+            labels: Vec::new(),
+        };
         for station in &self.cell.stations {
-            let frame = station.slot_frame(1);
-            let place = center(frame.translation.vector);
-            let inward = frame.rotation * nalgebra::Vector3::y();
-            let (x, y) = camera.at(place);
-            let r = radius * camera.scale;
+            let slot = station.slot_frame(1);
+            let inward = slot.rotation * nalgebra::Vector3::y();
+            let (x, y) = camera.at(center(slot.translation.vector));
+            let r = radius;
             let arrow = [
                 (x - 0.75 * r * inward.x, y + 0.75 * r * inward.y),
                 (x - 0.25 * r * inward.x, y + 0.25 * r * inward.y),
             ];
             svg.path(&path_data(&arrow), &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));
             svg.path(&dot(arrow[1], 2.6), &format!(" fill=\"{INK}\""));
-            let normal = frame.rotation * nalgebra::Vector3::z();
-            let lean = normal.x.hypot(normal.y).atan2(normal.z).to_degrees();
+            let normal = slot.rotation * nalgebra::Vector3::z();
+            let tilt = normal.x.hypot(normal.y).atan2(normal.z).to_degrees();
             let slots = if station.slots > 1 {
                 format!(", {} slots", station.slots)
             } else {
                 String::new()
             };
-            let tilt = if lean > 5e-4 { format!(", {}°", short(lean)) } else { String::new() };
+            let tilt = if tilt > 5e-4 { format!(", {}°", short(tilt)) } else { String::new() };
             let text = format!("{}{slots}{tilt}", station.name);
-            let half = 0.5 * width(&text, TICK);
-            let x = x.clamp(half + 4.0, (self.width - half - 4.0).max(half + 4.0));
-            // Beyond the station, seen from the robot.
-            let beyond = if place[1] < 0.0 { y + r + 16.0 } else { y - r - 8.0 };
-            let y = beyond.clamp(top + TICK, bottom - 4.0);
-            svg.text((x, y), TICK, Anchor::Middle, &text, RIM);
+            let below = slot.translation.vector.y < 0.0;
+            let at = place(&text, outline(slot), below, &mut obstacles, frame);
+            svg.text(at, TICK, Anchor::Middle, &text, RIM);
         }
     }
 
