@@ -132,8 +132,8 @@ test('moved by hand, axis by axis: it follows in the picture, and limits stop it
   await until('the axes are there', async () => (await value('T')) === 0);
   // These tests are about the robot's own limits; `jog.test.ts` is about contacts.
   await page.getByTestId('jog-stop').uncheck();
-  await page.getByRole('button', { name: 'T more by 1 °' }).click();
-  await page.getByRole('button', { name: 'T more by 1 °' }).click();
+  await page.getByRole('button', { name: 'Increase T by 1 °' }).click();
+  await page.getByRole('button', { name: 'Increase T by 1 °' }).click();
   await page.getByTestId('jogged').waitFor();
   await until('it turned by two degrees', async () => (await value('T')) === 2);
   await until('it is seen', async () => (await origin('upper link 4')).some((part, k) => Math.abs(part - before[k]!) > 1e-3));
@@ -143,7 +143,7 @@ test('moved by hand, axis by axis: it follows in the picture, and limits stop it
   await page.getByTestId('field-jog-RA').fill('95');
   await page.getByTestId('field-jog-RA').press('Enter');
   await until('it is at its stop', async () => (await value('RA')) === 80);
-  await page.locator('#jog-fields [role=alert]', { hasText: 'RA reaches from -45 to 80 °' }).waitFor();
+  await page.locator('#jog-fields [role=alert]', { hasText: 'RA ranges from -45 to 80 °' }).waitFor();
   // One rod alone meets the limit of tilt, which the server tells.
   await page.getByTestId('field-jog-q1').fill('520');
   await page.getByTestId('field-jog-q1').press('Enter');
@@ -171,7 +171,7 @@ test('moved by hand, as a station and the world see the wafer: the numbers are t
   await page.getByTestId('field-jog-x').press('Enter');
   await page.getByTestId('jog-stopped').filter({ hasText: 'out of reach' }).waitFor();
   expect(await value('x')).toBeGreaterThan(-700);
-  await page.getByText(/ways? to hold A’s wafer there/).click();
+  await page.getByText(/inverse-kinematics branch(es)? for A/).click();
   await page.getByTestId('jog-branches').getByText('chosen').first().waitFor();
   await page.locator('#jog-platform').click();
   await page.getByTestId('field-jog-height').fill('520');
@@ -208,8 +208,8 @@ test('a station is taught where the wafer is, and by points of its plane, and un
     await page.getByTestId('teach-ALIGN-point').click();
     await until('the point is taken', async () => (await page.getByTestId('points-ALIGN').locator('li').count()) === points + 1);
     if (points === 1) await page.getByTestId('plane-ALIGN').filter({ hasText: '2 of 3 points' }).waitFor();
-    if (points === 2) await page.getByTestId('plane-ALIGN').filter({ hasText: 'a fourth would prove it' }).waitFor();
-    if (points === 3) await page.getByTestId('plane-ALIGN').filter({ hasText: 'too few points to test their noise' }).waitFor();
+    if (points === 2) await page.getByTestId('plane-ALIGN').filter({ hasText: 'add a fourth to verify' }).waitFor();
+    if (points === 3) await page.getByTestId('plane-ALIGN').filter({ hasText: 'too few points to estimate the noise' }).waitFor();
   }
   for (let k = 0; k < 4; k += 1) await undo.click();
   await until('no point is left', async () => (await page.getByTestId('points-ALIGN').count()) === 0);
@@ -324,7 +324,7 @@ test('parts are found by name, marked in the picture, and told', async () => {
   await until('it is marked', async () => (await page.evaluate(() => window.jointplay.measure.cell!.marked())).includes('blade-A'));
   expect(await page.getByTestId('properties').textContent()).toContain('300.00 mm × 220.00 mm × 3.00 mm');
   await page.getByTestId('parts').getByText('Arm lower').click();
-  await page.getByTestId('parts').getByRole('button', { name: 'lower all of it' }).click();
+  await page.getByTestId('parts').getByRole('button', { name: 'lower whole arm' }).click();
   await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.measure.cell!.marked())).includes('blade-B'));
   await page.getByRole('tab', { name: 'Program' }).click();
 });
@@ -362,7 +362,7 @@ test('files that changed on the disk are not replaced unasked', async () => {
   await page.getByTestId('overtaken').waitFor();
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
   expect(readFileSync(path, 'utf8')).toBe(theirs);
-  await page.getByRole('button', { name: 'Read it again' }).click();
+  await page.getByRole('button', { name: 'Reload from disk' }).click();
   await until('theirs is here', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-493');
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('mine can be had back', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-492');
@@ -370,7 +370,7 @@ test('files that changed on the disk are not replaced unasked', async () => {
   await page.getByTestId('save').click();
   await page.getByTestId('overtaken').waitFor();
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
-  await page.getByRole('button', { name: 'Replace it' }).click();
+  await page.getByRole('button', { name: 'Overwrite' }).click();
   await until('mine is kept', async () => readFileSync(path, 'utf8').includes('-492'));
   await verdict('sound');
 });
@@ -391,7 +391,7 @@ test('a cell that cannot be read is opened, told in its line, and mended', async
   try {
     await second.goto(other.address);
     await second.getByTestId('problems').getByText('tilts 2.000°').waitFor();
-    await second.getByText('The cell is shown when its file is right.').waitFor();
+    await second.getByText('Fix the errors in the cell file to display the cell.').waitFor();
     const line = CELL.split('\n').findIndex((text) => text.startsWith('tilt = {')) + 1;
     await second.getByTestId('problems').getByRole('button', { name: `cell, line ${line}, column 8` }).click();
     await second.getByTestId('text-cell').locator('.cm-content').click();

@@ -99,7 +99,7 @@ test('while a newer answer is awaited, the check of the pose is outdated', async
     await new Promise<void>((go) => held.push(go));
     await route.continue();
   });
-  await page.getByRole('button', { name: 'RA less by 1 °' }).click();
+  await page.getByRole('button', { name: 'Decrease RA by 1 °' }).click();
   await state('outdated');
   expect(await page.getByTestId('jog-check').innerText()).toContain('Outdated');
   expect(await page.evaluate(() => window.jointplay.measure.cell!.brokenColour()), 'the marks lose their colour').toBe('8a9099');

@@ -64,8 +64,8 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
       expect(await cut(page)).toEqual([]);
       if (scene.width <= 760) {
         await page.getByRole('button', { name: 'About this view' }).click();
-        await page.getByText('On paper this robot can only go up').waitFor();
-        await page.getByRole('button', { name: 'Hide this explanation' }).click();
+        await page.getByText('With ideal joints, this robot can only translate').waitFor();
+        await page.getByRole('button', { name: 'Close this explanation' }).click();
       }
       // The panels are there, below where there is no room beside.
       await page.getByTestId('slider-pitch').scrollIntoViewIfNeeded();
@@ -81,7 +81,7 @@ for (const [width, height] of [[390, 844], [500, 900], [720, 450], [1024, 700], 
       expect(scene.height).toBeGreaterThanOrEqual(200);
       const slider = (await page.getByTestId('cell-time').boundingBox())!;
       expect(slider.width).toBeGreaterThanOrEqual(100);
-      expect((await page.getByLabel('Speed of playback').boundingBox())!.width).toBeGreaterThanOrEqual(56);
+      expect((await page.getByLabel('Playback speed').boundingBox())!.width).toBeGreaterThanOrEqual(56);
       expect(await cut(page)).toEqual([]);
     }));
 }

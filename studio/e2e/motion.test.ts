@@ -98,8 +98,8 @@ test('a serpentine, and a motion of key poses', async () => {
   const box = (await over.boundingBox())!;
   await over.click({ position: { x: box.width / 2, y: box.height / 2 } });
   expect(Math.abs((await at()) - 210)).toBeLessThan(6);
-  await page.getByTestId('take').click();
-  const [figure] = await Promise.all([page.waitForEvent('download'), page.getByTestId('take-svg').click()]);
+  await page.getByTestId('export').click();
+  const [figure] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-svg').click()]);
   const svg = readFileSync(await figure.path(), 'utf8');
   expect(svg).toContain('time [s]');
   expect(svg).not.toContain('>sample<');
@@ -137,26 +137,26 @@ test('a motion that cannot be says why', async () => {
 
 test('series, plots and a film are taken away', async () => {
   const take = async (item: string) => {
-    await page.getByTestId('take').click();
+    await page.getByTestId('export').click();
     const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(item).click()]);
     return readFileSync(await download.path());
   };
-  const csv = (await take('take-csv')).toString().trim().split('\n');
+  const csv = (await take('export-csv')).toString().trim().split('\n');
   expect(csv).toHaveLength(778);
   expect(csv[0]).toContain('q1_m');
   const shown = await page.locator('[data-testid^=plot-]').count();
   expect(shown).toBeGreaterThan(4);
-  const svg = (await take('take-svg')).toString();
+  const svg = (await take('export-svg')).toString();
   expect(svg.match(/<g transform/g)).toHaveLength(shown);
-  const png = await take('take-png');
+  const png = await take('export-png');
   expect(png.subarray(1, 4).toString()).toBe('PNG');
   expect([png.readUInt32BE(16), png.readUInt32BE(20)]).toEqual([1440, 720 * shown]);
   // Parquet is offered by servers that write it, and by no others.
   const robot = (await (await fetch(`${server.address}api/v1/robot`)).json()) as { series_formats: string[] };
   if (robot.series_formats.includes('parquet')) {
-    const bytes = await take('take-parquet');
+    const bytes = await take('export-parquet');
     for (const mark of [bytes.subarray(0, 4), bytes.subarray(-4)]) expect(mark.toString()).toBe('PAR1');
-  } else expect(await page.getByTestId('take-parquet').count()).toBe(0);
+  } else expect(await page.getByTestId('export-parquet').count()).toBe(0);
 });
 
 test('a server that writes no Parquet is not asked for it', async () => {
@@ -168,9 +168,9 @@ test('a server that writes no Parquet is not asked for it', async () => {
     });
     await other.goto(server.address);
     await drawn(other);
-    await other.getByTestId('take').click();
-    await other.getByTestId('take-csv').waitFor();
-    expect(await other.getByTestId('take-parquet').count()).toBe(0);
+    await other.getByTestId('export').click();
+    await other.getByTestId('export-csv').waitFor();
+    expect(await other.getByTestId('export-parquet').count()).toBe(0);
   } finally {
     await other.close();
   }
@@ -185,9 +185,9 @@ test('a whole motion is filmed, and the film lasts as long', async () => {
   }
   await loaded(181);
   await page.getByRole('button', { name: 'Poses' }).click();
-  await page.getByTestId('take').click();
+  await page.getByTestId('export').click();
   const begun = Date.now();
-  const [film] = await Promise.all([page.waitForEvent('download'), page.getByTestId('take-film').click()]);
+  const [film] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-film').click()]);
   const took = (Date.now() - begun) / 1000;
   expect(await at()).toBe(180);
   expect(film.suggestedFilename()).toMatch(/^motion\.(webm|mp4)$/);

@@ -53,7 +53,7 @@ async function type(name: string, text: string): Promise<void> {
 
 test('the page explains itself, and its numbers are those of the command', async () => {
   await open('#pose=rods,500,501,502&model=polar,newton,paper&play=500');
-  expect(await page.getByText('On paper this robot can only go up').isVisible()).toBe(true);
+  expect(await page.getByText('With ideal joints, this robot can only translate').isVisible()).toBe(true);
   const said = JSON.parse(
     execFileSync(COMMAND, ['forward', '--q-mm', '500,501,502', '--virtualization', 'polar', '--solver', 'newton', '--format', 'json'], {
       encoding: 'utf8',
@@ -67,7 +67,7 @@ test('the page explains itself, and its numbers are those of the command', async
   const shift = page.getByTestId('shift-polar');
   expect(Number(await shift.getAttribute('data-x')) * 1e3).toBeCloseTo(said.platform.center_shift_mm[0], 10);
   expect(Number(await shift.getAttribute('data-y')) * 1e3).toBeCloseTo(said.platform.center_shift_mm[1], 10);
-  await page.getByRole('tab', { name: 'Yaw and pitch' }).click();
+  await page.getByRole('tab', { name: 'Direction, angle' }).click();
   expect(await value('yaw')).toBeCloseTo(said.platform.yaw_deg, 3);
   expect(await value('pitch')).toBeCloseTo(said.platform.pitch_deg, 3);
 });
@@ -82,7 +82,7 @@ test('jogging moves the robot, each change is one step of undo', async () => {
   expect(await page.getByTestId('rank').textContent()).toBe('9');
   await type('height', '400');
   await drawn(page, 'Math.abs(pose.axis_height_m - 0.4) < 1e-9');
-  await page.getByRole('button', { name: 'Pitch α more by 0.05 °' }).click();
+  await page.getByRole('button', { name: 'Increase Tilt angle α by 0.05 °' }).click();
   await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 0.05 * Math.PI / 180) < 1e-9');
 
   // A drag of a slider, however many moves it takes, is one step.
@@ -107,11 +107,11 @@ test('jogging moves the robot, each change is one step of undo', async () => {
 test('limits stop the robot on its way, and say why', async () => {
   await open();
   await type('pitch', '3');
-  expect(await page.getByText('Pitch α reaches from -1.5 to 1.5 °').isVisible()).toBe(true);
+  expect(await page.getByText('Tilt angle α ranges from -1.5 to 1.5 °').isVisible()).toBe(true);
   // One rod alone tilts the platform: it goes as far as the tilt may.
   await open('#pose=rods,500,500,500');
   await type('rod-1', '520');
-  await page.getByRole('alert').filter({ hasText: 'Stopped on the way: the tilt is' }).waitFor();
+  await page.getByRole('alert').filter({ hasText: 'Stopped at a limit: the tilt is' }).waitFor();
   await drawn(page, 'Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-9 && pose.rods_m[1] === 0.5 && pose.rods_m[2] === 0.5');
   const stopped = await value('rod-1');
   expect(stopped).toBeGreaterThan(503);
@@ -125,7 +125,7 @@ test('limits stop the robot on its way, and say why', async () => {
   // Two limits together: high up there is no room to tilt.
   await open('#pose=tilt,90,-0.5,740,axis');
   await type('height', '754');
-  await page.getByRole('alert').filter({ hasText: 'Stopped on the way: rod' }).waitFor();
+  await page.getByRole('alert').filter({ hasText: 'Stopped at a limit: rod' }).waitFor();
   await drawn(page, 'pose.axis_height_m > 0.745 && Math.max(...pose.rods_m) < 0.754 + 1e-9');
   expect(await value('yaw')).toBeCloseTo(90, 3);
   expect(await value('pitch')).toBeCloseTo(-0.5, 3);
@@ -176,7 +176,7 @@ test('the platform is dragged by its three handles', async () => {
       return [...seen];
     }),
   );
-  expect([...found.keys()].sort()).toEqual(['Drag: tilt about x', 'Drag: tilt about y', 'Drag: up and down']);
+  expect([...found.keys()].sort()).toEqual(['Drag: along z', 'Drag: tilt about x', 'Drag: tilt about y']);
   const drag = async (handle: string) => {
     const at = found.get(handle)!;
     await page.mouse.move(at.x, at.y);
@@ -186,7 +186,7 @@ test('the platform is dragged by its three handles', async () => {
   };
   const still = { x: 'Math.abs(pose.tilt.about_x_rad) < 1e-12', y: 'Math.abs(pose.tilt.about_y_rad) < 1e-12', z: 'Math.abs(pose.axis_height_m - 0.5) < 1e-12' };
   const moved: [string, string][] = [
-    ['Drag: up and down', `pose.axis_height_m > 0.502 && ${still.x} && ${still.y}`],
+    ['Drag: along z', `pose.axis_height_m > 0.502 && ${still.x} && ${still.y}`],
     ['Drag: tilt about x', `Math.abs(pose.tilt.about_x_rad) > 1e-3 && ${still.y} && ${still.z}`],
     ['Drag: tilt about y', `Math.abs(pose.tilt.about_y_rad) > 1e-3 && ${still.x} && ${still.z}`],
   ];
@@ -200,35 +200,35 @@ test('the platform is dragged by its three handles', async () => {
 
 test('number fields speak inches where lengths do', async () => {
   await open('#pose=tilt,0,1,500,axis');
-  await page.getByLabel('Unit of length').selectOption('inch');
+  await page.getByLabel('Length unit').selectOption('inch');
   expect(await value('height')).toBeCloseTo(500 / 25.4, 5);
   await type('height', '20');
   await drawn(page, 'Math.abs(pose.axis_height_m - 0.508) < 1e-12');
-  await page.getByRole('button', { name: 'Height more by 0.05 in' }).click();
+  await page.getByRole('button', { name: 'Increase Height by 0.05 in' }).click();
   await drawn(page, 'Math.abs(pose.axis_height_m - 0.50927) < 1e-9');
   await page.getByRole('tab', { name: 'Rods' }).click();
   await type('rod-1', '20.05');
   await drawn(page, 'Math.abs(pose.rods_m[0] - 0.50927) < 1e-9');
-  await page.getByLabel('Unit of length').selectOption('mm');
+  await page.getByLabel('Length unit').selectOption('mm');
   expect(await value('rod-1')).toBeCloseTo(509.27, 3);
-  await page.getByRole('tab', { name: 'Yaw and pitch' }).click();
+  await page.getByRole('tab', { name: 'Direction, angle' }).click();
 });
 
 test('panels are folded, resized and moved, and stay so', async () => {
   await open();
   const panels = async (side: string) => (await page.locator(`aside.${side} section h2 .fold`).allTextContents()).map((text) => text.trim());
-  const usual = ['Move', 'Where is the play?', 'Play in the platform plane', 'What can move', 'How much play a tilt takes'];
+  const usual = ['Pose', 'Virtualization', 'Displacement at the balls', 'Mobility', 'Sensitivity'];
   expect(await panels('right')).toEqual(usual);
   expect(await page.locator('aside.left').count()).toBe(0);
   // By the keyboard: one place down, and to the other side.
   await page.getByTestId('grip-move').focus();
   await page.keyboard.press('ArrowDown');
-  expect((await panels('right')).slice(0, 2)).toEqual(['Where is the play?', 'Move']);
+  expect((await panels('right')).slice(0, 2)).toEqual(['Virtualization', 'Pose']);
   await page.keyboard.press('ArrowUp');
   expect(await panels('right')).toEqual(usual);
   await page.getByTestId('grip-mobility').focus();
   await page.keyboard.press('ArrowLeft');
-  expect(await panels('left')).toEqual(['What can move']);
+  expect(await panels('left')).toEqual(['Mobility']);
   // By the pointer: dragged over the panel at the left.
   await page.getByTestId('grip-models').scrollIntoViewIfNeeded();
   const grip = (await page.getByTestId('grip-models').boundingBox())!;
@@ -237,15 +237,15 @@ test('panels are folded, resized and moved, and stay so', async () => {
   await page.mouse.down();
   await page.mouse.move(over.x - 40, over.y + 2, { steps: 5 });
   await page.mouse.up();
-  expect(await panels('left')).toEqual(['Where is the play?', 'What can move']);
+  expect(await panels('left')).toEqual(['Virtualization', 'Mobility']);
   await page.getByRole('separator', { name: 'Width of the panels, left' }).focus();
   await page.keyboard.press('ArrowRight');
   expect((await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
-  await page.getByRole('button', { name: 'What can move', exact: true }).click();
+  await page.getByRole('button', { name: 'Mobility', exact: true }).click();
   expect(await page.getByTestId('counted').count()).toBe(0);
   await page.reload();
   await drawn(page);
-  expect(await panels('left')).toEqual(['Where is the play?', 'What can move']);
+  expect(await panels('left')).toEqual(['Virtualization', 'Mobility']);
   expect((await page.locator('aside.left').boundingBox())!.width).toBeCloseTo(392, 0);
   expect(await page.getByTestId('counted').count()).toBe(0);
   await page.locator('body').press('b');
@@ -272,8 +272,8 @@ test('models, solver, metric and what is shown', async () => {
   const gaps = await page.getByTestId('gaps').locator('[data-value]').all();
   expect(gaps).toHaveLength(3);
   for (const gap of gaps) expect(Number(await gap.getAttribute('data-value'))).toBeGreaterThan(1e-6);
-  await page.getByRole('button', { name: 'Why do they differ?' }).click();
-  expect(await page.getByRole('heading', { name: 'Why the models put the centre in different places' }).isVisible()).toBe(true);
+  await page.getByRole('button', { name: 'Why the models differ' }).click();
+  expect(await page.getByRole('heading', { name: 'Why the models differ' }).isVisible()).toBe(true);
   await page.keyboard.press('Escape');
 });
 
@@ -281,17 +281,17 @@ test('play is drawn larger and smaller', async () => {
   await open();
   const slider = page.getByTestId('exaggeration');
   await slider.fill('0');
-  expect(await page.getByTestId('times').textContent()).toBe('×1');
-  expect(await page.getByText('too small to be seen').isVisible()).toBe(true);
+  expect(await page.getByTestId('play-scale').textContent()).toBe('1×');
+  expect(await page.getByText('too small to see').isVisible()).toBe(true);
   await slider.fill('1000');
-  expect(await page.getByTestId('times').textContent()).toBe('×2000');
+  expect(await page.getByTestId('play-scale').textContent()).toBe('2000×');
   await page.keyboard.press('Control+z');
   await page.locator('body').press('-');
 });
 
 test('a link holds pose, model, play and view', async () => {
   await open('#pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
-  await page.getByRole('button', { name: 'Link' }).click();
+  await page.getByRole('button', { name: 'Copy link' }).click();
   const link = await page.evaluate(() => navigator.clipboard.readText());
   expect(link).toMatch(/#robot=GPR%20of%20the%20paper,[0-9a-f]{8}&pose=/);
   expect(link).toContain('&pose=tilt,30,1,480,center&model=radial,newton,paper&play=50&show=joints,arrows&view=o,300,-500,800,0,0,450,2');
@@ -304,7 +304,7 @@ test('a link holds pose, model, play and view', async () => {
 test('settings are kept between visits', async () => {
   await open();
   await page.getByLabel('Theme').selectOption('dark');
-  await page.getByLabel('Unit of length').selectOption('inch');
+  await page.getByLabel('Length unit').selectOption('inch');
   await type('yaw', '77');
   await until('the link says so', () => page.evaluate(() => window.location.hash.includes('77')));
   await page.goto('about:blank');
@@ -314,29 +314,29 @@ test('settings are kept between visits', async () => {
   expect(await page.getByTestId('joints').textContent()).toContain('mil');
   expect(await value('yaw')).toBe(77);
   await page.getByLabel('Theme').selectOption('light');
-  await page.getByLabel('Unit of length').selectOption('mm');
+  await page.getByLabel('Length unit').selectOption('mm');
 });
 
 test('picture and pose are taken away', async () => {
   await open('#pose=rods,500,501,502');
   const take = async (item: string) => {
-    await page.getByTestId('take').click();
+    await page.getByTestId('export').click();
     const [download] = await Promise.all([page.waitForEvent('download'), page.getByTestId(item).click()]);
     const parts: Buffer[] = [];
     for await (const part of await download.createReadStream()) parts.push(part as Buffer);
     return Buffer.concat(parts);
   };
-  const picture = await take('take-view');
+  const picture = await take('export-view');
   expect(picture.subarray(1, 4).toString()).toBe('PNG');
   expect(picture.length).toBeGreaterThan(20_000);
-  const pose = JSON.parse((await take('take-pose')).toString());
+  const pose = JSON.parse((await take('export-pose')).toString());
   expect(pose.q_mm).toEqual([500, 501, 502]);
 });
 
 test('the keyboard does it all, and its sheet says so', async () => {
   await open();
   await page.keyboard.press('?');
-  expect(await page.getByRole('heading', { name: 'Keyboard' }).isVisible()).toBe(true);
+  expect(await page.getByRole('heading', { name: 'Keyboard shortcuts' }).isVisible()).toBe(true);
   await page.keyboard.press('Escape');
   await page.keyboard.press('0');
   await drawn(page, 'pose.tilt.pitch_rad < 1e-9');

@@ -134,7 +134,7 @@ test('a shape that cannot be shown is told, and the robot is there all the same'
   await at(robot({ base_mesh: 'base.stl' }), async (page, address) => {
     await page.goto(address);
     await drawn(page);
-    await page.getByRole('alert').filter({ hasText: 'The shape of the base cannot be shown: it has no triangles.' }).waitFor();
+    await page.getByRole('alert').filter({ hasText: 'The mesh of the base cannot be displayed: the file has no triangles.' }).waitFor();
     expect(await shown(page)).toEqual({});
   });
 });
@@ -145,7 +145,7 @@ test('a link made with another robot says so, and what is kept of one is not giv
   await at(robot({}), async (page, address) => {
     await page.goto(`${address}#pose=tilt,20,1,490,axis`);
     await drawn(page);
-    await page.getByRole('button', { name: 'Link' }).click();
+    await page.getByRole('button', { name: 'Copy link' }).click();
     await until('the link names the robot', () => page.evaluate(() => window.location.hash.includes('robot=GPR%20of%20the%20paper,')));
     link = new URL(page.url()).hash;
     await page.reload();
@@ -156,7 +156,7 @@ test('a link made with another robot says so, and what is kept of one is not giv
     await page.goto(address + link);
     await page.getByTestId('stranger').filter({ hasText: 'another robot, “GPR of the paper”' }).waitFor();
     await drawn(page, 'Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9');
-    await page.getByRole('button', { name: 'Hide the note about the link' }).click();
+    await page.getByRole('button', { name: 'Dismiss the note about the link' }).click();
     expect(await page.getByTestId('stranger').count()).toBe(0);
   });
 });

@@ -167,7 +167,7 @@ test('without its server the page shows the result as outdated, saves nothing, s
   await page.getByTestId('disconnected').waitFor();
   await append('# while away\n');
   await page.getByTestId('save').click();
-  await page.getByRole('alert').filter({ hasText: 'Not saved: the server does not answer' }).waitFor();
+  await page.getByRole('alert').filter({ hasText: 'Not saved: the server does not respond' }).waitFor();
   await outdated();
   expect(readFileSync(programFile(), 'utf8')).toBe(PROGRAM);
   server = await serve(server.port, ['--cell', file()]);
@@ -221,7 +221,7 @@ test('closing with unsaved changes asks, and a reload restores them', async () =
   expect(await text()).toContain('# draft');
   await verdict('sound');
   expect(await page.title()).toContain('(unsaved)');
-  await page.getByRole('button', { name: 'Discard them' }).click();
+  await page.getByRole('button', { name: 'Discard' }).click();
   await until('the text is the file’s', async () => !(await text()).includes('# draft'));
   expect(await page.getByTestId('draft').count()).toBe(0);
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -249,7 +249,7 @@ test('a draft of files that have changed since is offered, not taken', async () 
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
   expect(await text()).toContain('# more');
-  await page.getByRole('button', { name: 'Discard them' }).click();
+  await page.getByRole('button', { name: 'Discard' }).click();
   await verdict('sound');
   expect(await text()).not.toContain('# mine');
 });
@@ -261,7 +261,7 @@ test('the draft of another version is restored on request, and undo goes back', 
   writeFileSync(programFile(), `${PROGRAM}# theirs\n`);
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
-  await page.getByRole('button', { name: 'Restore them' }).click();
+  await page.getByRole('button', { name: 'Restore' }).click();
   await until('mine is there', async () => (await text()).includes('# mine'));
   expect(await text()).not.toContain('# theirs');
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -281,14 +281,14 @@ test('Ctrl+S saves in the editor and in a number field', async () => {
 test('the list of keys is that of the view', async () => {
   await page.getByTestId('verdict').click();
   await page.keyboard.press('?');
-  await page.getByRole('heading', { name: 'Keyboard, cell view' }).waitFor();
+  await page.getByRole('heading', { name: 'Keyboard shortcuts, cell view' }).waitFor();
   const dialog = page.locator('dialog[open]');
-  expect(await dialog.innerText()).toContain('save, in the editor too');
-  for (const foreign of ['next model', '90 pixels', '1 mm up']) expect(await dialog.innerText()).not.toContain(foreign);
+  expect(await dialog.innerText()).toContain('save, also in the editor');
+  for (const foreign of ['next virtualization', '90 pixels', 'up by 1 mm']) expect(await dialog.innerText()).not.toContain(foreign);
   await page.keyboard.press('Escape');
   await page.getByRole('button', { name: 'Robot', exact: true }).click();
   await page.locator('body').press('?');
-  await page.getByRole('heading', { name: 'Keyboard, robot view' }).waitFor();
+  await page.getByRole('heading', { name: 'Keyboard shortcuts, robot view' }).waitFor();
   expect(await page.locator('dialog[open]').innerText()).toContain('90 pixels');
   await page.keyboard.press('Escape');
 });

@@ -6,7 +6,7 @@ use nalgebra::{Rotation3, Unit, Vector3};
 
 use crate::CellError;
 use crate::cell::Cell;
-use crate::robot::{BrokenLimit, EffectorId, RODS, WaferTarget};
+use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use crate::station::SlotId;
 use crate::wafer::Unreachable;
 
@@ -26,7 +26,7 @@ pub struct Jogged {
 #[derive(Debug, Clone, PartialEq)]
 pub enum Stopped {
     /// The positions asked for break these limits.
-    Limits(Vec<BrokenLimit>),
+    Limits(Vec<LimitViolation>),
     /// No positions bring the wafer there.
     Place(Unreachable),
     /// These two, by name, would touch farther on.
@@ -102,8 +102,8 @@ impl Cell {
     /// [`CellError::WrongLength`], [`CellError::NotFinite`]
     pub fn jog_axes(&self, from: &[f64], to: &[f64]) -> Result<Jogged, CellError> {
         let robot = &self.robot;
-        robot.broken_limits(from)?;
-        let broken = robot.broken_limits(to)?;
+        robot.limit_violations(from)?;
+        let broken = robot.limit_violations(to)?;
         let mut positions = to.to_vec();
         for (position, axis) in positions.iter_mut().zip(&robot.axes).skip(RODS) {
             *position = position.clamp(axis.min, axis.max);
@@ -125,7 +125,7 @@ impl Cell {
         height: AxisHeight,
     ) -> Result<Jogged, CellError> {
         let mut to = from.to_vec();
-        self.robot.broken_limits(from)?;
+        self.robot.limit_violations(from)?;
         to[..RODS].copy_from_slice(&self.robot.gpr.inverse(tilt, height)?);
         self.jog_axes(from, &to)
     }

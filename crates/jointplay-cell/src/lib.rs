@@ -1,7 +1,7 @@
 //! Hybrid robots and offline programming: from stations to a checked, timed motion.
 //!
 //! ```text
-//!   Program ──expand──▶ Step… ──timed──▶ Motion ──check──▶ Report
+//!   Program ──expand──▶ Step… ──plan_trajectory──▶ Trajectory ──check──▶ Report
 //!               ▲                  ▲                 ▲
 //!             Cell               limits       bodies, zones, budgets
 //! ```
@@ -13,7 +13,7 @@
 //! | [`station`] | where wafers are put: frames, slots, approach, and frames from taught points |
 //! | [`cell`] | robot, stations, wafers, bodies and zones together |
 //! | [`program`] | what the robot is told, and the steps that it comes to |
-//! | [`motion`] | steps in time: jerk-limited, synchronised, straight where asked for |
+//! | [`trajectory`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
 //! | [`jog`] | the robot moved by hand: as far as its limits let it go, and what stops it there |
 //! | [`Memory`] | both for a plan that changes, at the cost of what changes |
@@ -29,13 +29,13 @@ pub mod check;
 mod error;
 pub mod jog;
 mod memory;
-pub mod motion;
 mod placement;
 pub mod program;
 pub mod robot;
 mod solid;
 pub mod station;
 pub mod surface;
+pub mod trajectory;
 pub mod wafer;
 
 pub use error::CellError;

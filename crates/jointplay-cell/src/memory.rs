@@ -5,19 +5,19 @@ use std::sync::{Arc, OnceLock};
 
 use crate::cell::Cell;
 use crate::check::{CheckOptions, Checks, Report};
-use crate::motion::{Motion, MotionError, MotionOptions, Ways};
-use crate::program::{Places, Program, ProgramError, Step, expand_by};
+use crate::program::{IkCache, Program, ProgramError, Step, expand_by};
+use crate::trajectory::{SegmentCache, Trajectory, TrajectoryError, TrajectoryOptions};
 
 /// Steps, motions and checks of the last plan, move by move.
 ///
 /// A place is looked for anew where its station is another or the robot comes from elsewhere.
 /// A move is timed and checked anew where anything that it depends on has other bits than in the last plan: its ends, limits, what is carried, and what stands within reach of its way.
-/// What comes out is the same as without a memory, to the bit: [`expand`](crate::program::expand), [`timed`](crate::motion::timed) and [`check`](crate::check::check) are these functions of an empty one.
+/// What comes out is the same as without a memory, to the bit: [`expand`](crate::program::expand), [`plan_trajectory`](crate::trajectory::plan_trajectory) and [`check`](crate::check::check) are these functions of an empty one.
 ///
 /// It holds what the last plan came to, and no more.
 pub struct Memory {
-    places: Places,
-    ways: Ways,
+    places: IkCache,
+    ways: SegmentCache,
     checks: Checks,
     run: Box<dyn Fn(usize, Job<'_>) + Send>,
 }
@@ -44,7 +44,7 @@ pub enum Unplanned {
     Program(Vec<ProgramError>),
     /// Steps of it cannot be timed.
     #[error(transparent)]
-    Motion(#[from] MotionError),
+    Trajectory(#[from] TrajectoryError),
 }
 
 /// How jobs are run, and when they stop.
@@ -120,7 +120,8 @@ impl Memory {
     /// ```
     #[must_use]
     pub fn run_by(run: impl Fn(usize, Job<'_>) + Send + 'static) -> Self {
-        let (places, ways, checks) = (Places::default(), Ways::default(), Checks::default());
+        let (places, ways, checks) =
+            (IkCache::default(), SegmentCache::default(), Checks::default());
         Self { places, ways, checks, run: Box::new(run) }
     }
 
@@ -136,27 +137,27 @@ impl Memory {
         whole(expand_by(cell, program, &mut self.places, &never))
     }
 
-    /// As [`timed`](crate::motion::timed).
+    /// As [`plan_trajectory`](crate::trajectory::plan_trajectory).
     ///
     /// # Errors
-    /// As [`timed`](crate::motion::timed).
-    pub fn timed(
+    /// As [`plan_trajectory`](crate::trajectory::plan_trajectory).
+    pub fn plan_trajectory(
         &mut self,
         cell: &Cell,
         steps: Vec<Step>,
-        options: &MotionOptions,
-    ) -> Result<Motion, MotionError> {
+        options: &TrajectoryOptions,
+    ) -> Result<Trajectory, TrajectoryError> {
         let run = Run { jobs: &*self.run, stop: &never };
-        whole(self.ways.timed(cell, steps, options, run))
+        whole(self.ways.plan_trajectory(cell, steps, options, run))
     }
 
     /// As [`check`](crate::check::check).
     #[must_use]
-    pub fn check(&mut self, cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
+    pub fn check(&mut self, cell: &Cell, motion: &Trajectory, options: &CheckOptions) -> Report {
         whole(self.checks.check(cell, motion, options, Run { jobs: &*self.run, stop: &never }))
     }
 
-    /// [`Self::expand`], [`Self::timed`] and [`Self::check`] in one, which can be stopped.
+    /// [`Self::expand`], [`Self::plan_trajectory`] and [`Self::check`] in one, which can be stopped.
     ///
     /// What was computed before a stop is reused by the next plan.
     ///
@@ -169,13 +170,13 @@ impl Memory {
         &mut self,
         cell: &Cell,
         program: &Program,
-        (motion, check): (&MotionOptions, &CheckOptions),
+        (motion, check): (&TrajectoryOptions, &CheckOptions),
         stop: Stop<'_>,
-    ) -> Result<(Motion, Report), Unplanned> {
+    ) -> Result<(Trajectory, Report), Unplanned> {
         let run = Run { jobs: &*self.run, stop };
         let steps = expand_by(cell, program, &mut self.places, stop)?;
         let steps = steps.map_err(Unplanned::Program)?;
-        let motion = self.ways.timed(cell, steps, motion, run)??;
+        let motion = self.ways.plan_trajectory(cell, steps, motion, run)??;
         let report = self.checks.check(cell, &motion, check, run)?;
         Ok((motion, report))
     }

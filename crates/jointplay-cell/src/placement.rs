@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use crate::CellError;
 use crate::cell::Cell;
 use crate::robot::{ChainPose, EffectorId};
-use crate::wafer::{Deflection, Droop, DroopError, drooped};
+use crate::wafer::{Deflection, Droop, DroopError, apply_deflection};
 
 impl Cell {
     /// Adds the poses of one arm in the base frame: its links from the first on, all of them rigid, and then for each effector the last link as that effector deflects it, and its wafer.
@@ -46,7 +46,7 @@ impl Cell {
             }
             let loaded = loaded(EffectorId { arm, effector });
             let deflection = known(self.deflection(arm, &rigid, &joint, loaded))?;
-            let wafer = drooped(&rigid, &joint, deflection);
+            let wafer = apply_deflection(&rigid, &joint, deflection);
             to.extend([wafer * last_from_wafer.inverse(), wafer]);
         }
         Ok(())

@@ -10,10 +10,10 @@ use std::collections::BTreeSet;
 use common::{A, GRAVITY};
 use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
-use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, DroopRow};
 use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
@@ -36,7 +36,7 @@ fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
         phase: Phase::Move,
         from: from.to_vec(),
         to: to.to_vec(),
-        path: Path::Axes,
+        path: Path::PointToPoint,
         speed: 1.0,
         blend: 0.0,
         line_speed: None,
@@ -47,12 +47,12 @@ fn step(instruction: usize, from: &[f64], to: &[f64]) -> Step {
 }
 
 /// Level, the arm bent, T from 0 to 1.2 rad; then back.
-fn turn(cell: &Cell) -> Motion {
+fn turn(cell: &Cell) -> Trajectory {
     let from = [0.5, 0.5, 0.5, 0.0, 0.9];
     let to = [0.5, 0.5, 0.5, 1.2, 0.9];
     let mut first = step(0, &from, &to);
     first.phase = Phase::Turn;
-    timed(cell, vec![first, step(1, &to, &from)], &MotionOptions::default()).unwrap()
+    plan_trajectory(cell, vec![first, step(1, &to, &from)], &TrajectoryOptions::default()).unwrap()
 }
 
 fn at(x: f64, y: f64, z: f64) -> Pose {
@@ -130,7 +130,7 @@ fn tilt_play_and_droop_have_their_messages() {
         from.extend([0.0, 0.9]);
         let mut to = from.clone();
         to[T] = 1.0;
-        timed(cell, vec![step(0, &from, &to)], &MotionOptions::default()).unwrap()
+        plan_trajectory(cell, vec![step(0, &from, &to)], &TrajectoryOptions::default()).unwrap()
     };
     let mut tilted = cell();
     let motion = leaning(&mut tilted);
@@ -207,8 +207,8 @@ fn a_wafer_slips_where_the_hand_computation_says() {
     let mut still = rods.to_vec();
     still.extend([0.0, 0.9]);
     let mut wait = step(0, &still, &still);
-    wait.path = Path::Still(0.01);
-    let motion = timed(&cell, vec![wait], &MotionOptions::default()).unwrap();
+    wait.path = Path::Dwell(0.01);
+    let motion = plan_trajectory(&cell, vec![wait], &TrajectoryOptions::default()).unwrap();
     for (friction, sound) in [(0.0199, false), (0.0201, true)] {
         cell.robot.arms[0].effectors[0].friction = friction;
         let report = check(&cell, &motion, &CheckOptions::default());
@@ -303,7 +303,7 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
 }
 
 /// In along a straight line, a turn, and down while tilting.
-fn in_round_and_down(cell: &Cell) -> Motion {
+fn in_round_and_down(cell: &Cell) -> Trajectory {
     let from = vec![0.5, 0.5, 0.5, 0.3, 0.9];
     let mut target = WaferTarget::of(&cell.wafer_pose(A, &from, true).unwrap());
     let out = (target.center.xy()).push(0.0).normalize();
@@ -318,7 +318,7 @@ fn in_round_and_down(cell: &Cell) -> Motion {
     lower[T] += 0.1;
     let line = Step { path: Path::Line(A), ..step(0, &from, &reached) };
     let steps = vec![line, step(1, &reached, &turned), step(2, &turned, &lower)];
-    timed(cell, steps, &MotionOptions::default()).unwrap()
+    plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap()
 }
 
 #[test]
@@ -425,15 +425,15 @@ fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
     cell.clearance = 0.0;
     let positions = [[-0.4, 1.1], [0.2, 0.25], [0.9, 0.6]].map(|[t, r]| [0.5, 0.5, 0.5, t, r]);
     let steps = positions.windows(2).map(|pair| step(0, &pair[0], &pair[1])).collect();
-    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     let times: Vec<f64> =
         (0..).map(|k| 4e-3 * f64::from(k)).take_while(|&t| t < motion.duration()).collect();
     let options = CheckOptions::default();
     // The same cell at each of these moments, with nothing between them.
     let still = |cell: &Cell, time: f64| {
         let at = motion.at(time).positions;
-        let wait = Step { path: Path::Still(0.0), ..step(0, &at, &at) };
-        let motion = timed(cell, vec![wait], &MotionOptions::default()).unwrap();
+        let wait = Step { path: Path::Dwell(0.0), ..step(0, &at, &at) };
+        let motion = plan_trajectory(cell, vec![wait], &TrajectoryOptions::default()).unwrap();
         check(cell, &motion, &options).distances.first().map(|row| row.distance)
     };
     let mut followed = 0;
@@ -521,7 +521,7 @@ fn bodies_too_near_touching_allowed_and_zones() {
 }
 
 /// Into slot 2 of three, up with its wafer, and out.
-fn get(cell: &mut Cell, pitch: f64) -> Motion {
+fn get(cell: &mut Cell, pitch: f64) -> Trajectory {
     let from = vec![0.5, 0.5, 0.5, 0.3, 0.9];
     let start = cell.wafer_pose(A, &from, false).unwrap();
     let out = (start.rotation * Vector3::x()).xy().push(0.0).normalize();
@@ -569,11 +569,11 @@ fn get(cell: &mut Cell, pitch: f64) -> Motion {
     };
     let steps = vec![
         line(&from, &below, Phase::Extend, None, false),
-        line(&below, &rest, Phase::Lift, Some(Handover::Taken(A, slot)), false),
+        line(&below, &rest, Phase::Lift, Some(Handover::Picked(A, slot)), false),
         line(&rest, &above, Phase::Lift, None, true),
         line(&above, &out, Phase::Retract, None, true),
     ];
-    timed(cell, steps, &MotionOptions::default()).unwrap()
+    plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap()
 }
 
 #[test]
@@ -659,8 +659,8 @@ fn a_body_on_the_last_link_deflects_with_its_arm() {
         let mut cell = cell();
         blade_and_bar(&mut cell, &positions, deep);
         let mut wait = step(0, &positions, &positions);
-        wait.path = Path::Still(0.1);
-        let motion = timed(&cell, vec![wait], &MotionOptions::default()).unwrap();
+        wait.path = Path::Dwell(0.1);
+        let motion = plan_trajectory(&cell, vec![wait], &TrajectoryOptions::default()).unwrap();
         let report = check(&cell, &motion, &CheckOptions::default());
         assert_eq!(kinds(&report), kind.into_iter().collect(), "{:#?}", report.violations);
         let found = report.distances.iter().find(|row| row.names.contains(&"blade".to_owned()));
@@ -670,7 +670,7 @@ fn a_body_on_the_last_link_deflects_with_its_arm() {
 }
 
 /// The turn, so slowly that it takes many windows of samples.
-fn slow_turn(factor: f64) -> (Cell, Motion) {
+fn slow_turn(factor: f64) -> (Cell, Trajectory) {
     let mut cell = cell();
     for axis in &mut cell.robot.axes {
         for limits in [&mut axis.empty, &mut axis.loaded] {
@@ -752,8 +752,8 @@ fn a_distance_is_compared_with_a_resolution() {
             station: None,
         });
         let mut wait = step(0, &positions, &positions);
-        wait.path = Path::Still(0.1);
-        let motion = timed(&cell, vec![wait], &MotionOptions::default()).unwrap();
+        wait.path = Path::Dwell(0.1);
+        let motion = plan_trajectory(&cell, vec![wait], &TrajectoryOptions::default()).unwrap();
         check(&cell, &motion, &CheckOptions::default())
     };
     for missing in [-1e-7, 0.0, 1e-10, 5e-9] {
@@ -779,7 +779,8 @@ fn a_pose_that_is_lost_between_two_samples_is_reported() {
     let half = std::f64::consts::FRAC_PI_2;
     let from = [0.5, 0.5, 0.5, 0.0, half - 0.031];
     let to = [0.5, 0.5, 0.5, 0.0, half + 0.05];
-    let motion = timed(&cell, vec![step(0, &from, &to)], &MotionOptions::default()).unwrap();
+    let motion =
+        plan_trajectory(&cell, vec![step(0, &from, &to)], &TrajectoryOptions::default()).unwrap();
     let mount = cell.robot.arms[0].mount;
     let wafer = |positions: &[f64]| {
         let pose = cell.robot.forward(positions).unwrap();

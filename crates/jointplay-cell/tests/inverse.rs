@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 
 use common::{A, KINDS, kind};
 use jointplay_cell::robot::{
-    BrokenLimit, EffectorId, HybridRobot, Inverse, PlatformModel, Standing, WaferTarget,
+    BranchSelection, EffectorId, HybridRobot, Inverse, LimitViolation, PlatformModel, WaferTarget,
 };
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::linalg::svd;
@@ -63,11 +63,11 @@ fn check(robot: &HybridRobot, found: &Inverse, id: EffectorId, target: &WaferTar
         assert!(branch.normal_residual <= 1e-12, "{branch:?}");
         let pose = robot.effector_pose(&branch.positions, id).unwrap();
         assert!((pose.translation.vector - target.center).norm() <= 1e-12);
-        assert_eq!(branch.broken, robot.broken_limits(&branch.positions).unwrap());
-        assert_eq!(branch.broken.is_empty(), branch.standing != Standing::BreaksLimits);
+        assert_eq!(branch.broken, robot.limit_violations(&branch.positions).unwrap());
+        assert_eq!(branch.broken.is_empty(), branch.standing != BranchSelection::BreaksLimits);
     }
     for (k, branch) in found.branches.iter().enumerate() {
-        assert_eq!(branch.standing == Standing::Chosen, found.chosen == Some(k));
+        assert_eq!(branch.standing == BranchSelection::Chosen, found.chosen == Some(k));
         for other in &found.branches[..k] {
             assert!(!alike(&branch.positions, &other.positions), "{found:?}");
         }
@@ -103,7 +103,7 @@ proptest! {
             }
             let again = found.branches.iter().find(|branch| alike(&branch.positions, &at));
             let again = again.unwrap_or_else(|| panic!("{number} {at:?} not in {found:#?}"));
-            prop_assert!(again.standing == Standing::Chosen, "{number} {again:?}");
+            prop_assert!(again.standing == BranchSelection::Chosen, "{number} {again:?}");
             prop_assert!(again.heading_off.abs() < 1e-9);
         }
     }
@@ -310,12 +310,13 @@ fn why_a_branch_is_not_taken() {
     let at = positions(&robot, Tilt::LEVEL, 0.5, [0.5, 0.75, 0.4, 0.0, 0.0]);
     let target = target_of(&robot.effector_pose(&at, A).unwrap(), true);
     let found = robot.inverse(A, &target, &at).unwrap();
-    let standings: Vec<Standing> = found.branches.iter().map(|branch| branch.standing).collect();
+    let standings: Vec<BranchSelection> =
+        found.branches.iter().map(|branch| branch.standing).collect();
     assert_eq!(found.chosen().unwrap().configuration.to_string(), "elbow right");
-    assert!(standings.contains(&Standing::BendsOtherwise), "{found:#?}");
+    assert!(standings.contains(&BranchSelection::OtherElbow), "{found:#?}");
 
     // The other bend from the other side; and once it is beyond a stop, this one with it.
-    let other = found.branches.iter().find(|b| b.standing == Standing::BendsOtherwise).unwrap();
+    let other = found.branches.iter().find(|b| b.standing == BranchSelection::OtherElbow).unwrap();
     let from_there = robot.inverse(A, &target, &other.positions).unwrap();
     assert_eq!(from_there.chosen().unwrap().configuration.to_string(), "elbow left");
     let mut short = robot.clone();
@@ -323,7 +324,7 @@ fn why_a_branch_is_not_taken() {
     let from_there = short.inverse(A, &target, &other.positions).unwrap();
     assert_eq!(from_there.chosen().unwrap().configuration.to_string(), "elbow right");
     let stopped = from_there.branches.iter().find(|b| !b.broken.is_empty()).unwrap();
-    let BrokenLimit::Axis { axis: 4, position, min: -0.1, .. } = stopped.broken[0] else {
+    let LimitViolation::Axis { axis: 4, position, min: -0.1, .. } = stopped.broken[0] else {
         panic!("{stopped:?}")
     };
     assert_eq!(position, stopped.positions[4]);
@@ -336,9 +337,9 @@ fn why_a_branch_is_not_taken() {
     assert!(out.branches.is_empty() && reach.missing() > 1.0 && reach.distance > reach.max);
     let steep = WaferTarget { normal: Tilt { yaw: 1.0, pitch: 0.04 }.normal(), ..target };
     let out = robot.inverse(A, &steep, &at).unwrap();
-    let limit = BrokenLimit::Tilt { pitch: 0.04, max: 1.5_f64.to_radians() };
+    let limit = LimitViolation::Tilt { pitch: 0.04, max: 1.5_f64.to_radians() };
     assert!(out.chosen.is_none() && !out.branches.is_empty());
-    let BrokenLimit::Tilt { pitch, max } = out.broken_by_plane[0] else { panic!("{limit:?}") };
+    let LimitViolation::Tilt { pitch, max } = out.broken_by_plane[0] else { panic!("{limit:?}") };
     assert!((pitch - 0.04).abs() < 1e-15 && max == 1.5_f64.to_radians());
     let mut high = target;
     high.center.z += 0.5;

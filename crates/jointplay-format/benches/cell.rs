@@ -7,16 +7,16 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use jointplay_cell::Memory;
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{CheckOptions, check};
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_format::{cell, program};
 
 fn lot(criterion: &mut Criterion) {
     let cell = cell::read(cell::EXAMPLE, &mut |path| Err(format!("{path} is not there"))).unwrap();
     let read = program::parse(program::EXAMPLE).unwrap();
     let steps = expand(&cell, &read).unwrap();
-    let options = MotionOptions::default();
-    let motion = timed(&cell, steps.clone(), &options).unwrap();
+    let options = TrajectoryOptions::default();
+    let motion = plan_trajectory(&cell, steps.clone(), &options).unwrap();
     let named = format!("{} steps, {:.0} s", steps.len(), motion.duration());
     let mut group = criterion.benchmark_group(format!("example, {named}"));
     group.sample_size(10);
@@ -27,7 +27,7 @@ fn lot(criterion: &mut Criterion) {
         bench.iter(|| expand(black_box(&cell), &read).unwrap());
     });
     group.bench_function("time", |bench| {
-        bench.iter(|| timed(&cell, black_box(steps.clone()), &options).unwrap());
+        bench.iter(|| plan_trajectory(&cell, black_box(steps.clone()), &options).unwrap());
     });
     group.bench_function("check", |bench| {
         bench.iter(|| check(&cell, black_box(&motion), &CheckOptions::default()));
@@ -46,7 +46,7 @@ fn lot(criterion: &mut Criterion) {
         let mut memory = Memory::default();
         let mut plan = |cell: &Cell| {
             let steps = memory.expand(cell, &read).unwrap();
-            let motion = memory.timed(cell, steps, &options).unwrap();
+            let motion = memory.plan_trajectory(cell, steps, &options).unwrap();
             memory.check(cell, &motion, &CheckOptions::default())
         };
         plan(&cells[0]);

@@ -2,8 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_cell::check::{CheckOptions, check};
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_format::report::{self, CellReport};
 use jointplay_format::{cell, program};
 
@@ -17,7 +17,7 @@ fn report(changes: &[(&str, &str)]) -> CellReport {
     }
     let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
     let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
-    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     report::cell(&cell, PROGRAM, &motion, &check(&cell, &motion, &CheckOptions::default()))
 }
 

@@ -4,10 +4,10 @@
 
 use jointplay_cell::cell::{Cell, Shape};
 use jointplay_cell::check::{CheckOptions, Report, check};
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
 use jointplay_cell::robot::RODS;
 use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_core::spatial::Tilt;
 use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};
 use jointplay_format::program;
@@ -84,7 +84,11 @@ HOME
 /// What is wrong with a short program in a cell.
 fn checked(cell: &Cell) -> Report {
     let steps = expand(cell, &program::parse(PROGRAM).unwrap()).unwrap();
-    check(cell, &timed(cell, steps, &MotionOptions::default()).unwrap(), &CheckOptions::default())
+    check(
+        cell,
+        &plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap(),
+        &CheckOptions::default(),
+    )
 }
 
 #[test]

@@ -21,11 +21,11 @@ fn a_lot_goes_there_and_back() {
     let mut handed = [0, 0];
     for step in &steps {
         match step.handover {
-            Some(Handover::Taken(effector, slot)) => {
+            Some(Handover::Picked(effector, slot)) => {
                 assert!(full.remove(&slot) && carried.insert(effector));
                 handed[0] += 1;
             }
-            Some(Handover::Left(effector, slot)) => {
+            Some(Handover::Placed(effector, slot)) => {
                 assert!(full.insert(slot) && carried.remove(&effector));
                 handed[1] += 1;
             }
@@ -36,7 +36,7 @@ fn a_lot_goes_there_and_back() {
     // Out of the port, the aligner and the process station there, out of the other port back.
     assert_eq!(handed, [25 * 4, 25 * 4]);
     // Aligner and process station are waited for, once a wafer each.
-    let processed = |step: &&Step| matches!(step.path, Path::Processed { .. });
+    let processed = |step: &&Step| matches!(step.path, Path::ProcessDwell { .. });
     assert_eq!(steps.iter().filter(processed).count(), 50);
     assert_eq!(steps.iter().filter(|step| step.phase == Phase::Lift).count(), 200);
     assert_eq!(

@@ -3,12 +3,13 @@
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{CheckOptions, Moment, check_pose};
-use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
 use jointplay_cell::robot::{
-    Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
+    Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
+    PlatformModel,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::Pose;
@@ -25,8 +26,8 @@ const PROGRAM: &str = "HOME\nGET port WITH A\nWAIT 0.25\n";
 const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
 const SLOT: SlotId = SlotId { station: 0, slot: 1 };
 
-fn axis(name: &str, kind: MotionKind, [min, max, home]: [f64; 3]) -> Axis {
-    let dynamics = Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
+fn axis(name: &str, kind: AxisKind, [min, max, home]: [f64; 3]) -> Axis {
+    let dynamics = KinematicLimits { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
     Axis { name: name.to_owned(), kind, min, max, home, empty: dynamics, loaded: dynamics }
 }
 
@@ -36,7 +37,7 @@ fn cell() -> Cell {
     let limits = *gpr.limits();
     let half = std::f64::consts::FRAC_PI_2;
     let joint = |zero: f64, drives: &[(usize, f64)], length: f64| ArmJoint {
-        kind: MotionKind::Turn,
+        kind: AxisKind::Rotary,
         zero,
         drives: drives.to_vec(),
         length,
@@ -61,14 +62,14 @@ fn cell() -> Cell {
         droop: Droop::Rigid,
     };
     let rod = |name: &str| {
-        axis(name, MotionKind::Slide, [limits.rod_min, limits.rod_max, gpr.working_height()])
+        axis(name, AxisKind::Linear, [limits.rod_min, limits.rod_max, gpr.working_height()])
     };
     let axes = vec![
         rod("q1"),
         rod("q2"),
         rod("q3"),
-        axis("T", MotionKind::Turn, [-3.0, 3.0, 0.0]),
-        axis("R", MotionKind::Turn, [-1.5, 1.5, 0.2]),
+        axis("T", AxisKind::Rotary, [-3.0, 3.0, 0.0]),
+        axis("R", AxisKind::Rotary, [-1.5, 1.5, 0.2]),
     ];
     let robot = HybridRobot {
         name: "one arm".to_owned(),
@@ -113,7 +114,7 @@ fn cell() -> Cell {
 }
 
 /// Out, the wafer taken, in with it, and a rest.
-fn motion(cell: &Cell) -> Motion {
+fn motion(cell: &Cell) -> Trajectory {
     let home: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
     let mut out = home.clone();
     (out[3], out[4]) = (0.7, 1.1);
@@ -131,13 +132,13 @@ fn motion(cell: &Cell) -> Motion {
         handover: None,
         slot: None,
     };
-    let mut extend = step(1, Phase::Extend, &home, &out, Path::Axes);
-    extend.handover = Some(Handover::Taken(ID, SLOT));
-    let mut retract = step(1, Phase::Retract, &out, &home, Path::Axes);
+    let mut extend = step(1, Phase::Extend, &home, &out, Path::PointToPoint);
+    extend.handover = Some(Handover::Picked(ID, SLOT));
+    let mut retract = step(1, Phase::Retract, &out, &home, Path::PointToPoint);
     retract.loaded = vec![ID];
-    let mut wait = step(2, Phase::Wait, &home, &home, Path::Still(0.25));
+    let mut wait = step(2, Phase::Wait, &home, &home, Path::Dwell(0.25));
     wait.loaded = vec![ID];
-    timed(cell, vec![extend, retract, wait], &MotionOptions::default()).unwrap()
+    plan_trajectory(cell, vec![extend, retract, wait], &TrajectoryOptions::default()).unwrap()
 }
 
 fn flaw() -> Vec<Flaw> {
@@ -211,7 +212,7 @@ fn the_platform_stands_where_the_robots_own_model_puts_it() {
         for step in &mut motion.steps {
             (step.from[0], step.to[0]) = (0.501, 0.501);
         }
-        let motion = timed(&cell, motion.steps, &MotionOptions::default()).unwrap();
+        let motion = plan_trajectory(&cell, motion.steps, &TrajectoryOptions::default()).unwrap();
         let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
         let (root, _) = parts(&gltf(&recording, 50.0).unwrap());
         let nodes = root["nodes"].as_array().unwrap();
@@ -286,7 +287,9 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
 fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
     let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
     let program = program::parse("HOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\n").unwrap();
-    let motion = timed(&cell, expand(&cell, &program).unwrap(), &MotionOptions::default()).unwrap();
+    let motion =
+        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
+            .unwrap();
     let recording = Recording { cell: &cell, motion: &motion, program: "", flaws: &[] };
     let pose = |frames: &[Frame], name: &str| {
         let frame = frames.iter().find(|frame| frame.name == name).unwrap();
@@ -378,7 +381,7 @@ fn controller_text_says_how_motions_run_into_each_other() {
     let [out, back] = [0, 1].map(|k| motion(&cell).steps[k].clone());
     let mut steps = vec![Step { handover: None, ..out }, Step { loaded: vec![], ..back }];
     steps.iter_mut().for_each(|step| step.blend = 0.05);
-    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     let overlap = motion.blend(0).unwrap().overlap;
     let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
     let text = Dialect::neutral().write(&recording, 100.0).unwrap();
@@ -395,9 +398,9 @@ fn controller_text_says_how_motions_run_into_each_other() {
 fn a_wait_that_takes_no_time_is_no_motion() {
     let cell = cell();
     let mut steps = motion(&cell).steps;
-    let wait = Path::Processed { since: 0, seconds: 0.1 };
+    let wait = Path::ProcessDwell { since: 0, seconds: 0.1 };
     steps.insert(2, Step { path: wait, ..steps[2].clone() });
-    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     assert_eq!(motion.times[2], motion.times[3]);
     let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
     let text = Dialect::neutral().write(&recording, 100.0).unwrap();
@@ -539,7 +542,9 @@ fn between_keys_a_3d_scene_is_where_the_motion_is() {
     // Late in a long motion, where single precision tells times only to some 30 µs unless they are of a rate that is a power of two.
     let text = "WAIT 800 s\nHOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 25 WITH B\nHOME\n";
     let program = program::parse(text).unwrap();
-    let motion = timed(&cell, expand(&cell, &program).unwrap(), &MotionOptions::default()).unwrap();
+    let motion =
+        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
+            .unwrap();
     let recording = Recording { cell: &cell, motion: &motion, program: text, flaws: &[] };
     let rate = 32.0;
     let (root, bytes) = parts(&gltf(&recording, rate).unwrap());
@@ -593,7 +598,9 @@ fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
     let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
     let program = "TRANSFER LP1 SLOT 25 TO PM1 WITH B\nTRANSFER PM1 TO LP2 SLOT 25 WITH A\n";
     let program = program::parse(program).unwrap();
-    let motion = timed(&cell, expand(&cell, &program).unwrap(), &MotionOptions::default()).unwrap();
+    let motion =
+        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
+            .unwrap();
     let recording = Recording { cell: &cell, motion: &motion, program: "", flaws: &[] };
     let rate = 64.0;
     let (root, bytes) = parts(&gltf(&recording, rate).unwrap());

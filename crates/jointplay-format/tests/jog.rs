@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::jog::{FromSlot, Stopped};
-use jointplay_cell::robot::{BrokenLimit, EffectorId, RODS, WaferTarget};
+use jointplay_cell::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use jointplay_cell::station::{SlotId, teach};
 use jointplay_cell::wafer::Unreachable;
 use jointplay_core::gpr::AxisHeight;
@@ -54,7 +54,7 @@ fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
     assert_eq!((jogged.positions[3], jogged.positions[4]), (0.5, cell.robot.axes[4].max));
     let stopped = jogged.stopped.unwrap();
     assert!(
-        matches!(&stopped, Stopped::Limits(broken) if matches!(broken[..], [BrokenLimit::Axis { axis: 4, .. }]))
+        matches!(&stopped, Stopped::Limits(broken) if matches!(broken[..], [LimitViolation::Axis { axis: 4, .. }]))
     );
     assert_eq!(
         explain_stopped(&cell.robot, &stopped),
@@ -82,7 +82,7 @@ fn the_platform_leans_as_far_as_it_may() {
     assert_eq!((jogged.stopped, &jogged.positions[RODS..]), (None, &from[RODS..]));
     let far = cell.jog_platform(&from, Tilt { yaw: 1.0, pitch: 0.1 }, AxisHeight(0.5)).unwrap();
     assert!(matches!(far.stopped, Some(Stopped::Limits(_))));
-    assert!(cell.robot.broken_limits(&far.positions).unwrap().is_empty());
+    assert!(cell.robot.limit_violations(&far.positions).unwrap().is_empty());
 }
 
 #[test]
@@ -139,7 +139,7 @@ fn out_of_reach_it_goes_as_far_as_it_comes() {
     let jogged = jogged.unwrap();
     let Some(Stopped::Place(why)) = &jogged.stopped else { panic!("{:?}", jogged.stopped) };
     assert!(matches!(why, Unreachable::OutOfReach(_) | Unreachable::Limits(_)), "{why:?}");
-    assert!(cell.robot.broken_limits(&jogged.positions).unwrap().is_empty());
+    assert!(cell.robot.limit_violations(&jogged.positions).unwrap().is_empty());
     let pose = cell.wafer_pose(A, &jogged.positions, false).unwrap();
     let seen = cell.seen_from_slot(&pose, A, LP2);
     assert!(seen.radial > 0.0 && seen.radial < 0.4, "{seen:?}");

@@ -1,8 +1,8 @@
 //! Samples between which lines are the motion.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_format::export::{Recording, samples, samples_with_peaks};
 use jointplay_format::table::{Column, Values};
 use jointplay_format::{cell, program};
@@ -26,7 +26,7 @@ fn drawn(times: &[f64], values: &[f64], time: f64) -> f64 {
 fn lines_between_samples_with_peaks_are_the_motion() {
     let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
     let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap();
-    let motion = timed(&cell, steps, &MotionOptions::default()).unwrap();
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
     let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
     let even = samples(&recording, 25.0).unwrap();
     let told = samples_with_peaks(&recording, 25.0).unwrap();
@@ -42,7 +42,7 @@ fn lines_between_samples_with_peaks_are_the_motion() {
     assert!(many < 250.0, "{many} a second");
     let (mut cut, even_times) = (0.0_f64, values(&even, "time_s"));
     for axis in &cell.robot.axes {
-        let turns = axis.kind == jointplay_cell::robot::MotionKind::Turn;
+        let turns = axis.kind == jointplay_cell::robot::AxisKind::Rotary;
         let (unit, factor) = if turns { ("deg", f64::to_degrees(1.0)) } else { ("mm", 1e3) };
         let limits = [("_per_s", axis.empty.velocity), ("_per_s2", axis.empty.acceleration)];
         for (rate, limit) in limits.map(|(rate, limit)| (rate, limit * factor)) {

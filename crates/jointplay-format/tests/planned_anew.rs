@@ -7,10 +7,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use jointplay_cell::cell::{Cell, Shape};
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
-use jointplay_cell::motion::{Motion, MotionOptions, timed};
 use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
 use jointplay_cell::robot::{AxesMotion, EffectorId};
 use jointplay_cell::station::SlotId;
+use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::Droop;
 use jointplay_cell::{Memory, Reuse, Unplanned};
 use jointplay_format::{cell, program};
@@ -65,7 +65,7 @@ type TooNear = (BTreeSet<String>, Kind, f64, f64);
 /// Least distances and what is too near, from each sample by itself as a motion that stands there.
 fn sample_by_sample(
     cell: &Cell,
-    motion: &Motion,
+    motion: &Trajectory,
     options: &CheckOptions,
 ) -> (BTreeMap<BTreeSet<String>, f64>, Vec<TooNear>) {
     let mut standing = cell.clone();
@@ -82,14 +82,15 @@ fn sample_by_sample(
                 _ => motion.at(time).positions,
             };
             let (from, to) = (positions.clone(), positions);
-            let path = Path::Still(0.0);
+            let path = Path::Dwell(0.0);
             // Rules of the step hold, whose path says which effector it is about.
             let acting = match (step.path, step.handover) {
                 (Path::Line(id), None) => Some(Path::Line(id)),
                 _ => None,
             };
             let still = Step { from, to, path: acting.unwrap_or(path), ..step.clone() };
-            let found = timed(&standing, vec![still], &MotionOptions::default()).unwrap();
+            let found =
+                plan_trajectory(&standing, vec![still], &TrajectoryOptions::default()).unwrap();
             let report = check(&standing, &found, options);
             let named = |names: &[String]| -> BTreeSet<String> {
                 let first = |name: &String| labels.came_from.get(name).unwrap_or(name).clone();
@@ -104,12 +105,12 @@ fn sample_by_sample(
             }
         }
         match step.handover {
-            Some(Handover::Taken(id, slot)) => {
+            Some(Handover::Picked(id, slot)) => {
                 standing.occupied.retain(|&at| at != slot);
                 standing.carried.push(id);
                 labels.hand_over(labels.slot(slot), labels.effector(id));
             }
-            Some(Handover::Left(id, slot)) => {
+            Some(Handover::Placed(id, slot)) => {
                 standing.carried.retain(|&at| at != id);
                 standing.occupied.push(slot);
                 labels.hand_over(labels.effector(id), labels.slot(slot));
@@ -126,7 +127,8 @@ fn nothing_is_passed_over_that_a_sample_shows() {
     for (clearance, verdict) in [(1e-3, Verdict::Sound), (6e-3, Verdict::Broken)] {
         let mut cell = example();
         (cell.clearance, cell.slot_clearance) = (clearance, clearance);
-        let motion = timed(&cell, steps(&cell, SHORT), &MotionOptions::default()).unwrap();
+        let motion =
+            plan_trajectory(&cell, steps(&cell, SHORT), &TrajectoryOptions::default()).unwrap();
         let report = check(&cell, &motion, &options);
         let (least, broken) = sample_by_sample(&cell, &motion, &options);
         assert_eq!(report.verdict, verdict, "{:#?}", report.violations);
@@ -158,7 +160,7 @@ fn nothing_is_passed_over_that_a_sample_shows() {
 }
 
 /// At each sample of a step in which a wafer is carried: time, and what is needed as a share of what friction holds.
-fn pushes(cell: &Cell, motion: &Motion, index: usize, rate: f64) -> Vec<(f64, f64)> {
+fn pushes(cell: &Cell, motion: &Trajectory, index: usize, rate: f64) -> Vec<(f64, f64)> {
     let step = &motion.steps[index];
     let count = (motion.step_duration(index) * rate - 1e-3).ceil() as usize;
     let mut pushes = Vec::new();
@@ -186,7 +188,8 @@ fn slip_is_that_of_all_samples() {
             let Droop::Cantilever { stiffness, .. } = &mut arm.droop else { panic!("{arm:?}") };
             *stiffness /= soft;
         }
-        let motion = timed(&cell, steps(&cell, text), &MotionOptions::default()).unwrap();
+        let motion =
+            plan_trajectory(&cell, steps(&cell, text), &TrajectoryOptions::default()).unwrap();
         let options = CheckOptions::default();
         let report = check(&cell, &motion, &options);
         let slips: Vec<&Violation> =
@@ -238,7 +241,8 @@ fn running_into_each_other_makes_no_wafer_slip() {
     let mut cell = example();
     let blended = format!("BLEND 40 mm\n{SHORT}");
     let planned = |cell: &Cell, text: &str| {
-        let motion = timed(cell, steps(cell, text), &MotionOptions::default()).unwrap();
+        let motion =
+            plan_trajectory(cell, steps(cell, text), &TrajectoryOptions::default()).unwrap();
         let report = check(cell, &motion, &CheckOptions::default());
         let most = report.by_instruction.iter().filter_map(|row| row.slip);
         let most = most.map(|slip| slip.share).fold(0.0, f64::max);
@@ -260,7 +264,8 @@ fn running_into_each_other_takes_no_wafer_out_of_a_safe_zone() {
     let mut cell = example();
     let text = "BLEND 10 mm\nTRANSFER LP1 SLOT 2 TO LP2 SLOT 3 WITH A\nTRANSFER LP2 SLOT 3 TO LP1 SLOT 2 WITH A";
     let planned = |cell: &Cell| {
-        let motion = timed(cell, steps(cell, text), &MotionOptions::default()).unwrap();
+        let motion =
+            plan_trajectory(cell, steps(cell, text), &TrajectoryOptions::default()).unwrap();
         let report = check(cell, &motion, &CheckOptions::default());
         let zones = report.violations.iter().filter(|one| one.kind == Kind::SafeZone).count();
         (motion, zones)
@@ -332,9 +337,9 @@ impl Change {
     }
 }
 
-fn planned(memory: &mut Memory, cell: &Cell, text: &str) -> (Motion, Report) {
+fn planned(memory: &mut Memory, cell: &Cell, text: &str) -> (Trajectory, Report) {
     let steps = memory.expand(cell, &program::parse(text).unwrap()).unwrap();
-    let motion = memory.timed(cell, steps, &MotionOptions::default()).unwrap();
+    let motion = memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap();
     let report = memory.check(cell, &motion, &CheckOptions { rate: 100.0, near: 0.05 });
     (motion, report)
 }
@@ -365,7 +370,7 @@ proptest! {
 fn a_plan_is_stopped_anywhere_and_planned_again_to_the_bit() {
     let cell = example();
     let program = program::parse(SHORT).unwrap();
-    let options = (&MotionOptions::default(), &CheckOptions { rate: 100.0, near: 0.05 });
+    let options = (&TrajectoryOptions::default(), &CheckOptions { rate: 100.0, near: 0.05 });
     let whole = Memory::default().plan(&cell, &program, options, &|| false).unwrap();
     let (mut memory, mut stopped) = (by_two_threads(), 0);
     for most in [0, 1, 3, 10, 20, 30, 40, 60, 80, 100, 10_000] {

@@ -6,7 +6,7 @@ use jointplay_cell::program::{
     AxisTarget, Command, Instruction, MAX_CALLS, Name, Place, Program, Routine, SlotName,
     SlotNumber,
 };
-use jointplay_cell::robot::MotionKind;
+use jointplay_cell::robot::AxisKind;
 use jointplay_core::spatial::Tilt;
 use jointplay_format::program::{MAX_BYTES, MAX_DEPTH, format, parse, write};
 use proptest::prelude::*;
@@ -100,8 +100,8 @@ fn every_command_is_read() {
         "move T -30deg R 200.5 MM # both",
         Command::Move {
             targets: vec![
-                axis("T", MotionKind::Turn, (-30_f64).to_radians()),
-                axis("R", MotionKind::Slide, 0.2005),
+                axis("T", AxisKind::Rotary, (-30_f64).to_radians()),
+                axis("R", AxisKind::Linear, 0.2005),
             ],
         },
     );
@@ -294,8 +294,8 @@ fn lengths() -> impl Strategy<Value = f64> {
 }
 
 fn targets() -> impl Strategy<Value = AxisTarget> {
-    let turn = decimals().prop_map(|deg| (MotionKind::Turn, deg.to_radians()));
-    let slide = lengths().prop_map(|m| (MotionKind::Slide, m));
+    let turn = decimals().prop_map(|deg| (AxisKind::Rotary, deg.to_radians()));
+    let slide = lengths().prop_map(|m| (AxisKind::Linear, m));
     (names(), prop_oneof![turn, slide]).prop_map(|(axis, (kind, position))| AxisTarget {
         axis,
         kind,

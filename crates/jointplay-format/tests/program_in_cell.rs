@@ -3,14 +3,15 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::{
     Handover, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };
 use jointplay_cell::robot::{
-    Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
+    Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
+    PlatformModel,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, leaning};
@@ -21,15 +22,15 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 const B: EffectorId = EffectorId { arm: 1, effector: 0 };
 
-fn axis(name: &str, kind: MotionKind, min: f64, max: f64, home: f64) -> Axis {
-    let dynamics = Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
+fn axis(name: &str, kind: AxisKind, min: f64, max: f64, home: f64) -> Axis {
+    let dynamics = KinematicLimits { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
     Axis { name: name.into(), kind, min, max, home, empty: dynamics, loaded: dynamics }
 }
 
 /// An arm of two equal links with a 1 : −2 : 1 belt, folded where its motor R is at zero.
 fn arm(name: &str, r: usize, height: f64) -> Arm {
     let joint = |zero: f64, drives: Vec<(usize, f64)>, length| ArmJoint {
-        kind: MotionKind::Turn,
+        kind: AxisKind::Rotary,
         zero,
         drives,
         length,
@@ -81,10 +82,10 @@ fn cell() -> Cell {
     let gpr = Gpr::paper();
     let (min, max) = (gpr.limits().rod_min, gpr.limits().rod_max);
     let mut axes: Vec<Axis> =
-        ["q1", "q2", "q3"].map(|rod| axis(rod, MotionKind::Slide, min, max, 0.5)).into();
-    axes.push(axis("T", MotionKind::Turn, -PI, PI, 0.0));
-    axes.push(axis("R1", MotionKind::Turn, -1.2, 1.5, 0.0));
-    axes.push(axis("R2", MotionKind::Turn, -1.2, 1.5, 0.0));
+        ["q1", "q2", "q3"].map(|rod| axis(rod, AxisKind::Linear, min, max, 0.5)).into();
+    axes.push(axis("T", AxisKind::Rotary, -PI, PI, 0.0));
+    axes.push(axis("R1", AxisKind::Rotary, -1.2, 1.5, 0.0));
+    axes.push(axis("R2", AxisKind::Rotary, -1.2, 1.5, 0.0));
     let robot = HybridRobot {
         name: "test".into(),
         gpr,
@@ -150,11 +151,11 @@ fn steps(cell: &Cell, text: &str) -> Vec<Step> {
     for (index, step) in steps.iter().enumerate() {
         assert_eq!(step.from, before, "step {index}");
         assert_eq!(step.loaded, loaded, "step {index}");
-        assert_eq!(cell.robot.broken_limits(&step.to).unwrap(), []);
+        assert_eq!(cell.robot.limit_violations(&step.to).unwrap(), []);
         before.clone_from(&step.to);
         match step.handover {
-            Some(Handover::Taken(effector, _)) => loaded.push(effector),
-            Some(Handover::Left(effector, _)) => loaded.retain(|&id| id != effector),
+            Some(Handover::Picked(effector, _)) => loaded.push(effector),
+            Some(Handover::Placed(effector, _)) => loaded.retain(|&id| id != effector),
             None => {}
         }
         loaded.sort_unstable();
@@ -181,10 +182,10 @@ fn a_get_is_the_sequence_of_the_trade() {
         assert!((step.speed - 0.5).abs() < 1e-15);
         let within = (2..=5).contains(&index);
         assert_eq!(step.slot, within.then_some(slot));
-        assert_eq!(step.path, if within { Path::Line(A) } else { Path::Axes });
+        assert_eq!(step.path, if within { Path::Line(A) } else { Path::PointToPoint });
         assert_eq!(step.line_speed.is_some(), matches!(step.phase, Lift));
     }
-    assert_eq!(steps[3].handover, Some(Handover::Taken(A, slot)));
+    assert_eq!(steps[3].handover, Some(Handover::Picked(A, slot)));
     // Turning moves no rod, entering no motor.
     assert_eq!(steps[0].from[..3], steps[0].to[..3]);
     assert_eq!(steps[1].from[3..], steps[1].to[3..]);
@@ -210,7 +211,7 @@ fn a_get_is_the_sequence_of_the_trade() {
 fn corners_are_cut_where_the_program_says_so_and_never_in_a_slot() {
     let cell = cell();
     let text = "BLEND 5 mm\nGET port-1 SLOT 3 WITH A\nBLEND OFF\nPUT port-2 SLOT 5 WITH A";
-    let motion = timed(&cell, steps(&cell, text), &MotionOptions::default()).unwrap();
+    let motion = plan_trajectory(&cell, steps(&cell, text), &TrajectoryOptions::default()).unwrap();
     let corners: Vec<Phase> = (0..motion.steps.len())
         .filter(|&step| motion.blend(step).is_some())
         .map(|step| motion.steps[step].phase)
@@ -227,7 +228,7 @@ fn a_put_mirrors_it_in_the_tilt_of_the_station() {
     let put: Vec<Step> = all.into_iter().filter(|step| step.instruction == 1).collect();
     assert_eq!(phases(&put), [Turn, Enter, Extend, Lower, Lower, Retract, Level]);
     let slot = SlotId { station: 1, slot: 5 };
-    assert_eq!(put[3].handover, Some(Handover::Left(A, slot)));
+    assert_eq!(put[3].handover, Some(Handover::Placed(A, slot)));
     let way = cell.waypoints(A, slot, &put[0].from).unwrap();
     let pose = cell.wafer_pose(A, &put[3].to, true).unwrap();
     let sag = cell.sag(A).unwrap().plane_height;
@@ -260,11 +261,14 @@ fn a_busy_station_is_waited_for() {
     let waits: Vec<&Step> = steps.iter().filter(|step| step.phase == Wait).collect();
     let left = |effector| {
         let slot = SlotId { station: 3, slot: 1 };
-        steps.iter().position(|step| step.handover == Some(Handover::Left(effector, slot))).unwrap()
+        steps
+            .iter()
+            .position(|step| step.handover == Some(Handover::Placed(effector, slot)))
+            .unwrap()
     };
     let [first, second] = waits[..] else { panic!("{waits:?}") };
-    assert_eq!(first.path, Path::Processed { since: left(A), seconds: 30.0 });
-    assert_eq!(second.path, Path::Processed { since: left(B), seconds: 30.0 });
+    assert_eq!(first.path, Path::ProcessDwell { since: left(A), seconds: 30.0 });
+    assert_eq!(second.path, Path::ProcessDwell { since: left(B), seconds: 30.0 });
     assert_eq!((first.instruction, second.instruction), (2, 4));
     assert_eq!(first.from, first.to);
     // Before the slot, not in it.
@@ -311,7 +315,7 @@ fn a_tilt_keeps_the_height_on_the_axis() {
     let gpr = &cell.robot.gpr;
     assert!((gpr.plane_tilt(&rods).pitch - 0.5_f64.to_radians()).abs() < 1e-14);
     assert!((gpr.plane_height(&rods).0 - 0.5).abs() < 1e-14);
-    assert_eq!(all[2].path, Path::Still(2.0));
+    assert_eq!(all[2].path, Path::Dwell(2.0));
 }
 
 #[test]
@@ -323,10 +327,10 @@ fn a_pass_counts_slots_up_and_down() {
     assert_eq!(
         handed,
         [
-            Handover::Taken(B, slot(0, 2)),
-            Handover::Left(B, slot(1, 5)),
-            Handover::Taken(B, slot(0, 3)),
-            Handover::Left(B, slot(1, 4)),
+            Handover::Picked(B, slot(0, 2)),
+            Handover::Placed(B, slot(1, 5)),
+            Handover::Picked(B, slot(0, 3)),
+            Handover::Placed(B, slot(1, 4)),
         ]
     );
 }

@@ -3,8 +3,8 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::{MotionOptions, timed};
 use jointplay_cell::program::expand;
+use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::Kernel;
 use jointplay_format::export::{Recording, Timeline};
@@ -52,7 +52,9 @@ fn off(one: &Pose, other: &Pose) -> f64 {
 
 fn check(cell: &Cell, text: &str) {
     let program = program::parse(text).unwrap();
-    let motion = timed(cell, expand(cell, &program).unwrap(), &MotionOptions::default()).unwrap();
+    let motion =
+        plan_trajectory(cell, expand(cell, &program).unwrap(), &TrajectoryOptions::default())
+            .unwrap();
     let recording = Recording { cell, motion: &motion, program: text, flaws: &[] };
     let timeline = Timeline::new(&recording, &[], None).unwrap();
     let axes = cell.robot.axes.len();

@@ -3,7 +3,8 @@
 
 use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
 use jointplay_cell::robot::{
-    Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
+    Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
+    PlatformModel,
 };
 use jointplay_cell::station::teach::fit_plane;
 use jointplay_cell::station::{Approach, Origin, Station, Stroke};
@@ -21,7 +22,7 @@ const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
 
 /// A robot with a slide before two stations, one of them leaning, a wall and a zone.
 fn cell() -> Cell {
-    let dynamics = Dynamics { velocity: 1.0, acceleration: 5.0, jerk: 50.0 };
+    let dynamics = KinematicLimits { velocity: 1.0, acceleration: 5.0, jerk: 50.0 };
     let axis = |name: &str, kind, min, max| Axis {
         name: name.to_owned(),
         kind,
@@ -32,7 +33,7 @@ fn cell() -> Cell {
         loaded: dynamics,
     };
     let gpr = Gpr::paper();
-    let rod = |name| axis(name, MotionKind::Slide, gpr.limits().rod_min, gpr.limits().rod_max);
+    let rod = |name| axis(name, AxisKind::Linear, gpr.limits().rod_min, gpr.limits().rod_max);
     let joint = |kind, drives: usize| ArmJoint {
         kind,
         zero: 0.0,
@@ -44,7 +45,7 @@ fn cell() -> Cell {
     let arm = Arm {
         name: "slide".to_owned(),
         mount: [0.0, 0.0, 0.1],
-        joints: vec![joint(MotionKind::Turn, 3), joint(MotionKind::Slide, 4)],
+        joints: vec![joint(AxisKind::Rotary, 3), joint(AxisKind::Linear, 4)],
         effectors: vec![Effector {
             name: "A".to_owned(),
             wafer_center: [0.2, 0.0, 0.0],
@@ -58,8 +59,8 @@ fn cell() -> Cell {
         rod("q1"),
         rod("q2"),
         rod("q3"),
-        axis("T", MotionKind::Turn, -3.0, 3.0),
-        axis("R", MotionKind::Slide, 0.0, 0.3),
+        axis("T", AxisKind::Rotary, -3.0, 3.0),
+        axis("R", AxisKind::Linear, 0.0, 0.3),
     ];
     let (model, assumed) = (PlatformModel::default(), vec![]);
     let robot =

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::CheckOptions;
 use jointplay::cell::check::Report;
-use jointplay::cell::motion::{Motion, MotionError, MotionOptions};
-use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, wrong_lines};
+use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, name_errors};
+use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
 use jointplay::cell::{Interrupted, Memory, Stop, Unplanned};
 use jointplay::format::export::{self, Flaw, Recording, Timeline};
 use jointplay::format::{program, report};
@@ -26,7 +26,7 @@ pub(crate) struct Plan {
     pub(crate) scene: Option<Arc<Scene>>,
     /// All that is wrong before anything moves.
     pub(crate) problems: Vec<ProblemAt>,
-    pub(crate) motion: Option<Motion>,
+    pub(crate) motion: Option<Trajectory>,
     /// What `jointplay cell check` says of it.
     pub(crate) report: Option<report::CellReport>,
     pub(crate) timeline: Option<Timeline>,
@@ -103,13 +103,13 @@ impl Plan {
             .map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string()))
             .collect();
         if let (Some(cell), false) = (&plan.cell, wrong.is_empty()) {
-            wrong.extend(Stopped::Steps(wrong_lines(cell, &program)).told(&plan.program_text));
+            wrong.extend(Stopped::Steps(name_errors(cell, &program)).told(&plan.program_text));
             wrong.sort_by_key(|one| (one.line, one.column));
         }
         let readable = wrong.is_empty();
         plan.problems.append(&mut wrong);
         let Some(cell) = plan.cell.as_ref().filter(|_| readable) else { return Ok(plan) };
-        let options = (&MotionOptions::default(), &CheckOptions::default());
+        let options = (&TrajectoryOptions::default(), &CheckOptions::default());
         let stopped = match memory.plan(cell, &program, options, stop) {
             Ok((motion, report)) => {
                 plan.take(motion, &report, last, stop)?;
@@ -117,7 +117,7 @@ impl Plan {
             }
             Err(Unplanned::Interrupted(interrupted)) => return Err(interrupted),
             Err(Unplanned::Program(errors)) => Stopped::Steps(errors),
-            Err(Unplanned::Motion(error)) => Stopped::Times(error),
+            Err(Unplanned::Trajectory(error)) => Stopped::Times(error),
         };
         plan.problems.extend(stopped.told(&plan.program_text));
         Ok(plan)
@@ -125,7 +125,7 @@ impl Plan {
 
     fn take(
         &mut self,
-        motion: Motion,
+        motion: Trajectory,
         report: &Report,
         last: Option<&Self>,
         stop: Stop<'_>,
@@ -181,7 +181,7 @@ pub(crate) fn key(cell: &str, program: &str) -> String {
 /// Why a program comes to no motion.
 enum Stopped {
     Steps(Vec<ProgramError>),
-    Times(MotionError),
+    Times(TrajectoryError),
 }
 
 impl Stopped {
@@ -209,11 +209,11 @@ impl Stopped {
 }
 
 /// The robot standing at home in a cell, for a picture of it where there is no motion.
-pub(crate) fn standing(cell: &Cell) -> Option<Motion> {
+pub(crate) fn standing(cell: &Cell) -> Option<Trajectory> {
     let place = Place { line: 1, column: 1 };
     let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
     let program = Program { body: vec![wait], routines: Vec::new() };
     let mut memory = Memory::default();
     let steps = memory.expand(cell, &program).ok()?;
-    memory.timed(cell, steps, &MotionOptions::default()).ok()
+    memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).ok()
 }

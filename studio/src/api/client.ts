@@ -59,12 +59,12 @@ async function ask(path: string, body?: unknown, signal?: AbortSignal, method = 
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     connection.failed();
-    throw new Away('the server does not answer');
+    throw new Away('the server does not respond');
   }
   connection.answered();
   if (response.ok) return response;
   const problem = (await response.json().catch(() => ({}))) as Partial<Schemas['Problem']>;
-  throw new Refused(response.status, problem.detail ?? `the server answered ${response.status}`, problem.field ?? undefined);
+  throw new Refused(response.status, problem.detail ?? `the server responded with status ${response.status}`, problem.field ?? undefined);
 }
 
 /** The body of an answer; a server that ends in the middle of it does not answer. */
@@ -75,7 +75,7 @@ async function body<T>(answer: Promise<Response>, read: (response: Response) => 
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     connection.failed();
-    throw new Away('the server broke off its answer');
+    throw new Away('the server closed the connection before the end of its response');
   }
 }
 const json = <T>(answer: Promise<Response>) => body<T>(answer, (response) => response.json());
@@ -121,7 +121,7 @@ const QUANTITIES = ['rods', 'sides', 'virtual_joints', 'origin', 'twist'];
 /** The series of a motion under one model, as a stream in Arrow's format. */
 export async function study(motion: Motion, model: ModelChoice, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
   const response = await ask('study', { motion: apiMotion(motion), model, quantities: QUANTITIES }, signal);
-  if (!response.body) throw new Away('the server sent no samples');
+  if (!response.body) throw new Away('the response of the server is empty');
   return response.body;
 }
 

@@ -356,7 +356,7 @@ export class Desk {
             void this.setStation(station, { ...change, taught_by: { ...by, confirm_contact: true } }, taken);
           },
         };
-      else if (error instanceof Away) this.notice = `${station} was not changed: the server does not answer.`;
+      else if (error instanceof Away) this.notice = `${station} was not changed: the server does not respond.`;
       else this.failed(error);
     } finally {
       this.#changing -= 1;
@@ -411,7 +411,7 @@ export class Desk {
       this.#store();
     } catch (error) {
       if (error instanceof Refused && error.field === 'replaces') this.overtaken = true;
-      else if (error instanceof Away) this.notice = 'Not saved: the server does not answer. The changes stay in this browser; save them when it is connected again.';
+      else if (error instanceof Away) this.notice = 'Not saved: the server does not respond. The changes are stored in this browser; save again after reconnection.';
       else this.notice = `Not saved: ${error instanceof Error ? error.message : String(error)}`;
     }
   }
@@ -426,7 +426,7 @@ export class Desk {
       this.saved = this.texts = { cell, program };
       this.settle();
     } catch (error) {
-      if (error instanceof Away) this.notice = 'The files were not read: the server does not answer.';
+      if (error instanceof Away) this.notice = 'The files were not reloaded: the server does not respond.';
       else this.failed(error);
     }
   }

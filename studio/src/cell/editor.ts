@@ -117,7 +117,7 @@ export class Editor {
       ]),
       // Escape, then Tab, leaves the text by the keyboard.
       keymap.of([...defaultKeymap, ...historyKeymap, indentWithTab]),
-      EditorView.contentAttributes.of({ 'aria-label': label, 'aria-description': 'Tab indents. Escape, then Tab, leaves the editor.', spellcheck: 'false', tabindex: '0' }),
+      EditorView.contentAttributes.of({ 'aria-label': label, 'aria-description': 'Tab indents. Press Escape, then Tab to leave the editor.', spellcheck: 'false', tabindex: '0' }),
       EditorView.updateListener.of((update) => {
         if (update.docChanged && !this.#given) typed(update.state.doc.toString());
       }),

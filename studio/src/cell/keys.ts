@@ -11,28 +11,28 @@ const STEP = { short: 0.04, long: 1 } as const;
 
 const SHORTCUTS: Shortcut[] = [
   { group: 'Program', keys: [' '], says: 'play or pause', does: () => desk.toggle() },
-  { group: 'Program', keys: ['ArrowRight'], says: '0.04 s later (with Shift, 1 s)', does: ({ shiftKey }) => desk.seek(desk.time + (shiftKey ? STEP.long : STEP.short)) },
-  { group: 'Program', keys: ['ArrowLeft'], says: '0.04 s earlier (with Shift, 1 s)', does: ({ shiftKey }) => desk.seek(desk.time - (shiftKey ? STEP.long : STEP.short)) },
+  { group: 'Program', keys: ['ArrowRight'], says: 'forward by 0.04 s (Shift: 1 s)', does: ({ shiftKey }) => desk.seek(desk.time + (shiftKey ? STEP.long : STEP.short)) },
+  { group: 'Program', keys: ['ArrowLeft'], says: 'back by 0.04 s (Shift: 1 s)', does: ({ shiftKey }) => desk.seek(desk.time - (shiftKey ? STEP.long : STEP.short)) },
   { group: 'Program', keys: ['Home'], says: 'start of the program', does: () => desk.seek(0) },
   { group: 'Program', keys: ['End'], says: 'end of the program', does: () => desk.seek(desk.duration) },
   { group: 'Program', keys: ['l'], says: 'loop on or off', does: () => (desk.loop = !desk.loop) },
   ...CELL_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], says: `view: ${title.toLowerCase()}`, does: () => desk.look?.(view) })),
-  { group: 'Page', keys: ['?'], says: 'list of keys', does: () => (layout.helpOpen = !layout.helpOpen) },
-  { group: 'Page', keys: ['t'], says: 'light or dark', does: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
+  { group: 'Page', keys: ['?'], says: 'keyboard shortcuts', does: () => (layout.helpOpen = !layout.helpOpen) },
+  { group: 'Page', keys: ['t'], says: 'light or dark theme', does: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];
 
 export const CELL_SHEET: KeySheet = {
   view: 'cell view',
   shortcuts: SHORTCUTS,
   control: [
-    { keys: ['Ctrl', 'S'], says: 'save, in the editor too' },
+    { keys: ['Ctrl', 'S'], says: 'save, also in the editor' },
     { keys: ['Ctrl', 'Z'], says: 'undo' },
     { keys: ['Ctrl', 'Shift', 'Z'], says: 'redo' },
-    { keys: ['Esc', 'Tab'], says: 'leave the editor, where Tab indents' },
+    { keys: ['Esc', 'Tab'], says: 'leave the editor' },
   ],
   pointer: [
-    'Drag to turn the view, with the right button to move it; the wheel zooms. Click a part to choose it; drag the handles of a chosen station to move it.',
-    'Click in the chart of the axes to go to that time; the wheel zooms it, with Shift it moves along.',
+    'Drag with the left button to orbit, with the right button to pan; use the wheel to zoom. Click a part to select it. Drag the handles of the selected station to move it.',
+    'Click in the axis chart to go to that time. Use the wheel to zoom the chart, Shift and the wheel to scroll it.',
   ],
 };
 

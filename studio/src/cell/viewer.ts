@@ -72,7 +72,7 @@ export class CellViewer extends Stage {
   constructor(host: HTMLElement, events: CellViewerEvents) {
     const eye = new PerspectiveCamera(32, 1, 0.02, 60);
     eye.up.set(0, 0, 1);
-    super(host, eye, 'The cell in three dimensions; its stations, steps and violations are told in the panels beside it', events);
+    super(host, eye, '3D view of the cell; its stations, steps and violations are listed in the panels', events);
     this.#eye = eye;
     this.#events = events;
     this.#sun.position.set(1.2, -1.6, 3);

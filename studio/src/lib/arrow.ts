@@ -61,7 +61,7 @@ async function* cut(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Arr
   try {
     while (await hold(8)) {
       const view = new DataView(held.buffer, held.byteOffset);
-      if (view.getUint32(0, true) !== CONTINUATION) throw new Error('the samples are not in Arrow’s streaming format');
+      if (view.getUint32(0, true) !== CONTINUATION) throw new Error('the samples are not in the Arrow streaming format');
       const head = view.getUint32(4, true);
       if (head === 0) return;
       if (!(await hold(8 + head))) break;
@@ -71,7 +71,7 @@ async function* cut(stream: ReadableStream<Uint8Array>): AsyncGenerator<Uint8Arr
       yield held.slice(0, whole);
       held = held.slice(whole);
     }
-    throw new Error('the stream of samples broke off');
+    throw new Error('the stream of samples ended early');
   } finally {
     // The reader left early: the server learns that nobody listens, and stops working.
     await reader.cancel().catch(() => undefined);

@@ -1,4 +1,4 @@
-// Plots as SVG, for papers: white ground, black ink.
+// Plots as SVG for publications: black on white.
 
 import { fixed } from './units';
 

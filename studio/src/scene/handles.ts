@@ -20,8 +20,8 @@ export type Freedom = 'x' | 'y' | 'height' | 'yaw' | 'about_x' | 'about_y';
 export const SAYS: Record<Freedom, string> = {
   x: 'along x',
   y: 'along y',
-  height: 'up and down',
-  yaw: 'turn about the vertical',
+  height: 'along z',
+  yaw: 'rotate about z',
   about_x: 'tilt about x',
   about_y: 'tilt about y',
 };

@@ -17,7 +17,7 @@ export async function readShape(format: ShapeFormat, bytes: ArrayBuffer, materia
     part.castShadow = part.receiveShadow = true;
     triangles += check(part.geometry as BufferGeometry);
   });
-  if (triangles === 0) throw new Error('it has no triangles');
+  if (triangles === 0) throw new Error('the file has no triangles');
   return shape;
 }
 
@@ -25,7 +25,7 @@ async function read(format: ShapeFormat, bytes: ArrayBuffer, material: Material)
   switch (format) {
     case 'stl': {
       // Three asks shorter files for a count that lies behind their end.
-      if (bytes.byteLength < STL_HEAD) throw new Error('it has no triangles');
+      if (bytes.byteLength < STL_HEAD) throw new Error('the file has no triangles');
       const { STLLoader } = await import('three/examples/jsm/loaders/STLLoader.js');
       return new Mesh(new STLLoader().parse(bytes), material);
     }
@@ -63,6 +63,6 @@ function check(geometry: BufferGeometry): number {
   if (!positions) return 0;
   for (let i = 0; i < positions.count; i++)
     if (!Number.isFinite(positions.getX(i) + positions.getY(i) + positions.getZ(i)))
-      throw new Error(`its point ${i + 1} is no number`);
+      throw new Error(`vertex ${i + 1} has a coordinate that is not a finite number`);
   return Math.floor((geometry.index?.count ?? positions.count) / 3);
 }

@@ -69,7 +69,7 @@ export class Viewer extends Stage {
 
   constructor(host: HTMLElement, events: ViewerEvents) {
     const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 10, 20000);
-    super(host, camera, 'The robot in three dimensions; its numbers are in the panels beside it', events);
+    super(host, camera, '3D view of the robot; its values are in the panels', events);
     this.#perspective = camera;
     this.#events = events;
     this.renderer.shadowMap.enabled = true;

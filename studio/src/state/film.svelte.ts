@@ -21,7 +21,7 @@ export class Film {
   /** Resolves once the first moment is in the film and what moves may move; to false if it was stopped meanwhile. */
   async start(viewer: Viewer, note: () => string, done: (blob: Blob, ending: string) => void): Promise<boolean> {
     const kind = KINDS.find(([type]) => MediaRecorder.isTypeSupported(type));
-    if (!kind) throw new Error('this browser encodes no video');
+    if (!kind) throw new Error('this browser does not support video encoding');
     const [type, ending] = kind;
     const canvas = document.createElement('canvas');
     viewer.copyTo(canvas, note());

@@ -299,7 +299,7 @@ export class Studio {
           if (answer.stopped_by.length > 0) {
             this.#good = inTermsOf(told, answer, EXACT);
             if (this.document.command === told) this.document = { ...this.document, command: this.#good };
-            this.notice = `Stopped on the way: ${says(answer.stopped_by)}.`;
+            this.notice = `Stopped at a limit: ${says(answer.stopped_by)}.`;
           } else if (!this.#wanted) this.notice = null;
         } catch (error) {
           if (error instanceof Refused && jog) this.#stay(told, error.message);

@@ -20,13 +20,13 @@ export function download(blob: Blob, name: string): void {
 /** The pose shown, as `jointplay forward --format json` writes it. */
 export async function forwardDocument(studio: Studio): Promise<Blob> {
   const { model, solver, metric } = studio.document;
-  if (!studio.pose) throw new Error('there is no pose yet');
+  if (!studio.pose) throw new Error('no pose has been computed yet');
   return api.forward(studio.pose.rods_m, api.modelChoice(model, solver, metric));
 }
 
 export async function seriesFile(studio: Studio, kind: 'csv' | 'parquet'): Promise<Blob> {
   const { motion, model, solver, metric } = studio.document;
-  if (!motion) throw new Error('there is no motion to take series of');
+  if (!motion) throw new Error('time series need a motion: select one first');
   return api.studyFile(motion, api.modelChoice(model, solver, metric), kind);
 }
 
@@ -75,6 +75,6 @@ export async function painted(figure: Blob): Promise<Blob> {
   Object.assign(canvas, { width: picture.width * FINENESS, height: picture.height * FINENESS });
   canvas.getContext('2d')?.drawImage(picture, 0, 0, canvas.width, canvas.height);
   const blob = await new Promise<Blob | null>((done) => canvas.toBlob(done, 'image/png'));
-  if (!blob) throw new Error('this browser could not paint the figure');
+  if (!blob) throw new Error('this browser cannot render the figure');
   return blob;
 }

@@ -14,10 +14,10 @@ use super::slip::Carried;
 use super::travel::Gearing;
 use crate::CellError;
 use crate::cell::Cell;
-use crate::motion::{State, limits_of};
 use crate::program::{Phase, Step};
-use crate::robot::{Axis, Dynamics, EffectorId, HybridRobot, MotionKind, Positions};
+use crate::robot::{Axis, AxisKind, EffectorId, HybridRobot, KinematicLimits, Positions};
 use crate::solid::{self, Placed};
+use crate::trajectory::{AxisState, axis_limits};
 use crate::wafer::Droop;
 
 /// Relative slack of limits, so that a motion planned to lie on one is not beyond it by round-off.
@@ -136,7 +136,7 @@ impl Alone {
         let mut found = Found::default();
         let mut moving = course.track().moving().iter().zip(course.track().states()).peekable();
         for (axis, described) in robot.axes.iter().enumerate() {
-            let limits = limits_of(robot, axis, step);
+            let limits = axis_limits(robot, axis, step);
             if let Some((_, states)) = moving.next_if(|(moves, _)| **moves == axis) {
                 let about = (axis, described, &limits);
                 alone.axis(about, course.times(), states.iter().copied(), &mut found);
@@ -171,9 +171,9 @@ impl Alone {
     /// Looks at an axis at all samples.
     fn axis(
         &mut self,
-        (index, axis, limits): (usize, &Axis, &Dynamics),
+        (index, axis, limits): (usize, &Axis, &KinematicLimits),
         times: &[f64],
-        states: impl Iterator<Item = State> + Clone,
+        states: impl Iterator<Item = AxisState> + Clone,
         found: &mut Found,
     ) {
         // Least and largest position, and the largest of all else, with where that is first.
@@ -202,8 +202,8 @@ impl Alone {
             return;
         }
         let unit = match axis.kind {
-            MotionKind::Turn => Unit::Angle,
-            MotionKind::Slide => Unit::Length,
+            AxisKind::Rotary => Unit::Angle,
+            AxisKind::Linear => Unit::Length,
         };
         for (sample, (state, &time)) in states.zip(times).enumerate() {
             let mut broken = |kind: Kind, severity: f64, value: f64, limit: f64| {

@@ -14,10 +14,10 @@ use super::levers::{Levers, common};
 use super::scene::{Holder, Scene};
 use super::travel::{Gearing, Travel};
 use crate::cell::{Body, Carrier, Cell, Shape};
-use crate::motion::{Motion, MotionOptions, Sample, straight, timed};
 use crate::program::{Path, Phase, Place, Step};
-use crate::robot::{MotionKind, PlatformModel, RODS};
+use crate::robot::{AxisKind, PlatformModel, RODS};
 use crate::solid::Solids;
+use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, plan_trajectory, straight};
 use crate::wafer::{Droop, DroopRow};
 
 /// Parts of an interval of which the path of a point is added up.
@@ -114,7 +114,7 @@ fn positions(random: &mut Random, cell: &Cell, tilt_max: f64) -> Vec<f64> {
     all
 }
 
-fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Motion {
+fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Trajectory {
     let from = positions(random, cell, tilt_max);
     let mut to = positions(random, cell, tilt_max);
     // Rods, motors, or all; a little or far.
@@ -129,7 +129,7 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Moti
         phase: Phase::Move,
         from,
         to,
-        path: Path::Axes,
+        path: Path::PointToPoint,
         speed: 1.0,
         blend: 0.0,
         line_speed: None,
@@ -140,7 +140,7 @@ fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Moti
     if round.is_multiple_of(5) {
         straight(step)
     } else {
-        timed(cell, vec![step], &MotionOptions::default()).unwrap()
+        plan_trajectory(cell, vec![step], &TrajectoryOptions::default()).unwrap()
     }
 }
 
@@ -189,7 +189,7 @@ fn no_point_travels_farther_than_its_bound() {
             let states = (0..=PARTS * (to - from) as u32).map(|part| {
                 let share = f64::from(part) / f64::from(PARTS * (to - from) as u32);
                 let mut sample = Sample::default();
-                motion.fill_since(0, start + share * (end - start), &mut sample);
+                motion.fill_in_step(0, start + share * (end - start), &mut sample);
                 scene.places(&sample.positions, Vec::new())
             });
             // A model that does not converge somewhere has no pose there, which the check reports.
@@ -259,7 +259,7 @@ fn an_arm_over_its_own_joint_deflects_without_a_jump() {
     cell.robot = kind(3, [0.2; 3]);
     cell.robot.arms[0].droop = droop(&mut random, 1);
     let slide = cell.robot.axes.iter().position(|axis| axis.name == "R").unwrap();
-    assert_eq!(cell.robot.axes[slide].kind, MotionKind::Slide);
+    assert_eq!(cell.robot.axes[slide].kind, AxisKind::Linear);
     let mut at: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
     let mut before: Option<Pose> = None;
     for k in 0..4000 {

@@ -10,9 +10,9 @@ use super::levers::Levers;
 use super::report::{Kind, Unit};
 use super::scene::{Places, Scene, Unplaced};
 use super::travel::{Gearing, Moved, Odometer};
-use crate::motion::{Motion, State, Track};
 use crate::robot::{Positions, RODS};
 use crate::solid::Span;
+use crate::trajectory::{AxisSampler, AxisState, Trajectory};
 
 /// Samples from one place that a box around a way is made of to the next.
 const STRIDE: usize = 16;
@@ -36,10 +36,10 @@ pub(super) struct Samples {
 
 impl Samples {
     /// The start of a step, `rate` times a second, and its end.
-    pub(super) fn of(motion: &Motion, step: usize, rate: f64) -> Self {
-        let length = motion.length(step);
+    pub(super) fn of(motion: &Trajectory, step: usize, rate: f64) -> Self {
+        let length = motion.intrinsic_step_duration(step);
         // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
-        let whole = if motion.stands(step) {
+        let whole = if motion.is_dwell(step) {
             usize::from(length > 0.0)
         } else {
             (length * rate - 1e-3).ceil().max(0.0) as usize
@@ -79,7 +79,7 @@ pub(super) struct Course {
     times: Vec<f64>,
     /// Where all axes start.
     from: Vec<f64>,
-    track: Track,
+    track: AxisSampler,
     odometer: Odometer,
     /// Poses of all that moves by sample, or why they are unknown, as far as that was asked for.
     places: Vec<Option<Result<Places, Unplaced>>>,
@@ -91,7 +91,7 @@ impl Course {
     /// Takes up a window of a step.
     pub(super) fn take(
         &mut self,
-        motion: &Motion,
+        motion: &Trajectory,
         (step, window): (usize, usize),
         samples: &Samples,
         gearing: &Gearing,
@@ -131,7 +131,7 @@ impl Course {
     }
 
     /// What the axes do that do anything.
-    pub(super) fn track(&self) -> &Track {
+    pub(super) fn track(&self) -> &AxisSampler {
         &self.track
     }
 
@@ -163,7 +163,7 @@ impl Course {
     }
 
     /// What an axis does by sample, if it does anything.
-    fn states(&self, axis: usize) -> Option<&[State]> {
+    fn states(&self, axis: usize) -> Option<&[AxisState]> {
         let place = self.track.moving().binary_search(&axis).ok()?;
         Some(&self.track.states()[place])
     }
@@ -262,7 +262,7 @@ impl Lost {
 /// What some axes do.
 pub(super) struct Axes<'a, const N: usize> {
     /// By sample, of those that do anything.
-    moving: [Option<&'a [State]>; N],
+    moving: [Option<&'a [AxisState]>; N],
     /// Where the others stand.
     standing: [f64; N],
 }

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 
 use super::scene::{Holder, Item};
 use crate::cell::Cell;
-use crate::robot::{Arm, ArmJoint, EffectorId, HybridRobot, MAX_AXES, MotionKind};
+use crate::robot::{Arm, ArmJoint, AxisKind, EffectorId, HybridRobot, MAX_AXES};
 use crate::wafer::{Droop, DroopBounds, SHORTEST};
 
 /// Tilt up to which deflected arms are bounded, where the robot may not tilt farther: a motion beyond breaks the tilt limit anyway [rad].
@@ -114,7 +114,7 @@ impl Levers {
             return levers;
         }
         // Turned about its first joint, an arm keeps its reach.
-        let first = usize::from(arm.joints[0].kind == MotionKind::Turn);
+        let first = usize::from(arm.joints[0].kind == AxisKind::Rotary);
         let center = Self::by_joints(robot, (Holder::Effector(id), 0.0), first).arms;
         let [at_first, at_last, at_common] =
             [first, arm.joints.len(), common].map(|joints| turning(arm, joints));
@@ -169,8 +169,8 @@ impl Levers {
             let whole: f64 = turning.iter().map(|turning| turning.abs()).sum();
             for &(axis, ratio) in joint.drives.iter().filter(|_| place >= common) {
                 match joint.kind {
-                    MotionKind::Turn => turning[axis] += ratio,
-                    MotionKind::Slide => {
+                    AxisKind::Rotary => turning[axis] += ratio,
+                    AxisKind::Linear => {
                         // 2 ḋ φ̇ e_⊥, and 2 |ȧ| |ḃ| ≤ ȧ² + ḃ².
                         arms[axis] += ratio.abs();
                         turns[axis] += ratio.abs() * whole;
@@ -222,7 +222,7 @@ fn height_of(arm: &Arm, id: EffectorId) -> f64 {
 /// Turn of what comes after so many joints of an arm, by each axis, without signs.
 fn turning(arm: &Arm, joints: usize) -> [f64; MAX_AXES] {
     let mut turning = [0.0_f64; MAX_AXES];
-    for joint in arm.joints[..joints].iter().filter(|joint| joint.kind == MotionKind::Turn) {
+    for joint in arm.joints[..joints].iter().filter(|joint| joint.kind == AxisKind::Rotary) {
         joint.drives.iter().for_each(|&(axis, ratio)| turning[axis] += ratio);
     }
     turning.map(f64::abs)
@@ -253,8 +253,8 @@ fn begin_alike(one: &Arm, other: &Arm) -> bool {
     match (one.joints.first(), other.joints.first()) {
         (Some(first), Some(second)) => {
             one.mount[..2] == other.mount[..2]
-                && first.kind == MotionKind::Turn
-                && second.kind == MotionKind::Turn
+                && first.kind == AxisKind::Rotary
+                && second.kind == AxisKind::Rotary
                 && first.drives == second.drives
         }
         _ => false,
@@ -263,7 +263,7 @@ fn begin_alike(one: &Arm, other: &Arm) -> bool {
 
 /// The farthest that a joint slides out [m].
 fn slide(robot: &HybridRobot, joint: &ArmJoint) -> f64 {
-    if joint.kind == MotionKind::Turn {
+    if joint.kind == AxisKind::Rotary {
         return 0.0;
     }
     let most: f64 = joint

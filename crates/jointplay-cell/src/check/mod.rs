@@ -38,8 +38,8 @@ use std::sync::Arc;
 
 use crate::cell::{Cell, ZoneRule};
 use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, each, whole};
-use crate::motion::{Motion, Way};
 use crate::solid::Solids;
+use crate::trajectory::{Segment, Trajectory};
 use alone::Alone;
 use near::Near;
 use scene::Scene;
@@ -86,7 +86,7 @@ impl Default for CheckOptions {
 ///
 /// A distance is compared with the one asked for to a resolution of 10⁻⁸ m, which is how exactly distances are tested to be found.
 #[must_use]
-pub fn check(cell: &Cell, motion: &Motion, options: &CheckOptions) -> Report {
+pub fn check(cell: &Cell, motion: &Trajectory, options: &CheckOptions) -> Report {
     whole(Checks::default().check(cell, motion, options, Run::one_by_one()))
 }
 
@@ -98,7 +98,7 @@ const AT_A_TIME: usize = 1024;
 pub(crate) struct Checks {
     solids: Solids,
     /// With the ways that the keys of both tell apart by where they are kept.
-    moves: Kept<(Alone, [Option<Arc<Way>>; 3])>,
+    moves: Kept<(Alone, [Option<Arc<Segment>>; 3])>,
     distances: Kept<Near>,
 }
 
@@ -107,7 +107,7 @@ impl Checks {
     pub(crate) fn check(
         &mut self,
         cell: &Cell,
-        motion: &Motion,
+        motion: &Trajectory,
         options: &CheckOptions,
         run: Run<'_>,
     ) -> Result<Report, Interrupted> {
@@ -135,7 +135,7 @@ impl Checks {
         &mut self,
         (steps, starts): (&Steps<'_>, &[Start]),
         first: usize,
-        motion: &Motion,
+        motion: &Trajectory,
         run: Run<'_>,
         summary: &mut Summary<'_>,
     ) -> Result<(), Interrupted> {
@@ -159,7 +159,7 @@ impl Checks {
                     by_themselves.remove(&start.key).expect("what is not known was looked at");
                 nears.extend(near.map(|near| (among.key.clone(), near)));
                 near_it.insert(place, among);
-                Ok((found, motion.way_of(first + place)))
+                Ok((found, motion.segments_of(first + place)))
             });
             alone.push(found);
         }
@@ -199,7 +199,7 @@ impl Checks {
 }
 
 /// Checks all steps once, nothing being remembered.
-fn examine(cell: &Cell, motion: &Motion, steps: Steps<'_>, starts: &[Start]) -> Report {
+fn examine(cell: &Cell, motion: &Trajectory, steps: Steps<'_>, starts: &[Start]) -> Report {
     let mut summary = Summary::new(cell, motion);
     for (index, start) in starts.iter().enumerate() {
         let (alone, among, near) = steps.with_course(|course| {

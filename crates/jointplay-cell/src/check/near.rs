@@ -10,8 +10,8 @@ use super::levers::Levers;
 use super::report::{Kind, Unit};
 use super::scene::{Holder, Places, Rule, Scene};
 use super::travel::{Gearing, Travel};
-use crate::motion::{Motion, Sample};
 use crate::solid::{Placed, apart, between_balls, depth, distance, gap_along};
+use crate::trajectory::{Sample, Trajectory};
 
 /// By how much a least distance may be passed over, as a share of it.
 const PASSED_SHARE: f64 = 0.02;
@@ -77,7 +77,7 @@ impl<'p> Pairs<'p> {
 /// A window of a step, and what is near its way.
 pub(super) struct Look<'a> {
     pub(super) scene: &'a Scene<'a>,
-    pub(super) motion: &'a Motion,
+    pub(super) motion: &'a Trajectory,
     pub(super) step: usize,
     pub(super) course: &'a mut Course,
     /// Items of the scene, those that move first, as in the course.
@@ -316,7 +316,7 @@ impl Search<'_, '_> {
         let when = When { time, sample };
         let look = &mut *self.look;
         let mut state = Sample::default();
-        look.motion.fill_since(look.step, time, &mut state);
+        look.motion.fill_in_step(look.step, time, &mut state);
         let places = look.scene.places(&state.positions, Vec::new());
         let places = places.map_err(|why| Lost { when, why })?;
         let [a, b] = look.placed(&places, self.pair.items);

@@ -7,11 +7,11 @@ use super::{CheckOptions, examine};
 use crate::CellError;
 use crate::cell::Cell;
 use crate::memory::{Run, whole};
-use crate::motion::{Motion, straight};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::EffectorId;
 use crate::solid::Solids;
 use crate::station::SlotId;
+use crate::trajectory::{Trajectory, straight};
 
 /// How often the last part before a contact is halved: what is left of a metre is a nanometre.
 const HALVINGS: usize = 30;
@@ -26,7 +26,7 @@ const MARGIN: f64 = 1e-7;
 #[derive(Debug, Clone, Copy)]
 pub struct Moment<'m> {
     /// The motion of a program.
-    pub motion: &'m Motion,
+    pub motion: &'m Trajectory,
     /// Time in it that says where wafers are [s].
     pub time: f64,
     /// The effector that reaches into a slot, and the slot; without it, those of the step at that time.
@@ -111,7 +111,7 @@ impl<'a> Held<'a> {
             phase: reaches.map_or(Phase::Move, |(.., phase)| phase),
             from: Vec::new(),
             to: Vec::new(),
-            path: reaches.map_or(Path::Axes, |(id, ..)| Path::Line(id)),
+            path: reaches.map_or(Path::PointToPoint, |(id, ..)| Path::Line(id)),
             speed: 1.0,
             blend: 0.0,
             line_speed: None,
@@ -122,7 +122,7 @@ impl<'a> Held<'a> {
         Self { cell, solids, scene, template }
     }
 
-    fn report(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> (Motion, Report) {
+    fn report(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> (Trajectory, Report) {
         let mut step = self.template.clone();
         (step.from, step.to) = (from.to_vec(), to.to_vec());
         let motion = straight(step);

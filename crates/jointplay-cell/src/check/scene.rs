@@ -9,7 +9,7 @@ use super::report::Kind;
 use crate::cell::{Carrier, Cell, Shape, ZoneRule};
 use crate::memory::Key;
 use crate::program::{Handover, Path, Phase, Step};
-use crate::robot::{EffectorId, Planar};
+use crate::robot::{ArmChain, EffectorId};
 use crate::solid::{Placed, Solid, Solids, Span};
 use crate::station::SlotId;
 use crate::wafer::DroopError;
@@ -111,7 +111,7 @@ pub(super) struct Scene<'a> {
     /// Zones that wafers' centres have to stay in while the robot turns, by index in the cell.
     pub(super) safe: Vec<(usize, Solid)>,
     /// By arm and effector.
-    arms: Vec<Vec<Planar>>,
+    arms: Vec<Vec<ArmChain>>,
 }
 
 impl<'a> Scene<'a> {
@@ -170,7 +170,7 @@ impl<'a> Scene<'a> {
         }
         let planar = |arm: usize| {
             let effectors = 0..cell.robot.arms[arm].effectors.len();
-            effectors.map(move |effector| Planar::new(&cell.robot, EffectorId { arm, effector }))
+            effectors.map(move |effector| ArmChain::new(&cell.robot, EffectorId { arm, effector }))
         };
         let arms = (0..cell.robot.arms.len()).map(|arm| planar(arm).collect()).collect();
         let items = items.into_iter().map(Arc::new).collect();
@@ -209,7 +209,7 @@ impl<'a> Scene<'a> {
     }
 
     /// The arm to an effector.
-    pub(super) fn planar(&self, id: EffectorId) -> &Planar {
+    pub(super) fn planar(&self, id: EffectorId) -> &ArmChain {
         &self.arms[id.arm][id.effector]
     }
 
@@ -256,13 +256,13 @@ impl<'a> Scene<'a> {
     /// Does what the end of a step does to wafers.
     pub(super) fn hand_over(&mut self, handover: Handover, solids: &mut Solids) {
         let (from, to) = match handover {
-            Handover::Taken(id, slot) => (Holder::Slot(slot), Holder::Effector(id)),
-            Handover::Left(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
+            Handover::Picked(id, slot) => (Holder::Slot(slot), Holder::Effector(id)),
+            Handover::Placed(id, slot) => (Holder::Effector(id), Holder::Slot(slot)),
         };
         let Some(index) = self.items.iter().position(|item| item.holder == from) else { return };
         match handover {
-            Handover::Taken(id, _) => self.carried.push((id, index)),
-            Handover::Left(id, _) => self.carried.retain(|(by, _)| *by != id),
+            Handover::Picked(id, _) => self.carried.push((id, index)),
+            Handover::Placed(id, _) => self.carried.retain(|(by, _)| *by != id),
         }
         let item = Arc::make_mut(&mut self.items[index]);
         item.holder = to;
@@ -340,7 +340,7 @@ pub(super) enum Rule {
 pub(super) fn acting(step: &Step) -> Option<EffectorId> {
     match (step.path, step.handover) {
         (Path::Line(id), _) => Some(id),
-        (_, Some(Handover::Taken(id, _) | Handover::Left(id, _))) => Some(id),
+        (_, Some(Handover::Picked(id, _) | Handover::Placed(id, _))) => Some(id),
         _ => None,
     }
 }

@@ -7,7 +7,7 @@ use super::levers::droop_bounds;
 use super::scene::Scene;
 use super::travel::Gearing;
 use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
-use crate::wafer::{DroopBounds, SHORTEST, Slip};
+use crate::wafer::{DroopBounds, FrictionMargin, SHORTEST};
 
 /// Slack for what the bound leaves out: where the pressure of the pads has its centre, and the platform's shift and twist by its tilt.
 const SLACK: f64 = 1.1;
@@ -27,7 +27,7 @@ pub(super) struct Carried<'a> {
     /// The largest share so far.
     most: f64,
     /// What was looked at, by sample.
-    pub(super) seen: Vec<(usize, Slip)>,
+    pub(super) seen: Vec<(usize, FrictionMargin)>,
 }
 
 impl<'a> Carried<'a> {
@@ -64,7 +64,7 @@ impl<'a> Carried<'a> {
     ///    max φ  ≤  (φ_0 + φ_1 + (1 + s µ) change + (sin(tilt) + s µ) heave) / 2          φ  =  needed - s held,   held = µ f_n
     /// ```
     /// for the share s that is the largest so far, or what friction holds: where φ is not above zero, no share is above s.
-    fn search(&mut self, between: Range<usize>, left: Slip, right: Slip) {
+    fn search(&mut self, between: Range<usize>, left: FrictionMargin, right: FrictionMargin) {
         if between.len() < 2 {
             return;
         }
@@ -76,7 +76,7 @@ impl<'a> Carried<'a> {
         let pressing = share * friction;
         let changed = (1.0 + pressing) * (to.aside - from.aside)
             + (self.tilt + pressing) * (to.upward - from.upward);
-        let over = |slip: Slip| slip.needed - (share + PASSED) * slip.held;
+        let over = |slip: FrictionMargin| slip.needed - (share + PASSED) * slip.held;
         if over(left) + over(right) + changed <= 0.0 {
             return;
         }
@@ -93,16 +93,16 @@ impl<'a> Carried<'a> {
     }
 
     /// At a sample; where the platform just beside is nowhere, that is told of the next, and nothing is passed over.
-    fn look(&mut self, sample: usize) -> Slip {
+    fn look(&mut self, sample: usize) -> FrictionMargin {
         let Some(found) = self.slip(sample) else {
-            return Slip { needed: f64::INFINITY, held: 0.0 };
+            return FrictionMargin { needed: f64::INFINITY, held: 0.0 };
         };
         self.most = self.most.max(found.share());
         self.seen.push((sample, found));
         found
     }
 
-    fn slip(&self, sample: usize) -> Option<Slip> {
+    fn slip(&self, sample: usize) -> Option<FrictionMargin> {
         let cell = self.scene.cell;
         let rods = self.rods.rates(sample);
         let [positions, velocities, accelerations] = rods.each_ref().map(|rates| &rates[..]);

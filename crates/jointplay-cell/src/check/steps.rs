@@ -11,13 +11,13 @@ use super::near::{Look, Near, Pair, Pairs};
 use super::scene::{Holder, Rule, Scene};
 use super::travel::Gearing;
 use crate::memory::{Interrupted, Key, Run, each};
-use crate::motion::Motion;
 use crate::program::{Phase, Step};
 use crate::solid::Solids;
+use crate::trajectory::Trajectory;
 
 /// Some steps of a motion, and what they are among.
 pub(super) struct Steps<'a> {
-    motion: &'a Motion,
+    motion: &'a Trajectory,
     options: &'a CheckOptions,
     gearing: Gearing,
     /// From one handing over of a wafer to the next.
@@ -168,7 +168,7 @@ fn reaches(
 }
 
 impl Start {
-    fn new(motion: &Motion, index: usize, (scene, cast): (usize, &Cast)) -> Self {
+    fn new(motion: &Trajectory, index: usize, (scene, cast): (usize, &Cast)) -> Self {
         let step = &motion.steps[index];
         let mut key = motion.key(index);
         key.push(u64::from(step.phase == Phase::Turn));
@@ -185,7 +185,7 @@ impl<'a> Steps<'a> {
     /// # Arguments
     /// * `scene` – before the first of them
     pub(super) fn new(
-        (motion, range): (&'a Motion, Range<usize>),
+        (motion, range): (&'a Trajectory, Range<usize>),
         options: &'a CheckOptions,
         scene: Scene<'a>,
         solids: &mut Solids,

@@ -8,12 +8,12 @@ use super::near::{Near, passed};
 use super::report::{InstructionRow, Kind, PairDistance, Report, Share, Verdict, Violation};
 use super::scene::{Role, Scene, effector_name};
 use crate::cell::Cell;
-use crate::motion::Motion;
+use crate::trajectory::Trajectory;
 
 /// The report as it grows.
 pub(super) struct Summary<'a> {
     cell: &'a Cell,
-    motion: &'a Motion,
+    motion: &'a Trajectory,
     rows: Vec<InstructionRow>,
     violations: Vec<Violation>,
     /// What may go on in the next step: the violation, its severity, and the step at whose end it was broken.
@@ -40,7 +40,7 @@ struct Nearest {
 }
 
 impl<'a> Summary<'a> {
-    pub(super) fn new(cell: &'a Cell, motion: &'a Motion) -> Self {
+    pub(super) fn new(cell: &'a Cell, motion: &'a Trajectory) -> Self {
         Self {
             cell,
             motion,

@@ -6,8 +6,8 @@ use nalgebra::Vector2;
 
 use super::drift::{Drift, Rates};
 use super::levers::Levers;
-use crate::motion::{State, Track};
 use crate::robot::{HybridRobot, MAX_AXES, RODS};
+use crate::trajectory::{AxisSampler, AxisState};
 
 /// How far points of an item went, at most.
 #[derive(Debug, Clone, Copy, Default)]
@@ -65,7 +65,7 @@ impl Odometer {
         &mut self,
         gearing: &Gearing,
         (times, from): (&[f64], &[f64]),
-        track: &Track,
+        track: &AxisSampler,
     ) {
         let (moving, states) = (track.moving(), track.states());
         if self.axes.len() < moving.len() {
@@ -100,12 +100,12 @@ impl Odometer {
     }
 
     /// Sums up what the rods do to the platform: its height is theirs, weighted, and its normal turns as they go unevenly.
-    fn lean(&mut self, gearing: &Gearing, (times, from): (&[f64], &[f64]), track: &Track) {
-        let rods: [Option<&Vec<State>>; RODS] = std::array::from_fn(|rod| {
+    fn lean(&mut self, gearing: &Gearing, (times, from): (&[f64], &[f64]), track: &AxisSampler) {
+        let rods: [Option<&Vec<AxisState>>; RODS] = std::array::from_fn(|rod| {
             let place = track.moving().iter().position(|&axis| axis == rod)?;
             Some(&track.states()[place])
         });
-        let of = |sample: usize| -> [State; RODS] {
+        let of = |sample: usize| -> [AxisState; RODS] {
             let still = |rod: usize| [from[rod], 0.0, 0.0, 0.0];
             std::array::from_fn(|rod| rods[rod].map_or(still(rod), |states| states[sample]))
         };
@@ -125,7 +125,7 @@ impl Odometer {
     }
 
     /// What all axes did between two samples, at most.
-    pub(super) fn moved(&self, track: &Track, between: &Range<usize>) -> Moved {
+    pub(super) fn moved(&self, track: &AxisSampler, between: &Range<usize>) -> Moved {
         let mut moved = Moved::default();
         let (from, to) = (between.start, between.end);
         for (&axis, by) in track.moving().iter().zip(&self.axes) {
@@ -188,7 +188,7 @@ impl Gearing {
     }
 
     /// Speed [m/s or rad/s] and acceleration [m/s² or rad/s²] of an axis between two samples, at most.
-    fn most(&self, dt: f64, axis: usize, [from, to]: [&State; 2]) -> [f64; 2] {
+    fn most(&self, dt: f64, axis: usize, [from, to]: [&AxisState; 2]) -> [f64; 2] {
         let jerk = self.jerks[axis].max(from[3].abs()).max(to[3].abs());
         let hurry = most(dt, [from[2], to[2]], jerk);
         let speed = most(dt, [from[1], to[1]], hurry);
@@ -196,14 +196,14 @@ impl Gearing {
     }
 
     /// Slope of the platform's plane: the tangent of its tilt.
-    fn slope(&self, rods: &[State; RODS]) -> f64 {
+    fn slope(&self, rods: &[AxisState; RODS]) -> f64 {
         let by_rod = self.slopes.iter().zip(rods).map(|(slope, state)| slope * state[0]);
         by_rod.sum::<Vector2<f64>>().norm()
     }
 
     /// Path of the slope of the platform's plane between two samples, and so of its normal, at most [rad].
-    fn lean(&self, dt: f64, [from, to]: [&[State; RODS]; 2]) -> f64 {
-        let off = |states: &[State; RODS], order: usize| -> [f64; RODS] {
+    fn lean(&self, dt: f64, [from, to]: [&[AxisState; RODS]; 2]) -> f64 {
+        let off = |states: &[AxisState; RODS], order: usize| -> [f64; RODS] {
             let mean = (states[0][order] + states[1][order] + states[2][order]) / 3.0;
             std::array::from_fn(|rod| states[rod][order] - mean)
         };

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
-use super::places::Places;
-use super::presence::Presence;
-use super::resolve::{Act, Line, Number, Resolved, Slot, resolve};
-use super::sequence::Robot;
+use super::ik_cache::IkCache;
+use super::occupancy::WaferOccupancy;
+use super::resolve::{Line, Number, Resolved, ResolvedCommand, Slot, resolve};
+use super::sequence::MotionSequencer;
 use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
 use crate::cell::Cell;
 use crate::memory::{Interrupted, Stop, whole};
@@ -24,14 +24,14 @@ use crate::station::SlotId;
 /// # Errors
 /// Everything that is wrong with the program in this cell, each thing once with its place: names, programs without end, wafers that are missing or in the way, places out of reach and limits that stop them.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
-    whole(expand_by(cell, program, &mut Places::default(), &|| false))
+    whole(expand_by(cell, program, &mut IkCache::default(), &|| false))
 }
 
 /// The same, with what is known of the last program's places.
 pub(crate) fn expand_by(
     cell: &Cell,
     program: &Program,
-    places: &mut Places,
+    places: &mut IkCache,
     stop: Stop<'_>,
 ) -> Result<Result<Vec<Step>, Vec<ProgramError>>, Interrupted> {
     let (resolved, unresolved) = resolve(cell, program);
@@ -42,10 +42,10 @@ pub(crate) fn expand_by(
     let mut steps = Vec::new();
     if let Some(resolved) = &resolved {
         places.begin(cell);
-        let mut run = Run {
+        let mut run = ProgramExpander {
             resolved,
-            presence: Presence::new(cell),
-            robot: Robot::new(cell, places),
+            presence: WaferOccupancy::new(cell),
+            robot: MotionSequencer::new(cell, places),
             errors: &mut errors,
             instruction: 0,
             stop,
@@ -74,17 +74,17 @@ impl Errors {
 }
 
 /// A program on its way through the cell.
-struct Run<'r> {
+struct ProgramExpander<'r> {
     resolved: &'r Resolved,
-    presence: Presence<'r>,
-    robot: Robot<'r>,
+    presence: WaferOccupancy<'r>,
+    robot: MotionSequencer<'r>,
     errors: &'r mut Errors,
     /// How many instructions have been run.
     instruction: usize,
     stop: Stop<'r>,
 }
 
-impl Run<'_> {
+impl ProgramExpander<'_> {
     /// Goes through a block; `passes` are those of the REPEATs around it, from 1.
     fn block(&mut self, body: &[Line], passes: &mut Vec<u64>) -> Result<(), Interrupted> {
         let resolved = self.resolved;
@@ -93,14 +93,16 @@ impl Run<'_> {
                 return Err(Interrupted);
             }
             match act {
-                Act::Repeat { times, body } => {
+                ResolvedCommand::Repeat { times, body } => {
                     for pass in 1..=*times {
                         passes.push(pass);
                         self.block(body, passes)?;
                         passes.pop();
                     }
                 }
-                Act::Call(routine) => self.block(&resolved.routines[*routine], &mut Vec::new())?,
+                ResolvedCommand::Call(routine) => {
+                    self.block(&resolved.routines[*routine], &mut Vec::new())?
+                }
                 act => {
                     self.robot.start(self.instruction, *place, self.presence.loaded());
                     self.instruction += 1;
@@ -111,42 +113,44 @@ impl Run<'_> {
         Ok(())
     }
 
-    fn simple(&mut self, place: Place, act: &Act, passes: &[u64]) {
+    fn simple(&mut self, place: Place, act: &ResolvedCommand, passes: &[u64]) {
         match *act {
-            Act::Home => self.robot.home(),
-            Act::Move(ref targets) => {
+            ResolvedCommand::Home => self.robot.home(),
+            ResolvedCommand::Move(ref targets) => {
                 let done = self.robot.move_axes(targets);
                 self.report(place, done);
             }
-            Act::MoveLine { effector, by } => {
+            ResolvedCommand::MoveLine { effector, by } => {
                 let done = self.robot.move_line(effector, by);
                 self.report(place, done);
             }
-            Act::Get { from, effector } => self.get(place, from, effector, passes),
-            Act::Put { to, effector } => self.put(place, to, effector, passes),
-            Act::Transfer { from, to, effector } => {
+            ResolvedCommand::Get { from, effector } => self.get(place, from, effector, passes),
+            ResolvedCommand::Put { to, effector } => self.put(place, to, effector, passes),
+            ResolvedCommand::Transfer { from, to, effector } => {
                 self.get(place, from, effector, passes);
                 self.put(place, to, effector, passes);
             }
-            Act::Swap { at, get, put } => {
+            ResolvedCommand::Swap { at, get, put } => {
                 self.get(place, at, get, passes);
                 self.put(place, at, put, passes);
             }
-            Act::Goto { to, effector } => {
+            ResolvedCommand::Goto { to, effector } => {
                 if let Some(slot) = self.slot(to, passes) {
                     let done = self.robot.goto(effector, slot);
                     self.report(place, done);
                 }
             }
-            Act::Wait(seconds) => self.robot.stand(Path::Still(seconds)),
-            Act::Speed(share) => self.robot.speed = share,
-            Act::Blend(radius) => self.robot.blend = radius,
-            Act::Tilt(tilt) => {
+            ResolvedCommand::Wait(seconds) => self.robot.stand(Path::Dwell(seconds)),
+            ResolvedCommand::Speed(share) => self.robot.speed = share,
+            ResolvedCommand::Blend(radius) => self.robot.blend = radius,
+            ResolvedCommand::Tilt(tilt) => {
                 let done = self.robot.tilt(tilt);
                 self.report(place, done);
             }
-            Act::Unclear => self.presence.forget(),
-            Act::Call(_) | Act::Repeat { .. } => unreachable!("gone through by block"),
+            ResolvedCommand::Unclear => self.presence.forget(),
+            ResolvedCommand::Call(_) | ResolvedCommand::Repeat { .. } => {
+                unreachable!("gone through by block")
+            }
         }
     }
 
@@ -187,7 +191,7 @@ impl Run<'_> {
         }
         let process_time = self.robot.cell.stations[slot.station].process_time;
         let since = self.presence.left_by(slot).filter(|_| process_time > 0.0);
-        let wait = since.map(|since| Path::Processed { since, seconds: process_time });
+        let wait = since.map(|since| Path::ProcessDwell { since, seconds: process_time });
         let done = self.robot.get(effector, slot, wait);
         self.report(place, done);
         // What was meant, also where it went wrong: later lines are held to it.

@@ -6,25 +6,25 @@
 //!              no end, no name: errors    wafers, reach, limits: errors
 //! ```
 
-mod carried;
+mod bounds;
 mod expand;
-mod extent;
-mod places;
-mod presence;
+mod explain_limits;
+mod handover_deflection;
+mod ik_cache;
+mod occupancy;
 mod problem;
 mod resolve;
 mod sequence;
 mod step;
-mod stops;
 mod syntax;
 
-pub use carried::{Carried, carried};
+pub use bounds::{MAX_CALLS, MAX_INSTRUCTIONS};
 pub use expand::expand;
 pub(crate) use expand::expand_by;
-pub use extent::{MAX_CALLS, MAX_INSTRUCTIONS};
-pub(crate) use places::Places;
+pub use handover_deflection::{HandoverDeflection, handover_deflections};
+pub(crate) use ik_cache::IkCache;
 pub use problem::{Count, ProgramError, ProgramProblem};
-pub use resolve::wrong_lines;
+pub use resolve::name_errors;
 pub use step::{Handover, Path, Phase, Step};
 pub use syntax::{
     AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,

@@ -1,7 +1,7 @@
 //! What is wrong with a program in its cell.
 
 use super::Place;
-use crate::robot::MotionKind;
+use crate::robot::AxisKind;
 use crate::wafer::{SagError, Unreachable};
 
 /// Something wrong with a program in its cell, at its place.
@@ -50,14 +50,14 @@ pub enum ProgramProblem {
     },
     /// An angle for an axis that slides, or a length for one that turns.
     #[error("axis {axis} {}", match .kind {
-        MotionKind::Turn => "turns: its position is in deg",
-        MotionKind::Slide => "slides: its position is in mm",
+        AxisKind::Rotary => "turns: its position is in deg",
+        AxisKind::Linear => "slides: its position is in mm",
     })]
     AxisUnit {
         /// Its name.
         axis: String,
         /// What its position is.
-        kind: MotionKind,
+        kind: AxisKind,
     },
     /// No effector is named where several could be meant.
     #[error("{where_}: say WITH which effector: {}", listed(.known))]
@@ -116,7 +116,7 @@ pub enum ProgramProblem {
         slots: usize,
     },
     /// A routine that calls itself, by itself or by others.
-    #[error("this never ends: {}", .routines.join(" calls "))]
+    #[error("this never check_bounds: {}", .routines.join(" calls "))]
     Recursive {
         /// The circle; the first name is also the last.
         routines: Vec<String>,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use jointplay_core::spatial::Tilt;
 
-use super::extent::{WHOLE, ends};
+use super::bounds::{WHOLE, check_bounds};
 use super::{
     AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
     SlotNumber,
@@ -21,10 +21,10 @@ pub(super) struct Resolved {
 /// An instruction with its names looked up.
 pub(super) struct Line {
     pub(super) place: Place,
-    pub(super) act: Act,
+    pub(super) act: ResolvedCommand,
 }
 
-pub(super) enum Act {
+pub(super) enum ResolvedCommand {
     Home,
     Move(Vec<(usize, f64)>),
     MoveLine {
@@ -111,7 +111,7 @@ pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<
     let mut errors = resolver.errors;
     // What never ends is left out, to see what else is wrong.
     for _ in 0..MOST_ENDLESS {
-        let Err((place, problem)) = ends(program, &resolved) else {
+        let Err((place, problem)) = check_bounds(program, &resolved) else {
             return (Some(resolved), errors);
         };
         // Too deep or too long as a whole, it is not for one line.
@@ -131,7 +131,7 @@ pub(super) fn resolve(cell: &Cell, program: &Program) -> (Option<Resolved>, Vec<
 ///
 /// Routines that are not known may stand in the rest, and nothing is known of wafers and places behind it: neither is told.
 #[must_use]
-pub fn wrong_lines(cell: &Cell, program: &Program) -> Vec<ProgramError> {
+pub fn name_errors(cell: &Cell, program: &Program) -> Vec<ProgramError> {
     let (_, mut errors) = resolve(cell, program);
     errors.retain(|error| {
         !matches!(error.problem, ProgramProblem::Unknown { what: ROUTINE | COUNTER, .. })
@@ -155,11 +155,13 @@ impl Resolved {
 
 fn left_out(body: &mut [Line], place: Place) -> bool {
     body.iter_mut().any(|line| match &mut line.act {
-        act @ (Act::Repeat { .. } | Act::Call(_)) if line.place == place => {
-            *act = Act::Unclear;
+        act @ (ResolvedCommand::Repeat { .. } | ResolvedCommand::Call(_))
+            if line.place == place =>
+        {
+            *act = ResolvedCommand::Unclear;
             true
         }
-        Act::Repeat { body, .. } => left_out(body, place),
+        ResolvedCommand::Repeat { body, .. } => left_out(body, place),
         _ => false,
     })
 }
@@ -182,20 +184,24 @@ impl<'p> Resolver<'p> {
     fn block(&mut self, body: &'p [Instruction], counters: &mut Counters<'p>) -> Vec<Line> {
         let mut lines = Vec::with_capacity(body.len());
         for instruction in body {
-            let act = self.act(instruction, counters).unwrap_or(Act::Unclear);
+            let act = self.act(instruction, counters).unwrap_or(ResolvedCommand::Unclear);
             lines.push(Line { place: instruction.place, act });
         }
         lines
     }
 
     /// `None` where something is wrong; then it has been said.
-    fn act(&mut self, instruction: &'p Instruction, counters: &mut Counters<'p>) -> Option<Act> {
+    fn act(
+        &mut self,
+        instruction: &'p Instruction,
+        counters: &mut Counters<'p>,
+    ) -> Option<ResolvedCommand> {
         let place = instruction.place;
         Some(match &instruction.command {
-            Command::Home => Act::Home,
+            Command::Home => ResolvedCommand::Home,
             Command::Move { targets } => {
                 let found: Vec<_> = targets.iter().map(|target| self.axis(target)).collect();
-                Act::Move(found.into_iter().collect::<Option<_>>()?)
+                ResolvedCommand::Move(found.into_iter().collect::<Option<_>>()?)
             }
             Command::MoveLine { effector, by } => {
                 let effector = match effector {
@@ -207,19 +213,19 @@ impl<'p> Resolver<'p> {
                     self.error(place, ProgramProblem::Range { what: "the way", value, allowed });
                     return None;
                 }
-                Act::MoveLine { effector: effector?, by: *by }
+                ResolvedCommand::MoveLine { effector: effector?, by: *by }
             }
             Command::Get { from, effector } => {
                 let (from, effector) = self.at(place, from, effector.as_ref(), counters)?;
-                Act::Get { from, effector }
+                ResolvedCommand::Get { from, effector }
             }
             Command::Put { to, effector } => {
                 let (to, effector) = self.at(place, to, effector.as_ref(), counters)?;
-                Act::Put { to, effector }
+                ResolvedCommand::Put { to, effector }
             }
             Command::Goto { to, effector } => {
                 let (to, effector) = self.at(place, to, effector.as_ref(), counters)?;
-                Act::Goto { to, effector }
+                ResolvedCommand::Goto { to, effector }
             }
             Command::Transfer { from, to, effector } => {
                 let (from, to) = (self.slot(from, counters), self.slot(to, counters));
@@ -233,7 +239,7 @@ impl<'p> Resolver<'p> {
                     }
                     None => self.for_both(place, from.station, to.station)?,
                 };
-                Act::Transfer { from, to, effector }
+                ResolvedCommand::Transfer { from, to, effector }
             }
             Command::Swap { at, get, put } => {
                 let slot = self.slot(at, counters);
@@ -246,7 +252,7 @@ impl<'p> Resolver<'p> {
                 }
                 let may = [(get, fetches), (put, lays)]
                     .map(|(name, id)| self.may_use(name.place, id, slot.station));
-                may.iter().all(|may| *may).then_some(Act::Swap {
+                may.iter().all(|may| *may).then_some(ResolvedCommand::Swap {
                     at: slot,
                     get: fetches,
                     put: lays,
@@ -256,29 +262,29 @@ impl<'p> Resolver<'p> {
                 let ok = seconds.is_finite() && *seconds >= 0.0;
                 let allowed = "finite and not negative, in s";
                 self.within(place, "the time", *seconds, ok, allowed)?;
-                Act::Wait(*seconds)
+                ResolvedCommand::Wait(*seconds)
             }
             Command::Speed { share } => {
                 let ok = *share > 0.0 && *share <= 1.0;
                 self.within(place, "the speed", *share, ok, "a share above 0, at most 1")?;
-                Act::Speed(*share)
+                ResolvedCommand::Speed(*share)
             }
             Command::Blend { radius } => {
                 let ok = radius.is_finite() && *radius >= 0.0;
                 let allowed = "finite and not negative, in m";
                 self.within(place, "the radius of blending", *radius, ok, allowed)?;
-                Act::Blend(*radius)
+                ResolvedCommand::Blend(*radius)
             }
             Command::Tilt { tilt } => {
                 let ok = tilt.pitch.abs() < std::f64::consts::FRAC_PI_2;
                 self.within(place, "the tilt", tilt.pitch, ok, "less than a right angle, in rad")?;
                 let allowed = "finite, in rad";
                 self.within(place, "the azimuth", tilt.yaw, tilt.yaw.is_finite(), allowed)?;
-                Act::Tilt(*tilt)
+                ResolvedCommand::Tilt(*tilt)
             }
             Command::Call { routine } => {
                 if let Some(&(index, _)) = self.routines.get(routine.text.as_str()) {
-                    Act::Call(index)
+                    ResolvedCommand::Call(index)
                 } else {
                     let known = self.routines.keys().map(|name| (*name).to_owned()).collect();
                     self.unknown(ROUTINE, routine, known);
@@ -297,7 +303,7 @@ impl<'p> Resolver<'p> {
                 counters.push(counter.as_ref());
                 let body = self.block(body, counters);
                 counters.pop();
-                Act::Repeat { times: *times, body }
+                ResolvedCommand::Repeat { times: *times, body }
             }
         })
     }

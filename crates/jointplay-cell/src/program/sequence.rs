@@ -6,13 +6,13 @@ use std::sync::Arc;
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
-use super::places::Places;
-use super::presence::slot_name;
+use super::explain_limits::{limit_told, why};
+use super::ik_cache::IkCache;
+use super::occupancy::slot_name;
 use super::resolve::effector_name;
-use super::stops::{limit_told, why};
 use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
 use crate::cell::Cell;
-use crate::robot::{EffectorId, MotionKind, RODS, WaferTarget};
+use crate::robot::{AxisKind, EffectorId, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
 
@@ -29,10 +29,10 @@ const RETRACTED_ENOUGH: f64 = 1e-6;
 const NO_DISPLACEMENT: f64 = 1e-11;
 
 /// The robot where it is, and the steps that brought it there.
-pub(super) struct Robot<'c> {
+pub(super) struct MotionSequencer<'c> {
     pub(super) cell: &'c Cell,
     /// Of the last program.
-    places: &'c mut Places,
+    places: &'c mut IkCache,
     pub(super) steps: Vec<Step>,
     /// Share of the limits.
     pub(super) speed: f64,
@@ -61,9 +61,9 @@ struct Goal<'g> {
     slot: SlotId,
 }
 
-impl<'c> Robot<'c> {
+impl<'c> MotionSequencer<'c> {
     /// At home, at full speed, from rest to rest.
-    pub(super) fn new(cell: &'c Cell, places: &'c mut Places) -> Self {
+    pub(super) fn new(cell: &'c Cell, places: &'c mut IkCache) -> Self {
         let axes = &cell.robot.axes;
         Self {
             cell,
@@ -91,7 +91,7 @@ impl<'c> Robot<'c> {
     pub(super) fn home(&mut self) {
         self.tuck_in();
         let home = self.cell.robot.axes.iter().map(|axis| axis.home).collect();
-        self.go(Phase::Move, home, Path::Axes);
+        self.go(Phase::Move, home, Path::PointToPoint);
     }
 
     /// Some axes to positions, if all limits allow.
@@ -105,7 +105,7 @@ impl<'c> Robot<'c> {
             axis >= RODS && !self.turning[axis] && self.positions[axis] != to[axis]
         };
         self.tucked &= !targets.iter().any(reaches);
-        self.go(Phase::Move, to, Path::Axes);
+        self.go(Phase::Move, to, Path::PointToPoint);
         Ok(())
     }
 
@@ -142,7 +142,7 @@ impl<'c> Robot<'c> {
     pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
         let to = self.leaning(tilt);
         self.within_limits("this TILT", &to)?;
-        self.go(Phase::Move, to, Path::Axes);
+        self.go(Phase::Move, to, Path::PointToPoint);
         Ok(())
     }
 
@@ -189,7 +189,7 @@ impl<'c> Robot<'c> {
         // Where its loaded wafer's plane will be the slot's, the empty effector already comes to.
         let resting = self.sagged(effector, &way.resting)?;
         self.line(Phase::Lift, goal("the place of rest in", &resting))?;
-        self.hand_over(Handover::Taken(effector, slot));
+        self.hand_over(Handover::Picked(effector, slot));
         self.loaded.push(effector);
         self.loaded.sort_unstable();
         self.line(Phase::Lift, goal("the place above", &way.above))?;
@@ -221,7 +221,7 @@ impl<'c> Robot<'c> {
         }
         self.line(Phase::Extend, goal("the place above", &way.above))?;
         self.line(Phase::Lower, goal("the place of rest in", &way.resting))?;
-        self.hand_over(Handover::Left(effector, slot));
+        self.hand_over(Handover::Placed(effector, slot));
         let left = self.steps.len() - 1;
         self.loaded.retain(|&id| id != effector);
         self.line(Phase::Lower, goal("the place below", &way.below))?;
@@ -289,9 +289,9 @@ impl<'c> Robot<'c> {
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
         let way = |(to, from): (&f64, &f64)| (to - from).abs();
         if turned.iter().zip(&self.positions).map(way).fold(0.0, f64::max) > TURNED_ENOUGH {
-            self.push(Phase::Turn, turned, Path::Axes);
+            self.push(Phase::Turn, turned, Path::PointToPoint);
         }
-        self.go(Phase::Enter, to, Path::Axes);
+        self.go(Phase::Enter, to, Path::PointToPoint);
         Ok(())
     }
 
@@ -307,14 +307,14 @@ impl<'c> Robot<'c> {
             }
         }
         self.tucked = true;
-        self.go(Phase::TuckIn, to, Path::Axes);
+        self.go(Phase::TuckIn, to, Path::PointToPoint);
     }
 
     fn level(&mut self) {
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
             let to = self.leaning(Tilt::LEVEL);
-            self.push(Phase::Level, to, Path::Axes);
+            self.push(Phase::Level, to, Path::PointToPoint);
         }
     }
 
@@ -431,7 +431,7 @@ impl<'c> Robot<'c> {
 
     fn within_limits(&self, what: &'static str, to: &[f64]) -> Result<(), ProgramProblem> {
         let robot = &self.cell.robot;
-        let broken = robot.broken_limits(to).unwrap_or_default();
+        let broken = robot.limit_violations(to).unwrap_or_default();
         if broken.is_empty() {
             return Ok(());
         }
@@ -449,7 +449,7 @@ fn rounded_up(value: f64) -> f64 {
 fn turns_arms(cell: &Cell, axis: usize) -> bool {
     let joints = cell.robot.arms.iter().flat_map(|arm| arm.joints.iter().enumerate());
     let mut driven = joints.filter(|(_, joint)| joint.drives.iter().any(|drive| drive.0 == axis));
-    axis >= RODS && driven.all(|(index, joint)| index == 0 && joint.kind == MotionKind::Turn)
+    axis >= RODS && driven.all(|(index, joint)| index == 0 && joint.kind == AxisKind::Rotary)
 }
 
 /// Where the motors of an arm are with its wafer as far from its axis as counts as retracted for a station, over a level platform.

@@ -8,13 +8,13 @@ use crate::station::SlotId;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Path {
     /// Each axis on its own way, all in the same time.
-    Axes,
+    PointToPoint,
     /// The wafer centre of this effector on a straight line, its plane turning evenly.
     Line(EffectorId),
     /// Standing still [s].
-    Still(f64),
+    Dwell(f64),
     /// Standing still until a station is done with its wafer; not at all where it is done already.
-    Processed {
+    ProcessDwell {
         /// Index of the step at whose end the wafer was left there.
         since: usize,
         /// How long the station works on it from then on [s].
@@ -51,9 +51,9 @@ pub enum Phase {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Handover {
     /// The effector has come to the resting plane, and the wafer of the slot is on it from then on.
-    Taken(EffectorId, SlotId),
+    Picked(EffectorId, SlotId),
     /// The wafer has come to the resting plane, and is in the slot from then on.
-    Left(EffectorId, SlotId),
+    Placed(EffectorId, SlotId),
 }
 
 /// One motion of all axes from one place to the next, with everything resolved.

@@ -2,7 +2,7 @@
 
 use jointplay_core::spatial::Tilt;
 
-use crate::robot::MotionKind;
+use crate::robot::AxisKind;
 
 /// Where something is said in the text of a program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash, PartialOrd, Ord)]
@@ -85,7 +85,7 @@ pub struct AxisTarget {
     /// Which axis.
     pub axis: Name,
     /// Whether the position is written as an angle or as a length.
-    pub kind: MotionKind,
+    pub kind: AxisKind,
     /// Where to [m or rad].
     pub position: f64,
 }

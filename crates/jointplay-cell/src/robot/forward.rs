@@ -4,8 +4,8 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
-use super::planar::Planar;
-use super::{Arm, Effector, EffectorId, HybridRobot, MotionKind, RODS};
+use super::arm_chain::ArmChain;
+use super::{Arm, AxisKind, Effector, EffectorId, HybridRobot, RODS};
 use crate::CellError;
 
 /// Where everything of a robot is; rigid, nothing droops.
@@ -21,7 +21,7 @@ pub struct ChainPose {
 
 /// What a change of positions does to an effector that it was not meant for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Effect {
+pub struct EffectorDisplacement {
     /// Which effector.
     pub effector: EffectorId,
     /// Its wafer frame before.
@@ -30,7 +30,7 @@ pub struct Effect {
     pub after: Pose,
 }
 
-impl Effect {
+impl EffectorDisplacement {
     /// How far the centre of its wafer goes, in the base frame [m].
     #[must_use]
     pub fn shift(&self) -> Vector3<f64> {
@@ -60,8 +60,8 @@ impl Arm {
             let rise = Translation3::new(0.0, 0.0, joint.rise);
             link = link * length * rise;
             match joint.kind {
-                MotionKind::Turn => link *= about_normal(value),
-                MotionKind::Slide => link *= Translation3::new(value, 0.0, 0.0),
+                AxisKind::Rotary => link *= about_normal(value),
+                AxisKind::Linear => link *= Translation3::new(value, 0.0, 0.0),
             }
             length = Translation3::new(joint.length, joint.offset, 0.0);
             to.push(link);
@@ -148,16 +148,17 @@ impl HybridRobot {
         id: EffectorId,
         from: &[f64],
         to: &[f64],
-    ) -> Result<Vec<Effect>, CellError> {
+    ) -> Result<Vec<EffectorDisplacement>, CellError> {
         self.check_positions(from)?;
         self.check_positions(to)?;
         let before = self.platform(from)?.base_from_platform;
         let after = self.platform(to)?.base_from_platform;
-        let others = self.effectors().filter(|&other| other != id).map(|effector| Effect {
-            effector,
-            before: before * self.wafer(effector, from),
-            after: after * self.wafer(effector, to),
-        });
+        let others =
+            self.effectors().filter(|&other| other != id).map(|effector| EffectorDisplacement {
+                effector,
+                before: before * self.wafer(effector, from),
+                after: after * self.wafer(effector, to),
+            });
         Ok(others.collect())
     }
 
@@ -175,7 +176,7 @@ impl HybridRobot {
     pub fn axes_of(&self, id: EffectorId) -> Result<Vec<usize>, CellError> {
         self.check_effector(id)?;
         let mut axes: Vec<usize> = (0..RODS).collect();
-        axes.extend(Planar::new(self, id).axes());
+        axes.extend(ArmChain::new(self, id).axes());
         axes.sort_unstable();
         Ok(axes)
     }
@@ -189,7 +190,7 @@ impl HybridRobot {
 
     /// platform_from_wafer.
     fn wafer(&self, id: EffectorId, positions: &[f64]) -> Pose {
-        Planar::new(self, id).wafer(positions)
+        ArmChain::new(self, id).wafer(positions)
     }
 
     pub(crate) fn check_positions(&self, positions: &[f64]) -> Result<(), CellError> {

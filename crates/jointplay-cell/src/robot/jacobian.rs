@@ -4,8 +4,8 @@ use jointplay_core::gpr::Forward;
 use jointplay_core::virtualization::Kernel;
 use nalgebra::{Rotation3, Vector3};
 
-use super::moving::turn_between;
-use super::planar::Planar;
+use super::acceleration::turn_between;
+use super::arm_chain::ArmChain;
 use super::{EffectorId, HybridRobot, MAX_AXES, RODS};
 use crate::CellError;
 
@@ -44,13 +44,13 @@ impl HybridRobot {
     ) -> Result<EffectorJacobian, CellError> {
         self.check_effector(id)?;
         self.check_positions(positions)?;
-        self.jacobian_by(&Planar::new(self, id), positions)
+        self.jacobian_by(&ArmChain::new(self, id), positions)
     }
 
     /// The same, the arm to the effector known.
     pub(crate) fn jacobian_by(
         &self,
-        planar: &Planar,
+        planar: &ArmChain,
         positions: &[f64],
     ) -> Result<EffectorJacobian, CellError> {
         let platform = self.platform(positions)?;

@@ -2,33 +2,34 @@
 //!
 //! | file | role |
 //! | --- | --- |
-//! | `checked` | what makes a robot |
+//! | `validate` | what makes a robot |
 //! | `model` | where the platform sits over the rods, by a virtualization |
-//! | `planar` | an arm as arrows that turn in its plane |
-//! | `forward`, `jacobian`, `moving` | from positions to poses, how fast, and with which accelerations |
+//! | `arm_chain` | an arm as arrows that turn in its plane |
+//! | `forward`, `jacobian`, `acceleration` | from positions to poses, how fast, and with which accelerations |
 //! | `reach` | how far an effector comes |
 //! | `inverse` | from a wafer's plane, centre and heading to all positions that reach it |
 
-mod checked;
+mod acceleration;
+mod arm_chain;
 mod forward;
 mod inverse;
 mod jacobian;
 mod model;
-mod moving;
-mod planar;
 mod positions;
 mod reach;
+mod validate;
 
-pub use checked::Part;
-pub use forward::{ChainPose, Effect};
+pub use acceleration::{AxesMotion, FrameMotion};
+pub(crate) use arm_chain::ArmChain;
+pub use forward::{ChainPose, EffectorDisplacement};
 pub use inverse::{
-    Branch, BrokenLimit, Configuration, Elbow, Inverse, OutOfReach, Reaching, Standing, WaferTarget,
+    Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach, Reaching,
+    WaferTarget,
 };
 pub use jacobian::EffectorJacobian;
 pub use model::PlatformModel;
-pub use moving::{AxesMotion, FrameMotion};
-pub(crate) use planar::Planar;
 pub use positions::Positions;
+pub use validate::RobotPart;
 
 use jointplay_core::gpr::Gpr;
 
@@ -46,7 +47,7 @@ pub const MAX_AXES: usize = RODS + MAX_ARMS * MAX_JOINTS;
 
 /// What an axis may do.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Dynamics {
+pub struct KinematicLimits {
     /// Largest speed [m/s or rad/s].
     pub velocity: f64,
     /// Largest acceleration [m/s² or rad/s²].
@@ -57,11 +58,11 @@ pub struct Dynamics {
 
 /// Whether an axis, or a joint, turns or slides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MotionKind {
+pub enum AxisKind {
     /// About the platform normal [rad].
-    Turn,
+    Rotary,
     /// Along the radial direction of its link [m].
-    Slide,
+    Linear,
 }
 
 /// A motor: of a rod, or of the arms on the platform.
@@ -70,7 +71,7 @@ pub struct Axis {
     /// What it is called in files and programs: `q1`, `T`, `R`, …
     pub name: String,
     /// What its position is.
-    pub kind: MotionKind,
+    pub kind: AxisKind,
     /// Least position [m or rad].
     pub min: f64,
     /// Largest position [m or rad].
@@ -78,9 +79,9 @@ pub struct Axis {
     /// Position that HOME goes to [m or rad].
     pub home: f64,
     /// While no effector that it moves carries a wafer.
-    pub empty: Dynamics,
+    pub empty: KinematicLimits,
     /// While one does.
-    pub loaded: Dynamics,
+    pub loaded: KinematicLimits,
 }
 
 /// A joint of an arm, and the link after it.
@@ -91,7 +92,7 @@ pub struct Axis {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArmJoint {
     /// Turns about the platform normal, or slides along the x axis of the link before.
-    pub kind: MotionKind,
+    pub kind: AxisKind,
     /// Value where all axes are at zero [m or rad].
     pub zero: f64,
     /// Axes that move it, as indices into [`HybridRobot::axes`] from [`RODS`] on, each with its belt ratio.

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Rotation3, Translation3, Unit, Vector3};
 use super::{Deflection, Droop, DroopError, SHORTEST};
 use crate::CellError;
 use crate::cell::Cell;
-use crate::robot::{BrokenLimit, Configuration, EffectorId, OutOfReach, Planar, WaferTarget};
+use crate::robot::{ArmChain, Configuration, EffectorId, LimitViolation, OutOfReach, WaferTarget};
 
 /// Farther than this from its target, a wafer is not there [m].
 const RESIDUAL: f64 = 1e-12;
@@ -22,7 +22,7 @@ const INSIDE: f64 = 1e-12;
 
 /// Positions at which a wafer lies where it should, its arm drooping.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reached {
+pub struct CompensatedPose {
     /// Of all axes, rods first ([m], [rad]).
     pub positions: Vec<f64>,
     /// How the arm is bent.
@@ -72,7 +72,7 @@ pub enum Unreachable {
     OutOfReach(OutOfReach),
     /// Every way to get there breaks a limit.
     #[error("every way to get there breaks a limit: {}", told(.0))]
-    Limits(Vec<BrokenWay>),
+    Limits(Vec<RejectedBranch>),
     /// There is no way, for reasons that the solver does not know.
     #[error("no positions were found that bring the wafer there")]
     NoWay,
@@ -91,23 +91,23 @@ pub enum Unreachable {
 
 /// One way to a target, and what stops it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BrokenWay {
+pub struct RejectedBranch {
     /// How the arm is bent.
     pub configuration: Configuration,
     /// Limits that it breaks, each with the name of its axis.
-    pub broken: Vec<(String, BrokenLimit)>,
+    pub broken: Vec<(String, LimitViolation)>,
 }
 
-fn told(ways: &[BrokenWay]) -> String {
-    let limit = |(name, limit): &(String, BrokenLimit)| match limit {
-        BrokenLimit::Axis { position, min, max, .. } => {
+fn told(ways: &[RejectedBranch]) -> String {
+    let limit = |(name, limit): &(String, LimitViolation)| match limit {
+        LimitViolation::Axis { position, min, max, .. } => {
             format!("axis {name} at {position:.4}, limits {min:.4} to {max:.4}")
         }
-        BrokenLimit::Tilt { pitch, max } => {
+        LimitViolation::Tilt { pitch, max } => {
             format!("tilt of {:.4}°, limit {:.4}°", pitch.to_degrees(), max.to_degrees())
         }
     };
-    let way = |way: &BrokenWay| {
+    let way = |way: &RejectedBranch| {
         let limits: Vec<String> = way.broken.iter().map(limit).collect();
         format!("{} ({})", way.configuration, limits.join("; "))
     };
@@ -121,7 +121,11 @@ fn told(ways: &[BrokenWay]) -> String {
 /// # Arguments
 /// * `joint` – first joint of the arm, in the base frame [m]
 #[must_use]
-pub fn drooped(base_from_wafer: &Pose, joint: &Vector3<f64>, deflection: Deflection) -> Pose {
+pub fn apply_deflection(
+    base_from_wafer: &Pose,
+    joint: &Vector3<f64>,
+    deflection: Deflection,
+) -> Pose {
     let turn = turn(base_from_wafer, joint, deflection.slope);
     let center = base_from_wafer.translation.vector - Vector3::z() * deflection.drop;
     Pose::from_parts(Translation3::from(center), turn * base_from_wafer.rotation)
@@ -156,12 +160,12 @@ impl Cell {
     /// The same, the arm to it known.
     pub(crate) fn wafer_pose_by(
         &self,
-        (effector, planar): (EffectorId, &Planar),
+        (effector, planar): (EffectorId, &ArmChain),
         positions: &[f64],
         loaded: bool,
     ) -> Result<Pose, Unreachable> {
         let (rigid, joint, deflection) = self.deflected((effector, planar), positions, loaded)?;
-        Ok(drooped(&rigid, &joint, deflection))
+        Ok(apply_deflection(&rigid, &joint, deflection))
     }
 
     /// The same, and how the arm droops.
@@ -173,9 +177,9 @@ impl Cell {
     ) -> Result<(Pose, Deflection), Unreachable> {
         self.robot.check_effector(effector)?;
         self.robot.check_positions(positions)?;
-        let planar = Planar::new(&self.robot, effector);
+        let planar = ArmChain::new(&self.robot, effector);
         let (rigid, joint, deflection) = self.deflected((effector, &planar), positions, loaded)?;
-        Ok((drooped(&rigid, &joint, deflection), deflection))
+        Ok((apply_deflection(&rigid, &joint, deflection), deflection))
     }
 
     /// The same where nothing may be known of the droop: there the arm is told as if it were rigid, and why.
@@ -191,7 +195,7 @@ impl Cell {
         let (base_from_platform, rigid) = self.robot.platform_and_effector(positions, effector)?;
         let joint = (base_from_platform * Point3::from(self.robot.arms[effector.arm].mount)).coords;
         Ok(match self.deflection(effector.arm, &rigid, &joint, loaded) {
-            Ok(deflection) => (drooped(&rigid, &joint, deflection), None),
+            Ok(deflection) => (apply_deflection(&rigid, &joint, deflection), None),
             Err(unknown) => (rigid, Some(unknown)),
         })
     }
@@ -203,7 +207,7 @@ impl Cell {
     pub(crate) fn wafer_over(
         &self,
         base_from_platform: &Pose,
-        (effector, planar): (EffectorId, &Planar),
+        (effector, planar): (EffectorId, &ArmChain),
         positions: &[f64],
         loaded: bool,
     ) -> Result<Pose, DroopError> {
@@ -214,13 +218,13 @@ impl Cell {
         }
         let joint = (base_from_platform * Point3::from(arm.mount)).coords;
         let deflection = self.deflection(effector.arm, &rigid, &joint, loaded)?;
-        Ok(drooped(&rigid, &joint, deflection))
+        Ok(apply_deflection(&rigid, &joint, deflection))
     }
 
     /// Rigid wafer frame, first joint, and how the arm droops.
     fn deflected(
         &self,
-        (effector, planar): (EffectorId, &Planar),
+        (effector, planar): (EffectorId, &ArmChain),
         positions: &[f64],
         loaded: bool,
     ) -> Result<(Pose, Vector3<f64>, Deflection), Unreachable> {
@@ -268,9 +272,9 @@ impl Cell {
         target: &WaferTarget,
         loaded: bool,
         near: &[f64],
-    ) -> Result<Reached, Unreachable> {
+    ) -> Result<CompensatedPose, Unreachable> {
         self.robot.check_effector(effector)?;
-        let planar = Planar::new(&self.robot, effector);
+        let planar = ArmChain::new(&self.robot, effector);
         let wanted_normal = target.normal.normalize();
         let limit = self.robot.gpr.limits().tilt_max;
         let mut aim = WaferTarget { normal: wanted_normal, ..*target };
@@ -283,7 +287,7 @@ impl Cell {
             let (rigid, joint, deflection) =
                 self.deflected((effector, &planar), &branch.positions, loaded)?;
             steps += 1;
-            let found = drooped(&rigid, &joint, deflection);
+            let found = apply_deflection(&rigid, &joint, deflection);
             let residual_height = (found.translation.vector - target.center).norm();
             let normal = found.rotation * Vector3::z();
             let residual_tilt =
@@ -300,7 +304,7 @@ impl Cell {
                     let threshold = self.plane_threshold;
                     return Err(Unreachable::Tilt { needed, allowed, left, threshold });
                 }
-                return Ok(Reached {
+                return Ok(CompensatedPose {
                     positions: branch.positions.to_vec(),
                     configuration: branch.configuration,
                     deflection,
@@ -336,18 +340,18 @@ impl Cell {
         if let Some(branch) = found.chosen() {
             return Ok(branch.clone());
         }
-        let name = |limit: &BrokenLimit| {
+        let name = |limit: &LimitViolation| {
             let name = match limit {
-                BrokenLimit::Axis { axis, .. } => self.robot.axes[*axis].name.clone(),
-                BrokenLimit::Tilt { .. } => String::new(),
+                LimitViolation::Axis { axis, .. } => self.robot.axes[*axis].name.clone(),
+                LimitViolation::Tilt { .. } => String::new(),
             };
             (name, *limit)
         };
-        let ways = found.branches.iter().map(|branch| BrokenWay {
+        let ways = found.branches.iter().map(|branch| RejectedBranch {
             configuration: branch.configuration,
             broken: branch.broken.iter().map(name).collect(),
         });
-        let ways: Vec<BrokenWay> = ways.collect();
+        let ways: Vec<RejectedBranch> = ways.collect();
         Err(match found.out_of_reach {
             Some(out) if ways.is_empty() => Unreachable::OutOfReach(out),
             _ if ways.is_empty() => Unreachable::NoWay,

@@ -1,17 +1,17 @@
 //! What is carried: plates that sag and may slip, arms that droop, and how the platform makes up for it.
 
+mod acceleration;
 mod compensation;
 mod droop;
-mod moving;
+mod friction;
 mod plate;
 mod sag;
-mod slip;
 
-pub use compensation::{BrokenWay, Reached, Unreachable, drooped};
+pub use compensation::{CompensatedPose, RejectedBranch, Unreachable, apply_deflection};
 pub use droop::{Deflection, DroopError};
 pub(crate) use droop::{DroopBounds, SHORTEST};
+pub use friction::FrictionMargin;
 pub use sag::{Sag, SagError, sag};
-pub use slip::Slip;
 
 /// What a wafer is made of.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,25 +2,26 @@
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::{
-    Arm, ArmJoint, Axis, Dynamics, Effector, EffectorId, HybridRobot, MotionKind, PlatformModel,
+    Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
+    PlatformModel,
 };
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_core::gpr::{Gpr, Limb};
 
-use MotionKind::{Slide, Turn};
+use AxisKind::{Linear, Rotary};
 
 /// The first effector of the first arm.
 pub(crate) const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 /// Standard gravity [m/s²].
 pub(crate) const GRAVITY: f64 = 9.80665;
 
-pub(crate) fn axis(name: &str, kind: MotionKind, min: f64, max: f64) -> Axis {
-    let dynamics = Dynamics { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
+pub(crate) fn axis(name: &str, kind: AxisKind, min: f64, max: f64) -> Axis {
+    let dynamics = KinematicLimits { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
     let home = 0.5 * (min + max);
     Axis { name: name.to_owned(), kind, min, max, home, empty: dynamics, loaded: dynamics }
 }
 
-pub(crate) fn joint(kind: MotionKind, zero: f64, drives: &[(usize, f64)], length: f64) -> ArmJoint {
+pub(crate) fn joint(kind: AxisKind, zero: f64, drives: &[(usize, f64)], length: f64) -> ArmJoint {
     ArmJoint { kind, zero, drives: drives.to_vec(), length, offset: 0.0, rise: 0.012 }
 }
 
@@ -49,7 +50,7 @@ pub(crate) fn robot(motors: Vec<Axis>, arms: Vec<Arm>) -> HybridRobot {
     limbs[1].socket_radius += 1e-4;
     let gpr = Gpr::new(limbs, *paper.limits(), paper.working_height()).unwrap();
     let mut axes: Vec<Axis> = ["q1", "q2", "q3"]
-        .map(|name| axis(name, Slide, gpr.limits().rod_min, gpr.limits().rod_max))
+        .map(|name| axis(name, Linear, gpr.limits().rod_min, gpr.limits().rod_max))
         .into();
     axes.extend(motors);
     let name = "test".to_owned();
@@ -64,15 +65,15 @@ pub(crate) const KINDS: usize = 11;
 
 pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
     let [a, b, w] = lengths;
-    let t = || axis("T", Turn, -3.4, 3.4);
-    let turn = |name: &str| axis(name, Turn, -WIDE, WIDE);
-    let slide = |name: &str| axis(name, Slide, -0.1, 0.5);
+    let t = || axis("T", Rotary, -3.4, 3.4);
+    let turn = |name: &str| axis(name, Rotary, -WIDE, WIDE);
+    let slide = |name: &str| axis(name, Linear, -0.1, 0.5);
     let half = std::f64::consts::FRAC_PI_2;
     let belt = |t: usize, r: usize, b: f64| {
         vec![
-            joint(Turn, -half, &[(t, 1.0), (r, 1.0)], b),
-            joint(Turn, 2.0 * half, &[(r, -2.0)], b),
-            joint(Turn, -half, &[(r, 1.0)], 0.0),
+            joint(Rotary, -half, &[(t, 1.0), (r, 1.0)], b),
+            joint(Rotary, 2.0 * half, &[(r, -2.0)], b),
+            joint(Rotary, -half, &[(r, 1.0)], 0.0),
         ]
     };
     match number {
@@ -88,23 +89,23 @@ pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
         // A slide.
         3 => {
             let joints =
-                vec![joint(Turn, 0.2, &[(3, 1.0)], 0.05), joint(Slide, 0.05, &[(4, 1.0)], 0.0)];
+                vec![joint(Rotary, 0.2, &[(3, 1.0)], 0.05), joint(Linear, 0.05, &[(4, 1.0)], 0.0)];
             robot(vec![t(), slide("R")], vec![arm("A", joints, [w, 0.04, 0.0])])
         }
         // Two links whose heading follows, with belts that make it a lattice of half turns.
         4 => {
             let joints = vec![
-                joint(Turn, 0.3, &[(3, 1.0), (4, 1.0)], a),
-                joint(Turn, -0.2, &[(4, -2.0)], 0.0),
+                joint(Rotary, 0.3, &[(3, 1.0), (4, 1.0)], a),
+                joint(Rotary, -0.2, &[(4, -2.0)], 0.0),
             ];
             robot(vec![t(), turn("R")], vec![arm("A", joints, [b, 0.02, 0.0])])
         }
         // Three links.
         5 | 6 => {
             let mut joints = vec![
-                joint(Turn, 0.3, &[(3, 1.0)], a),
-                joint(Turn, -0.2, &[(4, 1.0)], b),
-                joint(Turn, 0.1, &[(5, 1.0)], 0.0),
+                joint(Rotary, 0.3, &[(3, 1.0)], a),
+                joint(Rotary, -0.2, &[(4, 1.0)], b),
+                joint(Rotary, 0.1, &[(5, 1.0)], 0.0),
             ];
             joints[0].offset = 0.02;
             if number == 6 {
@@ -117,26 +118,26 @@ pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
         // A radial arm with a wrist.
         7 => {
             let mut joints = belt(3, 4, a);
-            joints.push(joint(Turn, 0.0, &[(5, 1.0)], 0.0));
+            joints.push(joint(Rotary, 0.0, &[(5, 1.0)], 0.0));
             joints[2].length = 0.04;
             robot(vec![t(), turn("R"), turn("W")], vec![arm("A", joints, [w, 0.0, 0.0])])
         }
         // A slide with a wrist.
         8 => {
             let joints = vec![
-                joint(Turn, 0.2, &[(3, 1.0)], 0.05),
-                joint(Slide, 0.05, &[(4, 1.0)], 0.02),
-                joint(Turn, 0.0, &[(5, 1.0)], 0.0),
+                joint(Rotary, 0.2, &[(3, 1.0)], 0.05),
+                joint(Linear, 0.05, &[(4, 1.0)], 0.02),
+                joint(Rotary, 0.0, &[(5, 1.0)], 0.0),
             ];
             robot(vec![t(), slide("R"), turn("W")], vec![arm("A", joints, [w, 0.0, 0.0])])
         }
         // Four links.
         9 => {
             let joints = vec![
-                joint(Turn, 0.0, &[(3, 1.0)], a),
-                joint(Turn, 0.1, &[(4, 1.0)], b),
-                joint(Turn, 0.2, &[(5, 1.0)], 0.8 * b),
-                joint(Turn, 0.3, &[(6, 1.0)], 0.0),
+                joint(Rotary, 0.0, &[(3, 1.0)], a),
+                joint(Rotary, 0.1, &[(4, 1.0)], b),
+                joint(Rotary, 0.2, &[(5, 1.0)], 0.8 * b),
+                joint(Rotary, 0.3, &[(6, 1.0)], 0.0),
             ];
             robot(
                 vec![t(), turn("J2"), turn("J3"), turn("J4")],
@@ -146,12 +147,12 @@ pub(crate) fn kind(number: usize, lengths: [f64; 3]) -> HybridRobot {
         // No closed form: a slide before a turning link on a turning one.
         _ => {
             let joints = vec![
-                joint(Slide, 0.0, &[(3, 1.0)], 0.0),
-                joint(Turn, 0.0, &[(4, 1.0)], a),
-                joint(Turn, 0.0, &[(5, 1.0)], 0.0),
+                joint(Linear, 0.0, &[(3, 1.0)], 0.0),
+                joint(Rotary, 0.0, &[(4, 1.0)], a),
+                joint(Rotary, 0.0, &[(5, 1.0)], 0.0),
             ];
             robot(
-                vec![axis("X", Slide, -0.4, 0.4), turn("J2"), turn("J3")],
+                vec![axis("X", Linear, -0.4, 0.4), turn("J2"), turn("J3")],
                 vec![arm("A", joints, [w, 0.0, 0.0])],
             )
         }

@@ -37,6 +37,21 @@ fn forward_has_every_key() {
 }
 
 #[test]
+fn figures_of_coarse_comparisons_have_smooth_curves() {
+    let desk = Desk::new();
+    let points = |pitch: &str| {
+        desk.done(&format!("compare --pitch-deg {pitch} --figure f.svg --force"));
+        let svg = desk.read("f.svg");
+        let paths = svg.split("<path d=\"M").skip(1).map(|path| path.split('"').next().unwrap());
+        paths.map(|path| path.split(['L', ' ']).count()).max().unwrap()
+    };
+    // Four pitches in the answer, but 31 in the figure.
+    assert!(points("0:1.5:0.5") > 30, "{}", points("0:1.5:0.5"));
+    let answer = desk.json("compare --pitch-deg 0:1.5:0.5");
+    assert_eq!(answer["pitch_deg"].as_array().unwrap().len(), 4);
+}
+
+#[test]
 fn each_virtualization_names_its_joints() {
     let desk = Desk::new();
     let joints = |name: &str| {

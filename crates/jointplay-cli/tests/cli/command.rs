@@ -134,6 +134,38 @@ fn usage_errors_are_json_where_json_is_asked_for() {
 }
 
 #[test]
+fn every_command_prints_json() {
+    let desk = Desk::new();
+    desk.write("robot.urdf", crate::import::URDF);
+    desk.write("one.program", crate::cell::SMALL);
+    let list = desk.json("catalogue");
+    assert_eq!(list, desk.json("catalogue list"));
+    let entries = list["entries"].as_array().unwrap();
+    let bennett = entries.iter().find(|entry| entry["name"] == "bennett").unwrap();
+    assert_eq!((&bennett["finite_mobility"], &bennett["kind"]), (&1.into(), &"mechanism".into()));
+    let text = desk.done("catalogue show bennett");
+    assert_eq!(desk.json("catalogue show bennett")["text"], text);
+    assert_eq!(desk.json("catalogue copy bennett")["file"], "./bennett.toml");
+    assert_eq!(desk.json("draw bennett")["svg"], desk.done("draw bennett"));
+    assert_eq!(desk.json("draw bennett --figure b.svg")["figure"], "b.svg");
+    let imported = desk.json("import robot.urdf");
+    assert_eq!((&imported["model_format"], &imported["file"]), (&"URDF".into(), &Value::Null));
+    assert!(imported["text"].as_str().unwrap().contains("kind = \"mechanism\""), "{imported}");
+    assert_eq!(desk.json("import robot.urdf --output robot.toml")["file"], "robot.toml");
+    assert_eq!(desk.json("cell example --out c")["program"], "c/example.program");
+    assert_eq!(desk.json("cell format one.program")["changed"], false);
+    let summary = desk.json("simulate --yaw-step-deg 360 --virtualization planar");
+    assert_eq!(summary["poses"], 42);
+    for line in
+        ["catalogue show benett", "draw benett", "import nothing.urdf", "simulate --robot benett"]
+    {
+        let run = desk.run(&format!("{line} --format json"));
+        let error: Value = serde_json::from_str(&run.stderr).unwrap();
+        assert_eq!((run.code, &error["error"]["kind"]), (2, &"input".into()), "{line}");
+    }
+}
+
+#[test]
 fn negative_numbers_with_an_exponent_are_values() {
     let desk = Desk::new();
     let same = |one: &str, other: &str| assert_eq!(desk.done(one), desk.done(other), "{one}");

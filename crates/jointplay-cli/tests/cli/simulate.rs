@@ -262,7 +262,7 @@ fn completions_and_manual() {
 #[test]
 fn parquet_instead_of_csv() {
     let desk = Desk::new();
-    desk.done("simulate --yaw-step-deg 90 --format parquet");
+    desk.done("simulate --yaw-step-deg 90 --table parquet");
     let bytes = std::fs::read(desk.file("paper-study/samples-polar.parquet")).unwrap();
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
     assert!(!desk.names("paper-study").iter().any(|name| name.ends_with(".csv")));
@@ -271,7 +271,7 @@ fn parquet_instead_of_csv() {
 #[cfg(not(feature = "parquet"))]
 #[test]
 fn a_build_without_parquet_says_so() {
-    let run = Desk::new().run("simulate --format parquet");
+    let run = Desk::new().run("simulate --table parquet");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("--features parquet"), "{}", run.stderr);
 }

@@ -65,6 +65,21 @@ fn the_first_try_needs_nothing() {
 }
 
 #[test]
+fn standard_output_takes_the_table() {
+    let desk = Desk::new();
+    desk.write("s.toml", SMALL);
+    let (summary, csv) = studied(&desk, SMALL, "");
+    let run = desk.run("study s.toml --out - --format json --quiet");
+    assert_eq!((run.code, run.stdout), (0, csv.clone()));
+    assert_eq!(serde_json::from_str::<Value>(&run.stderr).unwrap(), summary);
+    let run = desk.run("study s.toml --out -");
+    assert_eq!((run.code, run.stdout), (0, csv));
+    assert!(run.stderr.contains("median"), "{}", run.stderr);
+    assert_eq!(desk.names("."), ["s.toml", "t.csv"]);
+    assert_eq!(desk.run("study s.toml --out - --resume").code, 2);
+}
+
+#[test]
 fn an_example_is_a_study_of_ones_own() {
     let desk = Desk::new();
     desk.write("mine.toml", &desk.done("study --example"));

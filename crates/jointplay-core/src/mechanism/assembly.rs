@@ -34,7 +34,9 @@ pub struct Unassembled {
 }
 
 impl Unassembled {
-    /// The closure to be taken if dimensions are true only to a tolerance: that near the guess, or the best where nothing closes exactly; `None` if it misses by more.
+    /// The closure to accept within a tolerance of the dimensions: the one near the guess, or the best one if no start closes exactly; `None` if every mismatch is larger.
+    ///
+    /// A closure whose correction did not converge is never accepted: its mismatch can fall below any tolerance because links drift away without limit.
     ///
     /// # Arguments
     /// * `tolerance` – largest mismatch that is taken as closed, in radians and characteristic lengths
@@ -43,7 +45,8 @@ impl Unassembled {
         // Where other starts close exactly it was the guess that failed, and they may be far from what was meant.
         let other = self.branches.is_empty().then_some(&self.best);
         let closures = [Some(&self.near_guess), other];
-        closures.into_iter().flatten().find(|closure| closure.residual <= tolerance)
+        let accepted = |closure: &&Closure| has_converged(closure) && closure.residual <= tolerance;
+        closures.into_iter().flatten().find(accepted)
     }
 
     /// The closure that misses by so little that dimensions may only be rounded.
@@ -62,9 +65,16 @@ impl Unassembled {
         let worst = self.loops.first().map_or(String::new(), |(joint, size)| {
             format!("; the loop closed by joint {joint:?} stays open by {size:.3e}")
         });
+        let diverged = if has_converged(&self.near_guess) {
+            String::new()
+        } else {
+            format!(
+                "; from the guess the correction did not converge in {MAX_ITERATIONS} iterations"
+            )
+        };
         if self.branches.is_empty() {
             format!(
-                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{near_miss}",
+                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{near_miss}{diverged}",
                 self.best.residual, self.starts
             )
         } else {
@@ -75,6 +85,11 @@ impl Unassembled {
             )
         }
     }
+}
+
+/// Whether the correction ended before its limit of iterations.
+fn has_converged(closure: &Closure) -> bool {
+    closure.iterations < MAX_ITERATIONS
 }
 
 /// The configuration that the user's guesses describe: zeros where there are none, virtual joints at rest.

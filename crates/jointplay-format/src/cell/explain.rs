@@ -3,9 +3,9 @@
 use jointplay_cell::CellError;
 use jointplay_cell::jog::Stopped;
 use jointplay_cell::robot::{
-    Axis, Branch, BrokenLimit, HybridRobot, Inverse, MotionKind, OutOfReach, Standing,
+    Axis, AxisKind, Branch, BranchSelection, HybridRobot, Inverse, LimitViolation, OutOfReach,
 };
-use jointplay_cell::wafer::{BrokenWay, Unreachable};
+use jointplay_cell::wafer::{RejectedBranch, Unreachable};
 
 use crate::number::number;
 use crate::units::{deg, mm};
@@ -48,16 +48,16 @@ fn with_unit(value: f64, unit: &str) -> String {
 #[must_use]
 pub fn position(axis: &Axis, value: f64) -> String {
     match axis.kind {
-        MotionKind::Slide => format!("{:.3} mm", mm(value)),
-        MotionKind::Turn => format!("{:.4}°", deg(value)),
+        AxisKind::Linear => format!("{:.3} mm", mm(value)),
+        AxisKind::Rotary => format!("{:.4}°", deg(value)),
     }
 }
 
 /// A broken limit, with its numbers.
 #[must_use]
-pub fn explain_limit(robot: &HybridRobot, limit: &BrokenLimit) -> String {
+pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
     match *limit {
-        BrokenLimit::Axis { axis, position: value, min, max } => {
+        LimitViolation::Axis { axis, position: value, min, max } => {
             let axis = &robot.axes[axis];
             format!(
                 "axis {} would stand at {}, allowed are {} to {}",
@@ -67,7 +67,7 @@ pub fn explain_limit(robot: &HybridRobot, limit: &BrokenLimit) -> String {
                 position(axis, max)
             )
         }
-        BrokenLimit::Tilt { pitch, max } => {
+        LimitViolation::Tilt { pitch, max } => {
             format!("the tilt is {:.4}°, allowed is up to {:.4}°", deg(pitch), deg(max))
         }
     }
@@ -87,12 +87,14 @@ pub fn explain_out_of_reach(reach: &OutOfReach) -> String {
 #[must_use]
 pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
     let why = match branch.standing {
-        Standing::Chosen => format!("chosen, {:.3} s away at top speed", branch.distance),
-        Standing::BendsOtherwise => {
+        BranchSelection::Chosen => format!("chosen, {:.3} s away at top speed", branch.distance),
+        BranchSelection::OtherElbow => {
             "not chosen: the arm would have to pass its stretched or folded position".to_owned()
         }
-        Standing::Farther => format!("not chosen: farther, {:.3} s at top speed", branch.distance),
-        Standing::BreaksLimits => {
+        BranchSelection::NotNearest => {
+            format!("not chosen: farther, {:.3} s at top speed", branch.distance)
+        }
+        BranchSelection::BreaksLimits => {
             let limits: Vec<String> =
                 branch.broken.iter().map(|limit| explain_limit(robot, limit)).collect();
             format!("not possible: {}", limits.join("; "))
@@ -117,13 +119,13 @@ pub fn explain_unreachable(robot: &HybridRobot, inverse: &Inverse) -> Option<Str
 /// What stops a robot that is moved by hand: one line for each limit, or for each way that the arm could be bent.
 #[must_use]
 pub fn explain_stopped(robot: &HybridRobot, stopped: &Stopped) -> Vec<String> {
-    let limits = |broken: &mut dyn Iterator<Item = &BrokenLimit>| {
+    let limits = |broken: &mut dyn Iterator<Item = &LimitViolation>| {
         broken.map(|limit| explain_limit(robot, limit)).collect::<Vec<String>>()
     };
     match stopped {
         Stopped::Limits(broken) => limits(&mut broken.iter()),
         Stopped::Place(Unreachable::Limits(ways)) => {
-            let told = |way: &BrokenWay| {
+            let told = |way: &RejectedBranch| {
                 let why = limits(&mut way.broken.iter().map(|(_, limit)| limit)).join("; ");
                 format!("{}: {why}", way.configuration)
             };

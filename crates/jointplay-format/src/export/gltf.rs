@@ -4,7 +4,7 @@ mod buffer;
 mod parts;
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::program::{Carried, carried};
+use jointplay_cell::program::{HandoverDeflection, handover_deflections};
 use jointplay_cell::station::SlotId;
 use serde_json::{Map, Value, json};
 
@@ -87,7 +87,7 @@ fn standing(track: &Track, cell: &Cell) -> Value {
 /// Each handover of a wafer with its time, and the distance by which the effector jumps then, as its arm takes the weight or gives it up.
 fn hand_overs(recording: &Recording<'_>) -> Vec<Value> {
     let Recording { cell, motion, .. } = *recording;
-    let told = |one: &Carried| {
+    let told = |one: &HandoverDeflection| {
         json!({
             "time_s": motion.times[one.step + 1],
             "effector": recording.effector_name(one.effector),
@@ -95,7 +95,7 @@ fn hand_overs(recording: &Recording<'_>) -> Vec<Value> {
             "jump_um": um(one.jump),
         })
     };
-    carried(cell, &motion.steps).iter().map(told).collect()
+    handover_deflections(cell, &motion.steps).iter().map(told).collect()
 }
 
 /// A value at a time, and how fast it changes there.

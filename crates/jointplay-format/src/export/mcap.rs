@@ -15,7 +15,7 @@ use std::io::Cursor;
 
 use ::mcap::records::{MessageHeader, Metadata};
 use ::mcap::{McapError, WriteOptions, Writer};
-use jointplay_cell::motion::Sample;
+use jointplay_cell::trajectory::Sample;
 
 use self::cdr::Cdr;
 use super::scene::{Scene, is_key};
@@ -134,7 +134,7 @@ pub fn write(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
                 file.push(program, start, text(recording.line(step)))?;
             }
             let of_step = [start, motion.times[step + 1]];
-            if motion.lasts(step) {
+            if motion.has_duration(step) {
                 file.push(
                     trajectory,
                     start,

@@ -26,8 +26,8 @@ mod solidworks;
 mod timeline;
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::Motion;
 use jointplay_cell::robot::EffectorId;
+use jointplay_cell::trajectory::Trajectory;
 
 pub use error::Error;
 pub use gltf::gltf;
@@ -45,7 +45,7 @@ pub struct Recording<'a> {
     /// What moves, and among what.
     pub cell: &'a Cell,
     /// How it moves.
-    pub motion: &'a Motion,
+    pub motion: &'a Trajectory,
     /// Text of the program, of which lines are quoted; empty for none.
     pub program: &'a str,
     /// What is wrong with the motion; empty where nothing is.

@@ -1,6 +1,6 @@
 //! The times at which a motion has to be told for lines between them to be the motion.
 
-use jointplay_cell::motion::Sample;
+use jointplay_cell::trajectory::Sample;
 
 use super::Recording;
 

@@ -1,7 +1,7 @@
 //! A motion as a table: one row a sample.
 
-use jointplay_cell::motion::Sample;
-use jointplay_cell::robot::{ChainPose, EffectorId, MotionKind};
+use jointplay_cell::robot::{AxisKind, ChainPose, EffectorId};
+use jointplay_cell::trajectory::Sample;
 
 use super::{Error, Recording, peaks};
 use crate::table::{Column, Values};
@@ -176,6 +176,6 @@ pub(super) fn loaded<'a>(recording: &Recording<'a>, step: usize) -> &'a [Effecto
     recording.motion.steps.get(step).map_or(&[], |step| &step.loaded)
 }
 
-pub(super) fn turns(kind: MotionKind) -> bool {
-    kind == MotionKind::Turn
+pub(super) fn turns(kind: AxisKind) -> bool {
+    kind == AxisKind::Rotary
 }

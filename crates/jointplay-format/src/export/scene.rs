@@ -307,7 +307,7 @@ impl Wafers {
         let Self { all: wafers, in_slot, .. } = self;
         let effector = |id: EffectorId| pose.base_from_wafer[id.arm][id.effector];
         match handover {
-            Handover::Taken(id, slot) => {
+            Handover::Picked(id, slot) => {
                 let found = in_slot.iter().position(|&(one, _)| one == slot)?;
                 let (_, k) = in_slot.remove(found);
                 if let Held::Lying(at) = wafers[k].held {
@@ -318,7 +318,7 @@ impl Wafers {
                 }
                 Some((k, None))
             }
-            Handover::Left(id, slot) => {
+            Handover::Placed(id, slot) => {
                 let on = |wafer: &Wafer| matches!(wafer.held, Held::On(with, _) if with == id);
                 let k = wafers.iter().position(on)?;
                 if let Held::On(_, at) = wafers[k].held {

@@ -56,7 +56,7 @@ impl Segment {
             Ok::<_, Error>(numbers)
         };
         let at = |since: f64| {
-            let sample = motion.within_step(step, since);
+            let sample = motion.sample_in_step(step, since);
             let mut values = sample.positions.clone();
             let now = numbers(since, &sample.positions)?;
             let mut rates = sample.velocities.clone();
@@ -78,9 +78,9 @@ impl Segment {
         let poses = 1 + cell.robot.arms.len() + cell.robot.effectors().count();
         let mut tolerances = vec![AXIS; axes];
         tolerances.resize(axes + poses * POSE_NUMBERS, POSE);
-        let breaks = motion.breaks_within_step(step);
+        let breaks = motion.jerk_discontinuities(step);
         let channels = channels(&breaks, &tolerances, &at)?;
-        Ok(Self { duration: motion.step_span(step), channels })
+        Ok(Self { duration: motion.intrinsic_step_duration(step), channels })
     }
 }
 

@@ -9,10 +9,10 @@ use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::{Motion, Sample};
 use jointplay_cell::program::Phase;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::SlotId;
+use jointplay_cell::trajectory::{Sample, Trajectory};
 use jointplay_core::spatial::Pose;
 
 use super::scene::{Held, Wafers, rounded};
@@ -196,7 +196,7 @@ impl Timeline {
     /// Hash of all that the content of a window depends on.
     fn key(
         &self,
-        motion: &Motion,
+        motion: &Trajectory,
         violations: &[ViolationReport],
         window: &Window,
         (shared, moved): (u64, &BTreeMap<usize, HeldAt>),
@@ -233,7 +233,7 @@ impl Timeline {
     /// Violations of instructions that are at least partly in a window.
     fn violations<'v>(
         &self,
-        motion: &Motion,
+        motion: &Trajectory,
         violations: &'v [ViolationReport],
         window: &Window,
     ) -> impl Iterator<Item = &'v ViolationReport> + use<'v> {
@@ -315,12 +315,12 @@ fn shared(cell: &Cell) -> u64 {
 }
 
 /// Hash of what happens in a step, whose axes move so.
-fn mark(motion: &Motion, axes: u64, index: usize) -> u64 {
+fn mark(motion: &Trajectory, axes: u64, index: usize) -> u64 {
     let step = &motion.steps[index];
     let mut hasher = DefaultHasher::new();
     (axes, phase(step.phase), &step.loaded).hash(&mut hasher);
     step.handover.is_some().hash(&mut hasher);
-    motion.lasts(index).hash(&mut hasher);
+    motion.has_duration(index).hash(&mut hasher);
     let begins = index == 0 || motion.steps[index - 1].instruction != step.instruction;
     begins.hash(&mut hasher);
     hasher.finish()
@@ -343,14 +343,14 @@ pub(crate) fn phase(phase: Phase) -> &'static str {
 }
 
 /// Least and largest values in a step: where jerks jump, between, and where speeds and accelerations turn back.
-fn of_step(motion: &Motion, step: usize, axes: usize) -> Vec<Envelope> {
+fn of_step(motion: &Trajectory, step: usize, axes: usize) -> Vec<Envelope> {
     let mut found = vec![Envelope::NOTHING; axes];
     for axis in motion.moving_axes(step) {
-        found[axis].moving = motion.step_span(step);
+        found[axis].moving = motion.intrinsic_step_duration(step);
     }
     let mut last: Option<Sample> = None;
-    for time in motion.breaks_within_step(step) {
-        let now = motion.within_step(step, time);
+    for time in motion.jerk_discontinuities(step) {
+        let now = motion.sample_in_step(step, time);
         let mut looks = Vec::new();
         if let Some(last) = &last {
             let width = now.time - last.time;
@@ -363,7 +363,7 @@ fn of_step(motion: &Motion, step: usize, axes: usize) -> Vec<Envelope> {
                 looks.extend(zero(last.velocities[axis], now.velocities[axis]));
             }
         }
-        let between = looks.into_iter().map(|time| motion.within_step(step, time));
+        let between = looks.into_iter().map(|time| motion.sample_in_step(step, time));
         for sample in between.chain([now.clone()]) {
             for (axis, envelope) in found.iter_mut().enumerate() {
                 let rates = (sample.velocities[axis], sample.accelerations[axis]);

@@ -3,7 +3,7 @@
 use jointplay_cell::program::{
     AxisTarget, Command, Instruction, Name, Place, Program, Routine, SlotName, SlotNumber,
 };
-use jointplay_cell::robot::MotionKind;
+use jointplay_cell::robot::AxisKind;
 use jointplay_core::spatial::Tilt;
 
 use super::cursor::Cursor;
@@ -275,7 +275,7 @@ fn axes(cursor: &mut Cursor<'_, '_>) -> Result<Command, Error> {
             return Err(cursor.error_at(token.column, token.width(), problem));
         }
         let (position, unit) = cursor.quantity("a position", &ALLOWED)?;
-        let kind = if unit == Unit::Degree { MotionKind::Turn } else { MotionKind::Slide };
+        let kind = if unit == Unit::Degree { AxisKind::Rotary } else { AxisKind::Linear };
         targets.push(AxisTarget { axis, kind, position });
     }
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use jointplay_cell::program::{
     AxisTarget, Command, Instruction, Name, Program, SlotName, SlotNumber,
 };
-use jointplay_cell::robot::MotionKind;
+use jointplay_cell::robot::AxisKind;
 use jointplay_core::spatial::Tilt;
 
 use super::layout::INDENT;
@@ -93,8 +93,8 @@ fn simple(command: &Command) -> String {
 
 fn axis(target: &AxisTarget) -> String {
     match target.kind {
-        MotionKind::Turn => format!("{} {} deg", name(&target.axis), deg(target.position)),
-        MotionKind::Slide => format!("{} {} mm", name(&target.axis), mm(target.position)),
+        AxisKind::Rotary => format!("{} {} deg", name(&target.axis), deg(target.position)),
+        AxisKind::Linear => format!("{} {} mm", name(&target.axis), mm(target.position)),
     }
 }
 

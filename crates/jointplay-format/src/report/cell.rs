@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{PairDistance, Report, Share, Verdict, Violation};
-use jointplay_cell::motion::{Blend, Motion, Straightness};
-use jointplay_cell::program::{Carried, Place, carried};
-use jointplay_cell::robot::MotionKind;
+use jointplay_cell::program::{HandoverDeflection, Place, handover_deflections};
+use jointplay_cell::robot::AxisKind;
 use jointplay_cell::station::Origin;
+use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
 use jointplay_core::virtualization::Kernel;
 use serde::Serialize;
 
@@ -231,7 +231,7 @@ pub struct DistanceReport {
 /// # Arguments
 /// * `program` – its text, of which lines are quoted
 #[must_use]
-pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> CellReport {
+pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) -> CellReport {
     let robot = &cell.robot;
     let lines: Vec<&str> = program.lines().map(str::trim).collect();
     let effectors: Vec<String> = robot
@@ -246,7 +246,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
             time_s: one.time,
         })
     };
-    let carried = carried(cell, &motion.steps);
+    let carried = handover_deflections(cell, &motion.steps);
     let instructions = report.by_instruction.iter().map(|row| InstructionReport {
         number: row.instruction + 1,
         line: row.place.line,
@@ -269,7 +269,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
     });
     let moving = robot.axes.iter().zip(&report.moving).map(|(axis, &moving_s)| AxisReport {
         name: axis.name.clone(),
-        unit: if axis.kind == MotionKind::Turn { "deg" } else { "mm" },
+        unit: if axis.kind == AxisKind::Rotary { "deg" } else { "mm" },
         moving_s,
     });
     let model = &robot.model;
@@ -307,12 +307,12 @@ pub fn cell(cell: &Cell, program: &str, motion: &Motion, report: &Report) -> Cel
     }
 }
 
-fn lasting(motion: &Motion, steps: Range<usize>) -> usize {
-    steps.filter(|&step| motion.lasts(step)).count()
+fn lasting(motion: &Trajectory, steps: Range<usize>) -> usize {
+    steps.filter(|&step| motion.has_duration(step)).count()
 }
 
-fn straight(motion: &Motion, steps: Range<usize>) -> Option<StraightReport> {
-    let lines: Vec<Straightness> = steps.filter_map(|step| motion.straightness(step)).collect();
+fn straight(motion: &Trajectory, steps: Range<usize>) -> Option<StraightReport> {
+    let lines: Vec<LineDeviation> = steps.filter_map(|step| motion.straightness(step)).collect();
     (!lines.is_empty()).then(|| StraightReport {
         motions: lines.len(),
         off_um: um(most(&lines, |line| line.deviation)),
@@ -320,7 +320,7 @@ fn straight(motion: &Motion, steps: Range<usize>) -> Option<StraightReport> {
     })
 }
 
-fn blended(motion: &Motion, steps: Range<usize>) -> Option<BlendedReport> {
+fn blended(motion: &Trajectory, steps: Range<usize>) -> Option<BlendedReport> {
     let blends: Vec<Blend> = steps.filter_map(|step| motion.blend(step)).collect();
     (!blends.is_empty()).then(|| BlendedReport {
         motions: blends.len(),
@@ -329,7 +329,11 @@ fn blended(motion: &Motion, steps: Range<usize>) -> Option<BlendedReport> {
     })
 }
 
-fn compensated(cell: &Cell, carried: &[Carried], steps: Range<usize>) -> Option<CompensatedReport> {
+fn compensated(
+    cell: &Cell,
+    carried: &[HandoverDeflection],
+    steps: Range<usize>,
+) -> Option<CompensatedReport> {
     // They come in order.
     let at = |step| carried.partition_point(|one| one.step < step);
     let carried = &carried[at(steps.start)..at(steps.end)];

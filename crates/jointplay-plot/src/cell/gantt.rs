@@ -1,10 +1,10 @@
 //! A motion over time: which axis moves when, and for which instruction.
 
 use jointplay_cell::cell::Cell;
-use jointplay_cell::motion::Motion;
 use jointplay_cell::program::{Handover, Step};
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::SlotId;
+use jointplay_cell::trajectory::Trajectory;
 
 use crate::linear_ticks::linear_ticks;
 use crate::svg::{Anchor, INK, Svg, px};
@@ -69,7 +69,13 @@ impl Gantt {
     /// * `lines` – text of the program, of which lines are quoted
     /// * `wrong` – when something is wrong [s]
     #[must_use]
-    pub fn new(title: &str, cell: &Cell, motion: &Motion, lines: &str, wrong: &[[f64; 2]]) -> Self {
+    pub fn new(
+        title: &str,
+        cell: &Cell,
+        motion: &Trajectory,
+        lines: &str,
+        wrong: &[[f64; 2]],
+    ) -> Self {
         let axes: Vec<String> = cell.robot.axes.iter().map(|axis| axis.name.clone()).collect();
         let quoted: Vec<&str> = lines.lines().map(str::trim).collect();
         let mut spans: Vec<Span> = Vec::new();
@@ -304,8 +310,8 @@ fn labels<'s>(
     let mut moves: Vec<String> = Vec::new();
     for handover in steps.filter_map(|step| step.handover) {
         match handover {
-            Handover::Taken(id, slot) => carried.push((id, slot_name(slot))),
-            Handover::Left(id, slot) => {
+            Handover::Picked(id, slot) => carried.push((id, slot_name(slot))),
+            Handover::Placed(id, slot) => {
                 let from = carried.iter().position(|(with, _)| *with == id);
                 let from = from.map(|place| carried.remove(place).1);
                 let from = from.unwrap_or_else(|| effector_name(id).clone());

@@ -6,9 +6,9 @@ use axum::http::StatusCode;
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Moment, Straight, check_pose, straight_until_contact};
 use jointplay::cell::jog::{Jogged, Stopped};
-use jointplay::cell::motion::Motion;
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
+use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::wafer::Unreachable;
 use jointplay::cell::{CellError, Stop};
 use jointplay::format::cell::explain;
@@ -69,7 +69,7 @@ pub(crate) async fn jog(
 /// There is no robot.
 pub(super) fn with_robot<'p>(
     plan: &'p Plan,
-    still: &'p mut Option<Motion>,
+    still: &'p mut Option<Trajectory>,
 ) -> Result<Recording<'p>, Problem> {
     let refused = || Problem::request(StatusCode::CONFLICT, nothing(plan));
     if let Some(recording) = plan.recording() {

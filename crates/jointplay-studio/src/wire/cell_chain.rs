@@ -1,7 +1,7 @@
 //! How the frames of a robot follow from its axes.
 
 use jointplay::cell::cell::Cell;
-use jointplay::cell::robot::{Arm, MotionKind};
+use jointplay::cell::robot::{self, Arm};
 use jointplay::format::export::HeldAt;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -92,8 +92,8 @@ impl ArmChain {
     fn new(arm: &Arm) -> Self {
         let joints = arm.joints.iter().map(|joint| JointChain {
             kind: match joint.kind {
-                MotionKind::Turn => AxisKind::Turn,
-                MotionKind::Slide => AxisKind::Slide,
+                robot::AxisKind::Rotary => AxisKind::Turn,
+                robot::AxisKind::Linear => AxisKind::Slide,
             },
             zero: joint.zero,
             drives: joint.drives.iter().map(|&(axis, ratio)| DriveChain { axis, ratio }).collect(),

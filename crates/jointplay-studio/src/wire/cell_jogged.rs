@@ -2,7 +2,9 @@
 
 use jointplay::cell::cell::Cell;
 use jointplay::cell::jog::{FromSlot, Stopped};
-use jointplay::cell::robot::{Branch, BrokenLimit, EffectorId, MotionKind, Standing, WaferTarget};
+use jointplay::cell::robot::{
+    self, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
+};
 use jointplay::cell::station::{SlotId, teach};
 use jointplay::cell::wafer::{DroopError, Unreachable};
 use jointplay::format::cell::explain::{explain_branch, explain_stopped};
@@ -158,9 +160,9 @@ pub(crate) enum StandingName {
     /// It breaks limits.
     BreaksLimits,
     /// The arm would have to pass its stretched or folded position.
-    BendsOtherwise,
+    OtherElbow,
     /// Another one is nearer.
-    Farther,
+    NotNearest,
 }
 
 /// What stopped the robot.
@@ -217,10 +219,10 @@ impl BranchDocument {
         Self {
             name: branch.configuration.to_string(),
             standing: match branch.standing {
-                Standing::Chosen => StandingName::Chosen,
-                Standing::BreaksLimits => StandingName::BreaksLimits,
-                Standing::BendsOtherwise => StandingName::BendsOtherwise,
-                Standing::Farther => StandingName::Farther,
+                BranchSelection::Chosen => StandingName::Chosen,
+                BranchSelection::BreaksLimits => StandingName::BreaksLimits,
+                BranchSelection::OtherElbow => StandingName::OtherElbow,
+                BranchSelection::NotNearest => StandingName::NotNearest,
             },
             says: explain_branch(&cell.robot, branch),
             positions: branch.positions.to_vec(),
@@ -230,7 +232,7 @@ impl BranchDocument {
 
 impl StoppedDocument {
     pub(crate) fn new(cell: &Cell, stopped: &Stopped) -> Self {
-        let mut limits: Vec<&BrokenLimit> = Vec::new();
+        let mut limits: Vec<&LimitViolation> = Vec::new();
         let other = match stopped {
             Stopped::Limits(broken) => {
                 limits.extend(broken);
@@ -250,7 +252,7 @@ impl StoppedDocument {
         };
         let mut axes: Vec<String> = Vec::new();
         for limit in &limits {
-            if let BrokenLimit::Axis { axis, .. } = **limit {
+            if let LimitViolation::Axis { axis, .. } = **limit {
                 let name = &cell.robot.axes[axis].name;
                 if !axes.contains(name) {
                     axes.push(name.clone());
@@ -273,8 +275,8 @@ pub(crate) fn axes(cell: &Cell, positions: &[f64]) -> Vec<AxisDocument> {
     let of = |(axis, &position): (&jointplay::cell::robot::Axis, &f64)| AxisDocument {
         name: axis.name.clone(),
         kind: match axis.kind {
-            MotionKind::Turn => AxisKind::Turn,
-            MotionKind::Slide => AxisKind::Slide,
+            robot::AxisKind::Rotary => AxisKind::Turn,
+            robot::AxisKind::Linear => AxisKind::Slide,
         },
         position,
         min: axis.min,

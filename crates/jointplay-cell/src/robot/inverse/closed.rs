@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::super::planar::{Arrow, Planar, ahead, dot, turned};
+use super::super::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
 use super::plan::{Carried, Link, Pair, Plan};
 use super::{Configuration, Elbow, OutOfReach, Reaching};
 
@@ -40,7 +40,7 @@ impl Plan {
     #[inline]
     pub(super) fn span(
         &self,
-        planar: &Planar,
+        planar: &ArmChain,
         point: &Vector2<f64>,
         bend: Configuration,
         like: [f64; 2],
@@ -61,26 +61,26 @@ impl Plan {
         let [one, other] = found.arrows;
         match &self.pair {
             Pair::Links(_) => SpanChange {
-                velocities: [ahead(&one), ahead(&other)],
+                velocities: [perpendicular(&one), perpendicular(&other)],
                 second: [-one, Vector2::zeros(), -other],
             },
             Pair::Belt(..) => {
                 let quarter = (point - one - other) * 0.25;
-                let half = ahead(&quarter) * 2.0;
+                let half = perpendicular(&quarter) * 2.0;
                 SpanChange {
-                    velocities: [ahead(&one) + half, ahead(&other) + half],
+                    velocities: [perpendicular(&one) + half, perpendicular(&other) + half],
                     second: [-one - quarter, -quarter, -other - quarter],
                 }
             }
             Pair::Slide(_) => SpanChange {
-                velocities: [ahead(&one), other],
-                second: [-one, ahead(&other), Vector2::zeros()],
+                velocities: [perpendicular(&one), other],
+                second: [-one, perpendicular(&other), Vector2::zeros()],
             },
         }
     }
 
     /// The direction in which a belt-coupled pair moves its wafer; that of the first arrow, where there is no belt.
-    pub(super) fn middle(&self, planar: &Planar, pair: [f64; 2]) -> Vector2<f64> {
+    pub(super) fn middle(&self, planar: &ArmChain, pair: [f64; 2]) -> Vector2<f64> {
         let first = |k: usize| turned(&planar.arrows()[k].vector, pair[0]).normalize();
         match &self.pair {
             Pair::Belt(_, carried) => {
@@ -92,7 +92,7 @@ impl Plan {
     }
 
     /// How the arm is bent at positions of its axes.
-    pub(super) fn configuration(&self, planar: &Planar, own: &[f64; 4]) -> Configuration {
+    pub(super) fn configuration(&self, planar: &ArmChain, own: &[f64; 4]) -> Configuration {
         let arrows = planar.arrows();
         let at = |k: usize| turned(&arrows[k].vector, dot(&arrows[k].turn, own));
         match &self.pair {
@@ -229,7 +229,8 @@ fn belt(
             }
             let half = side * half;
             let pair = [direction + half - one.angle, direction - half - other.angle];
-            let (along, aside) = (unit * (0.5 * grown), ahead(&unit) * (0.5 * side * across));
+            let (along, aside) =
+                (unit * (0.5 * grown), perpendicular(&unit) * (0.5 * side * across));
             let arrows = [along + aside, along - aside];
             let from_end = grown + w.x;
             ways[count] = Some(Found { pair, configuration, arrows, from_end });
@@ -242,7 +243,7 @@ fn belt(
 /// A slide along `unit` with an arrow on it.
 #[inline]
 fn slide(
-    carried: &Arrow,
+    carried: &LinkVector,
     unit: &Vector2<f64>,
     point: &Vector2<f64>,
     bend: Configuration,

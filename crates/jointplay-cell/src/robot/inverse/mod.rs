@@ -1,13 +1,13 @@
 //! From a wafer's plane, centre and heading to all positions that reach it.
 
 mod barrier;
+mod branches;
 mod closed;
 mod newton;
 mod plan;
 mod polish;
 mod redundant;
-mod turns;
-mod whole;
+mod revolutions;
 
 use std::fmt;
 
@@ -48,7 +48,7 @@ pub struct Inverse {
     /// Why there is no branch.
     pub out_of_reach: Option<OutOfReach>,
     /// Limits of rods and tilt that the plane asked for breaks, whatever the arm does.
-    pub broken_by_plane: Vec<BrokenLimit>,
+    pub broken_by_plane: Vec<LimitViolation>,
 }
 
 /// One way to reach a target.
@@ -59,9 +59,9 @@ pub struct Branch {
     /// How the arm is bent.
     pub configuration: Configuration,
     /// Limits that it breaks, rods and tilt included; empty without allocating.
-    pub broken: Vec<BrokenLimit>,
+    pub broken: Vec<LimitViolation>,
     /// Whether it is the one to take, and why not.
-    pub standing: Standing,
+    pub standing: BranchSelection,
     /// Time of the slowest axis on the way there at its top speed without a wafer [s].
     pub distance: f64,
     /// How far the wafer's centre is from the target [m].
@@ -78,20 +78,20 @@ pub struct Branch {
 
 /// Why a branch is taken, or is not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standing {
+pub enum BranchSelection {
     /// It is the one to take.
     Chosen,
     /// It breaks limits, see [`Branch::broken`].
     BreaksLimits,
     /// Another one keeps the arm bent as it is; this one would take it through its stretched or folded position.
-    BendsOtherwise,
+    OtherElbow,
     /// Another one is bent alike and nearer.
-    Farther,
+    NotNearest,
 }
 
 /// A limit that a branch breaks.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum BrokenLimit {
+pub enum LimitViolation {
     /// An axis is beyond its stops.
     Axis {
         /// Index of the axis.

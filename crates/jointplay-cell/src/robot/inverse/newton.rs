@@ -3,8 +3,8 @@
 use jointplay_core::linalg::least_norm_of_three;
 use nalgebra::{Vector2, Vector3};
 
-use super::super::planar::{Planar, Slopes};
-use super::turns::Ranges;
+use super::super::arm_chain::{ArmChain, AxisCoefficients};
+use super::revolutions::Ranges;
 
 /// Starts along each axis, between its limits.
 const STARTS: usize = 5;
@@ -24,19 +24,19 @@ const MOST: usize = 16;
 ///
 /// Steps are the shortest ones, each axis counted in its range; an arm with more motors than are needed stays near its start, which is `near` if that leads to a solution.
 pub(super) fn solutions(
-    planar: &Planar,
+    planar: &ArmChain,
     ranges: &Ranges,
     point: &Vector2<f64>,
     heading: Option<f64>,
-    near: &Slopes,
-) -> Vec<Slopes> {
+    near: &AxisCoefficients,
+) -> Vec<AxisCoefficients> {
     let free = ranges.count > 2 + usize::from(heading.is_some());
     let first = descend(planar, ranges, point, heading, near);
-    let mut found: Vec<Slopes> = first.into_iter().collect();
+    let mut found: Vec<AxisCoefficients> = first.into_iter().collect();
     if free && !found.is_empty() {
         return found;
     }
-    let apart = |one: &Slopes, other: &Slopes| {
+    let apart = |one: &AxisCoefficients, other: &AxisCoefficients| {
         let shares = (0..ranges.count).map(|a| ((one[a] - other[a]) / ranges.half(a)).powi(2));
         shares.sum::<f64>().sqrt()
     };
@@ -59,12 +59,12 @@ pub(super) fn solutions(
 }
 
 fn descend(
-    planar: &Planar,
+    planar: &ArmChain,
     ranges: &Ranges,
     point: &Vector2<f64>,
     heading: Option<f64>,
-    start: &Slopes,
-) -> Option<Slopes> {
+    start: &AxisCoefficients,
+) -> Option<AxisCoefficients> {
     let mut own = *start;
     // One column more than there are axes, for the heading that nobody asked for.
     let count = ranges.count + 1;

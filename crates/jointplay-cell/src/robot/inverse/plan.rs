@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector2};
 
-use super::super::planar::{Arrow, Planar, Slopes, turned};
+use super::super::arm_chain::{ArmChain, AxisCoefficients, LinkVector, turned};
 
 /// Arrows of a belt-coupled arm count as equally long within this share of their length.
 const SAME_LENGTH: f64 = 1e-12;
@@ -61,7 +61,7 @@ pub(super) struct Plan {
 
 impl Plan {
     /// `None` where the arm is of no kind that has a closed form.
-    pub(super) fn new(planar: &Planar) -> Option<Self> {
+    pub(super) fn new(planar: &ArmChain) -> Option<Self> {
         let count = planar.axes().len();
         let arrows = planar.arrows();
         let mut rest: [usize; 4] = [0; 4];
@@ -86,7 +86,7 @@ impl Plan {
             ([slide], &[g]) if slide.along.turn == arrows[g].turn => Pair::Slide(g),
             _ => return None,
         };
-        let rows: [&Slopes; 2] = match pair {
+        let rows: [&AxisCoefficients; 2] = match pair {
             Pair::Links(pair) | Pair::Belt(pair, _) => pair.map(|link| &arrows[link.arrow].turn),
             Pair::Slide(g) => [&arrows[g].turn, &planar.slides()[0].growth],
         };
@@ -112,26 +112,26 @@ impl Plan {
 
     /// Positions of the axes for given unknowns.
     #[inline]
-    pub(super) fn positions(&self, unknown: &Slopes) -> Slopes {
+    pub(super) fn positions(&self, unknown: &AxisCoefficients) -> AxisCoefficients {
         (self.inverse * nalgebra::Vector4::from(*unknown)).into()
     }
 
     /// Unknowns at positions of the axes.
     #[inline]
-    pub(super) fn unknown(&self, own: &Slopes) -> Slopes {
+    pub(super) fn unknown(&self, own: &AxisCoefficients) -> AxisCoefficients {
         (self.forward * nalgebra::Vector4::from(*own)).into()
     }
 }
 
 impl Link {
-    fn of(arrows: &[Arrow], arrow: usize) -> Self {
+    fn of(arrows: &[LinkVector], arrow: usize) -> Self {
         let vector = &arrows[arrow].vector;
         Self { arrow, length: vector.norm(), angle: vector.y.atan2(vector.x) }
     }
 }
 
 /// A belt-coupled pair: of the two mean directions, the one in which the wafer is carried.
-fn belt([one, mut other]: [Link; 2], arrows: &[Arrow], arrow: usize) -> Pair {
+fn belt([one, mut other]: [Link; 2], arrows: &[LinkVector], arrow: usize) -> Pair {
     let mut middle = 0.5 * (one.angle + other.angle);
     let mut vector = turned(&arrows[arrow].vector, -middle);
     if vector.x < 0.0 {
@@ -143,7 +143,7 @@ fn belt([one, mut other]: [Link; 2], arrows: &[Arrow], arrow: usize) -> Pair {
     Pair::Belt([one, other], Carried { arrow, middle, vector })
 }
 
-fn is_belt(planar: &Planar, i: usize, j: usize, w: usize) -> bool {
+fn is_belt(planar: &ArmChain, i: usize, j: usize, w: usize) -> bool {
     let arrows = planar.arrows();
     let (one, other) = (arrows[i].vector.norm(), arrows[j].vector.norm());
     let mean = (0..4).all(|a| {

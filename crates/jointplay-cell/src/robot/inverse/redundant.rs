@@ -4,12 +4,12 @@ use std::array::from_fn;
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::super::planar::{Planar, Slopes, ahead, turned};
+use super::super::arm_chain::{ArmChain, AxisCoefficients, perpendicular, turned};
 use super::Configuration;
 use super::barrier::{AXES, Bent, ENDS, Each, Gain, LEAST, Model, Pole, of_limits};
 use super::closed::Found;
 use super::plan::{Pair, Plan};
-use super::turns::{Ranges, Turns};
+use super::revolutions::{Ranges, Turns};
 
 /// Steps of the descent at most; it takes three to five, and more only out of a nearly stretched arm.
 const MOST_STEPS: usize = 100;
@@ -33,7 +33,7 @@ const NEAR: f64 = 0.1;
 
 /// What is left to choose: turns of the first and of the last arrow.
 pub(super) struct Redundant<'a> {
-    planar: &'a Planar,
+    planar: &'a ArmChain,
     plan: &'a Plan,
     turns: &'a Turns,
     ranges: &'a Ranges,
@@ -44,7 +44,7 @@ pub(super) struct Redundant<'a> {
     /// Arrows whose turns are free.
     free: [Option<usize>; 2],
     /// Unknowns where the arm is.
-    near: Slopes,
+    near: AxisCoefficients,
     /// Position of each axis, from −1 at one limit to 1 at the other, by each unknown.
     by_unknown: [Each; 4],
     /// The same where all unknowns are zero.
@@ -55,7 +55,7 @@ pub(super) struct Redundant<'a> {
 /// Unknowns that reach the point, with their cost.
 #[derive(Clone, Copy)]
 struct Costed {
-    unknown: Slopes,
+    unknown: AxisCoefficients,
     found: Found,
     /// What the pair spans [m].
     point: Vector2<f64>,
@@ -72,13 +72,13 @@ impl<'a> Redundant<'a> {
     /// # Arguments
     /// * `near` – positions where the arm is
     pub(super) fn new(
-        planar: &'a Planar,
+        planar: &'a ArmChain,
         plan: &'a Plan,
         turns: &'a Turns,
         ranges: &'a Ranges,
         point: Vector2<f64>,
         last: Option<f64>,
-        near: &Slopes,
+        near: &AxisCoefficients,
     ) -> Self {
         let (mut by_unknown, mut at_zero) = ([Each::default(); 4], Each::default());
         for a in 0..ranges.count {
@@ -108,7 +108,10 @@ impl<'a> Redundant<'a> {
     /// Descent on the free angles, the pair following in closed form so that it never leaves its bend:
     /// each step goes to where the cost is least if u and cos β go on as their first two derivatives say.
     /// It starts where the arm is; by other whole turns, if those that are nearest take it beyond a limit.
-    pub(super) fn away_from_limits(&self, configuration: Configuration) -> Option<Slopes> {
+    pub(super) fn away_from_limits(
+        &self,
+        configuration: Configuration,
+    ) -> Option<AxisCoefficients> {
         let here = self.at([self.near[2], self.near[3]], configuration, &self.near);
         let here = here.map(|here| self.wound_within(here));
         let (mut now, stretched) = match here {
@@ -215,7 +218,12 @@ impl<'a> Redundant<'a> {
     }
 
     /// Where the rest of the arm then is, turned as near as whole turns allow to what is near.
-    fn at(&self, free: [f64; 2], configuration: Configuration, near: &Slopes) -> Option<Costed> {
+    fn at(
+        &self,
+        free: [f64; 2],
+        configuration: Configuration,
+        near: &AxisCoefficients,
+    ) -> Option<Costed> {
         let arrows = from_fn(|f| match self.free[f] {
             Some(k) => turned(&self.planar.arrows()[k].vector, free[f]),
             None => Vector2::zeros(),
@@ -247,8 +255,12 @@ impl<'a> Redundant<'a> {
     /// How far a bend is from its ends, a number for each pole, with its first two derivatives by the square of the distance that is spanned.
     #[inline]
     fn ends(&self, found: &Found) -> [[f64; 3]; ENDS] {
-        let ahead = found.from_end.abs();
-        let of_ahead = [ahead, 0.5 / ahead, -0.25 / (ahead * ahead * ahead)];
+        let perpendicular = found.from_end.abs();
+        let of_ahead = [
+            perpendicular,
+            0.5 / perpendicular,
+            -0.25 / (perpendicular * perpendicular * perpendicular),
+        ];
         match &self.plan.pair {
             Pair::Links([i, j]) => [[found.from_end, 0.5 / (i.length * j.length), 0.0], [0.0; 3]],
             Pair::Belt([i, _], carried) => {
@@ -273,7 +285,7 @@ impl<'a> Redundant<'a> {
         let span = self.plan.span_change(&now.found, &now.point);
         let inverse = Matrix2::from_columns(&span.velocities).try_inverse()?;
         let [a, b] = &now.arrows;
-        let [p, q] = [a, b].map(|arrow| -(inverse * ahead(arrow)));
+        let [p, q] = [a, b].map(|arrow| -(inverse * perpendicular(arrow)));
         let bent = |p: &Vector2<f64>, q: &Vector2<f64>, inward: &Vector2<f64>| {
             let [first, both, second] = &span.second;
             let change =

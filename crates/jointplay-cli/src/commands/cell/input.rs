@@ -6,9 +6,9 @@ use clap::Args;
 use jointplay::cell::Memory;
 use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report, Verdict};
-use jointplay::cell::motion::{Motion, MotionOptions};
-use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, wrong_lines};
+use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
+use jointplay::cell::trajectory::{Trajectory, TrajectoryOptions};
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
 use jointplay::format::{cell, program, report};
@@ -79,7 +79,7 @@ pub(super) struct Input {
 /// A program as it runs, and what is wrong with it.
 pub(super) struct Planned {
     pub(super) input: Input,
-    pub(super) motion: Motion,
+    pub(super) motion: Trajectory,
     pub(super) report: Report,
     pub(super) flaws: Vec<Flaw>,
 }
@@ -133,7 +133,7 @@ impl InputArgs {
         let unread = wrong(&problems, &label);
         Err(match named {
             Ok(named) => {
-                let misfits = wrong_lines(&named.cell, &program);
+                let misfits = name_errors(&named.cell, &program);
                 let mut all = unread;
                 all.extend(misfits.iter().map(|one| told(one, &text, &label)));
                 all.sort_by_key(|one| (one.line, one.column));
@@ -182,10 +182,12 @@ impl InputArgs {
             )));
         }
         reporter.stage("timing");
-        let motion = memory.timed(cell, steps, &MotionOptions::default()).map_err(|error| {
-            let problems = error.problems.iter();
-            Failure::Infeasible(input.at(problems.map(|one| (one.place, one.message.clone()))))
-        })?;
+        let motion = memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).map_err(
+            |error| {
+                let problems = error.problems.iter();
+                Failure::Infeasible(input.at(problems.map(|one| (one.place, one.message.clone()))))
+            },
+        )?;
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);

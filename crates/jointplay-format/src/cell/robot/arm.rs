@@ -1,6 +1,6 @@
 //! Arms: joints, effectors, and how they droop.
 
-use jointplay_cell::robot::{Arm, ArmJoint, Effector, MotionKind, RODS};
+use jointplay_cell::robot::{Arm, ArmJoint, AxisKind, Effector, RODS};
 use jointplay_cell::wafer::{Droop, DroopRow, Support};
 
 use super::super::problem::Fault;
@@ -40,8 +40,8 @@ fn read_joint(table: &Table, axes: &[String], is_last: bool) -> Option<ArmJoint>
     let reader = table.reader;
     let kind = table.needed("kind").and_then(|kind| kind.word(reader, "kind of joint", &MOTIONS));
     let zero = match kind {
-        Some(MotionKind::Turn) => table.number_or("zero_deg", Span::Any, 0.0).to_radians(),
-        Some(MotionKind::Slide) => table.length_or("zero_mm", Span::Any, 0.0),
+        Some(AxisKind::Rotary) => table.number_or("zero_deg", Span::Any, 0.0).to_radians(),
+        Some(AxisKind::Linear) => table.length_or("zero_mm", Span::Any, 0.0),
         None => {
             let _ = (table.entry("zero_deg"), table.entry("zero_mm"));
             0.0

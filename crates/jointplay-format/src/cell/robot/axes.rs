@@ -1,6 +1,6 @@
 //! Axes: rods, and the motors of the arms.
 
-use jointplay_cell::robot::{Axis, Dynamics, MotionKind, RODS};
+use jointplay_cell::robot::{Axis, AxisKind, KinematicLimits, RODS};
 use jointplay_core::gpr::Gpr;
 
 use super::super::problem::Fault;
@@ -11,11 +11,11 @@ use crate::units::m_from_mm;
 pub(super) fn rod_axes(table: &Table, gpr: &Gpr) -> Option<[Axis; RODS]> {
     let (min, max) = (gpr.limits().rod_min, gpr.limits().rod_max);
     let home = table.length_or("home_mm", Span::Any, gpr.working_height());
-    let empty = dynamics(table, "empty", MotionKind::Slide);
-    let loaded = dynamics(table, "loaded", MotionKind::Slide);
+    let empty = dynamics(table, "empty", AxisKind::Linear);
+    let loaded = dynamics(table, "loaded", AxisKind::Linear);
     table.finish();
     let (empty, loaded) = (empty?, loaded?);
-    let kind = MotionKind::Slide;
+    let kind = AxisKind::Linear;
     Some(ROD_NAMES.map(|name| Axis { name: name.to_owned(), kind, min, max, home, empty, loaded }))
 }
 
@@ -32,8 +32,8 @@ pub(super) fn motor(table: &Table) -> Option<Axis> {
         return None;
     };
     let (range, home) = match kind {
-        MotionKind::Turn => ("range_deg", "home_deg"),
-        MotionKind::Slide => ("range_mm", "home_mm"),
+        AxisKind::Rotary => ("range_deg", "home_deg"),
+        AxisKind::Linear => ("range_mm", "home_mm"),
     };
     let range = table.needed(range).and_then(|range| range.numbers::<2>(reader, Span::Any));
     let home = table.number(home, Span::Any);
@@ -63,23 +63,27 @@ pub(super) fn tell_twice(table: &Table, axes: &[Table]) {
     }
 }
 
-fn to_si(kind: MotionKind, value: f64) -> f64 {
+fn to_si(kind: AxisKind, value: f64) -> f64 {
     match kind {
-        MotionKind::Turn => value.to_radians(),
-        MotionKind::Slide => m_from_mm(value),
+        AxisKind::Rotary => value.to_radians(),
+        AxisKind::Linear => m_from_mm(value),
     }
 }
 
-fn dynamics(table: &Table, key: &'static str, kind: MotionKind) -> Option<Dynamics> {
+fn dynamics(table: &Table, key: &'static str, kind: AxisKind) -> Option<KinematicLimits> {
     let whose = format!("`{key}` of {}", table.whose);
     let limits = table.needed(key)?.table(table.reader, whose)?;
     let keys = match kind {
-        MotionKind::Turn => ["velocity_deg_s", "acceleration_deg_s2", "jerk_deg_s3"],
-        MotionKind::Slide => ["velocity_mm_s", "acceleration_mm_s2", "jerk_mm_s3"],
+        AxisKind::Rotary => ["velocity_deg_s", "acceleration_deg_s2", "jerk_deg_s3"],
+        AxisKind::Linear => ["velocity_mm_s", "acceleration_mm_s2", "jerk_mm_s3"],
     };
     let values = keys.map(|key| limits.number(key, Span::Positive));
     limits.finish();
     let [velocity, acceleration, jerk] = values;
     let si = |value| to_si(kind, value);
-    Some(Dynamics { velocity: si(velocity?), acceleration: si(acceleration?), jerk: si(jerk?) })
+    Some(KinematicLimits {
+        velocity: si(velocity?),
+        acceleration: si(acceleration?),
+        jerk: si(jerk?),
+    })
 }

@@ -14,7 +14,7 @@ mod base;
 
 pub use base::virtualization_name;
 
-use jointplay_cell::robot::{Arm, Axis, HybridRobot, MotionKind, Part, RODS};
+use jointplay_cell::robot::{Arm, Axis, AxisKind, HybridRobot, RODS, RobotPart};
 
 use super::explain::explain as explain_cell;
 use super::problem::{Fault, Problem};
@@ -33,7 +33,7 @@ const MAX_BYTES: usize = 1_000_000;
 /// Names of the rods, as axes.
 const ROD_NAMES: [&str; RODS] = ["q1", "q2", "q3"];
 
-const MOTIONS: [(&str, MotionKind); 2] = [("turn", MotionKind::Turn), ("slide", MotionKind::Slide)];
+const MOTIONS: [(&str, AxisKind); 2] = [("turn", AxisKind::Rotary), ("slide", AxisKind::Linear)];
 
 /// The names of the robots with arms in the catalogue.
 pub fn names() -> impl Iterator<Item = &'static str> {
@@ -127,16 +127,18 @@ fn nth<'r, 'a>(table: &Table<'r, 'a>, key: &'static str, index: usize) -> Option
 }
 
 /// The part of the file that a fault is about.
-fn place(table: &Table, part: Part) -> std::ops::Range<usize> {
+fn place(table: &Table, part: RobotPart) -> std::ops::Range<usize> {
     let name = |table: &Table| table.entry("name").map(|entry| entry.span());
     let of_arm = |arm: usize, key, index| nth(&nth(table, "arm", arm)?, key, index);
     let found = match part {
-        Part::Robot => name(table),
-        Part::Axis(index) if index < RODS => table.entry("rods").map(|entry| entry.span()),
-        Part::Axis(index) => nth(table, "axis", index - RODS).and_then(|axis| name(&axis)),
-        Part::Arm(index) => nth(table, "arm", index).and_then(|arm| name(&arm)),
-        Part::Joint(arm, index) => of_arm(arm, "joint", index).map(|joint| joint.span),
-        Part::Effector(arm, index) => of_arm(arm, "effector", index).and_then(|one| name(&one)),
+        RobotPart::Robot => name(table),
+        RobotPart::Axis(index) if index < RODS => table.entry("rods").map(|entry| entry.span()),
+        RobotPart::Axis(index) => nth(table, "axis", index - RODS).and_then(|axis| name(&axis)),
+        RobotPart::Arm(index) => nth(table, "arm", index).and_then(|arm| name(&arm)),
+        RobotPart::Joint(arm, index) => of_arm(arm, "joint", index).map(|joint| joint.span),
+        RobotPart::Effector(arm, index) => {
+            of_arm(arm, "effector", index).and_then(|one| name(&one))
+        }
     };
     found.unwrap_or(0..0)
 }
@@ -178,7 +180,7 @@ mod tests {
             assert_eq!(robot.assumed.len(), 3, "{name}");
             // Folded over its first axis, where HOME leaves it.
             let home: Vec<f64> = robot.axes.iter().map(|axis| axis.home).collect();
-            assert!(robot.broken_limits(&home).unwrap().is_empty());
+            assert!(robot.limit_violations(&home).unwrap().is_empty());
             for wafer in robot.forward(&home).unwrap().base_from_wafer.into_iter().flatten() {
                 assert!(wafer.translation.vector.xy().norm() < 0.02, "{name} {wafer}");
                 assert!(wafer.rotation.angle() < 1e-12, "{name} {wafer}");

@@ -1,7 +1,7 @@
 //! A motion in the lines of a dialect.
 
 use jointplay_cell::program::{Handover, Path, Phase};
-use jointplay_cell::robot::MotionKind;
+use jointplay_cell::robot::AxisKind;
 
 use super::template::Template;
 use super::{Dialect, Motions};
@@ -87,12 +87,12 @@ impl Dialect {
             }
             let (start, end) = (motion.times[k], motion.times[k + 1]);
             match &self.motion {
-                Motions::Steps { .. } if !motion.lasts(k) => {}
+                Motions::Steps { .. } if !motion.has_duration(k) => {}
                 Motions::Steps { axes, line, still } => {
                     let (lines, effector) = match step.path {
-                        Path::Axes => (axes, String::new()),
+                        Path::PointToPoint => (axes, String::new()),
                         Path::Line(id) => (line, recording.effector_name(id).to_owned()),
-                        Path::Still(_) | Path::Processed { .. } => (still, String::new()),
+                        Path::Dwell(_) | Path::ProcessDwell { .. } => (still, String::new()),
                     };
                     push(&mut text, lines, |name| match name {
                         "number" => (k + 1).to_string(),
@@ -123,8 +123,8 @@ impl Dialect {
                 push(&mut text, &self.blend, |_| self.time(blend.overlap));
             }
             let (lines, id, slot) = match step.handover {
-                Some(Handover::Taken(id, slot)) => (&self.taken, id, slot),
-                Some(Handover::Left(id, slot)) => (&self.left, id, slot),
+                Some(Handover::Picked(id, slot)) => (&self.taken, id, slot),
+                Some(Handover::Placed(id, slot)) => (&self.left, id, slot),
                 None => continue,
             };
             push(&mut text, lines, |name| match name {
@@ -148,8 +148,8 @@ impl Dialect {
         let axes = recording.cell.robot.axes.iter().zip(values).enumerate();
         let told = axes.map(|(k, (axis, &value))| {
             let value = match axis.kind {
-                MotionKind::Slide => self.length.from_meters(value),
-                MotionKind::Turn => self.angle.from_radians(value),
+                AxisKind::Linear => self.length.from_meters(value),
+                AxisKind::Rotary => self.angle.from_radians(value),
             };
             self.axis.fill(|name| match name {
                 "name" => axis.name.clone(),

@@ -1,0 +1,141 @@
+//! Which effectors and slots hold a wafer.
+
+use std::collections::BTreeMap;
+
+use super::{Place, ProgramProblem};
+use crate::cell::Cell;
+use crate::program::resolve::effector_name;
+use crate::robot::EffectorId;
+use crate::station::SlotId;
+
+/// Whether something holds a wafer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Holds {
+    Nothing,
+    Wafer,
+    /// A line that could not be understood may have changed it.
+    Unsure,
+}
+
+/// What is known of an effector or a slot, and which line changed it last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Holding {
+    holds: Holds,
+    since: Option<Place>,
+}
+
+/// Wafers in the cell while a program is gone through.
+pub(super) struct WaferOccupancy<'c> {
+    cell: &'c Cell,
+    effectors: BTreeMap<EffectorId, Holding>,
+    slots: BTreeMap<SlotId, Holding>,
+    /// What holds for slots that are not in the list.
+    elsewhere: Holds,
+    /// Steps at whose end wafers were left, for stations that work on them.
+    left: BTreeMap<SlotId, usize>,
+}
+
+impl<'c> WaferOccupancy<'c> {
+    pub(super) fn new(cell: &'c Cell) -> Self {
+        let full = Holding { holds: Holds::Wafer, since: None };
+        Self {
+            cell,
+            effectors: cell.carried.iter().map(|&id| (id, full)).collect(),
+            slots: cell.occupied.iter().map(|&slot| (slot, full)).collect(),
+            elsewhere: Holds::Nothing,
+            left: BTreeMap::new(),
+        }
+    }
+
+    /// After a line that could not be understood.
+    pub(super) fn forget(&mut self) {
+        self.effectors.values_mut().chain(self.slots.values_mut()).for_each(|state| {
+            state.holds = Holds::Unsure;
+        });
+        self.elsewhere = Holds::Unsure;
+        self.left.clear();
+    }
+
+    fn effector(&self, id: EffectorId) -> Holding {
+        let other = Holding { holds: self.elsewhere, since: None };
+        self.effectors.get(&id).copied().unwrap_or(other)
+    }
+
+    fn slot(&self, slot: SlotId) -> Holding {
+        self.slots.get(&slot).copied().unwrap_or(Holding { holds: self.elsewhere, since: None })
+    }
+
+    /// Effectors that carry a wafer, in order.
+    pub(super) fn loaded(&self) -> Vec<EffectorId> {
+        let loaded = self.effectors.iter().filter(|(_, state)| state.holds == Holds::Wafer);
+        loaded.map(|(&id, _)| id).collect()
+    }
+
+    /// Step at whose end the wafer was left in a slot, since it was last fetched from there.
+    pub(super) fn left_by(&self, slot: SlotId) -> Option<usize> {
+        self.left.get(&slot).copied()
+    }
+
+    /// What speaks against fetching.
+    pub(super) fn before_get(&self, id: EffectorId, slot: SlotId) -> Vec<ProgramProblem> {
+        let mut problems = Vec::new();
+        let (hand, place) = (self.effector(id), self.slot(slot));
+        if hand.holds == Holds::Wafer {
+            problems.push(ProgramProblem::EffectorLoaded {
+                effector: effector_name(&self.cell.robot, id).to_owned(),
+                since: hand.since.map(|place| place.line),
+            });
+        }
+        if place.holds == Holds::Nothing {
+            problems.push(ProgramProblem::EmptySlot {
+                slot: slot_name(self.cell, slot),
+                since: place.since.map(|place| place.line),
+            });
+        }
+        problems
+    }
+
+    /// What speaks against laying down.
+    pub(super) fn before_put(&self, id: EffectorId, slot: SlotId) -> Vec<ProgramProblem> {
+        let mut problems = Vec::new();
+        let (hand, place) = (self.effector(id), self.slot(slot));
+        if hand.holds == Holds::Nothing {
+            problems.push(ProgramProblem::EffectorEmpty {
+                effector: effector_name(&self.cell.robot, id).to_owned(),
+                since: hand.since.map(|place| place.line),
+            });
+        }
+        if place.holds == Holds::Wafer {
+            problems.push(ProgramProblem::SlotOccupied {
+                slot: slot_name(self.cell, slot),
+                since: place.since.map(|place| place.line),
+            });
+        }
+        problems
+    }
+
+    /// The wafer goes from the slot to the effector.
+    pub(super) fn get(&mut self, id: EffectorId, slot: SlotId, place: Place) {
+        self.effectors.insert(id, Holding { holds: Holds::Wafer, since: Some(place) });
+        self.slots.insert(slot, Holding { holds: Holds::Nothing, since: Some(place) });
+        self.left.remove(&slot);
+    }
+
+    /// The wafer goes from the effector to the slot, at the end of a step if that is known.
+    pub(super) fn put(&mut self, id: EffectorId, slot: SlotId, place: Place, step: Option<usize>) {
+        self.effectors.insert(id, Holding { holds: Holds::Nothing, since: Some(place) });
+        self.slots.insert(slot, Holding { holds: Holds::Wafer, since: Some(place) });
+        if let Some(step) = step {
+            self.left.insert(slot, step);
+        }
+    }
+}
+
+/// A slot as messages call it.
+pub(super) fn slot_name(cell: &Cell, slot: SlotId) -> String {
+    let station = &cell.stations[slot.station];
+    match station.slots {
+        1 => station.name.clone(),
+        _ => format!("slot {} of {}", slot.slot, station.name),
+    }
+}

@@ -1,0 +1,234 @@
+//! An arm as arrows that turn in its plane.
+
+use jointplay_core::spatial::Pose;
+use nalgebra::{Translation3, Vector2};
+
+use super::forward::about_normal;
+use super::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
+
+/// One number for each axis of an arm, in the order of [`ArmChain::axes`].
+pub(super) type AxisCoefficients = [f64; MAX_JOINTS];
+
+/// An arrow, fixed in a frame that turns by Σ slopes · positions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct LinkVector {
+    /// At all axes zero, in the platform frame [m].
+    pub(super) vector: Vector2<f64>,
+    /// Turn by position.
+    pub(super) turn: AxisCoefficients,
+}
+
+/// An arrow of unit length that also grows, by Σ slopes · positions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct PrismaticJoint {
+    /// Its direction, and how it turns.
+    pub(super) along: LinkVector,
+    /// Length by position.
+    pub(super) growth: AxisCoefficients,
+}
+
+/// An arm from the platform to one of its wafers, in its plane.
+///
+/// ```text
+///    tip  =  origin  +  Σ_g R(ψ_g) v_g  +  Σ_s (σ_s · a) R(ψ_s) e_s        ψ = m · a
+/// ```
+/// a: positions of the arm's axes, m and σ: slopes. Constants of joints are turned into the arrows, and arrows that turn alike are one.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ArmChain {
+    /// Axes that move it, as indices into those of the robot; the first `count` count.
+    axes: [usize; MAX_JOINTS],
+    count: usize,
+    /// What does not move [m].
+    pub(super) origin: Vector2<f64>,
+    /// Height of the wafer's plane over the platform plane [m].
+    pub(super) height: f64,
+    arrows: [LinkVector; MAX_JOINTS],
+    arrow_count: usize,
+    slides: [PrismaticJoint; MAX_JOINTS],
+    slide_count: usize,
+    /// The wafer's heading where all axes are at zero [rad], and how it turns.
+    pub(super) heading: (f64, AxisCoefficients),
+}
+
+#[inline]
+pub(super) fn dot(slopes: &AxisCoefficients, positions: &AxisCoefficients) -> f64 {
+    slopes[0] * positions[0]
+        + slopes[1] * positions[1]
+        + slopes[2] * positions[2]
+        + slopes[3] * positions[3]
+}
+
+#[inline]
+pub(super) fn turned(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
+    let (sin, cos) = angle.sin_cos();
+    Vector2::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y)
+}
+
+/// The vector a quarter turn ahead.
+#[inline]
+pub(super) fn perpendicular(vector: &Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(-vector.y, vector.x)
+}
+
+impl ArmChain {
+    /// Of an effector that exists, on an arm of at most [`MAX_JOINTS`] joints and axes.
+    pub(crate) fn new(robot: &HybridRobot, id: EffectorId) -> Self {
+        let arm = &robot.arms[id.arm];
+        let effector = &arm.effectors[id.effector];
+        let still = LinkVector { vector: Vector2::zeros(), turn: [0.0; MAX_JOINTS] };
+        let mut planar = Self {
+            axes: [0; MAX_JOINTS],
+            count: 0,
+            origin: Vector2::new(arm.mount[0], arm.mount[1]),
+            height: arm.mount[2] + effector.wafer_center[2],
+            arrows: [still; MAX_JOINTS],
+            arrow_count: 0,
+            slides: [PrismaticJoint { along: still, growth: still.turn }; MAX_JOINTS],
+            slide_count: 0,
+            heading: (0.0, still.turn),
+        };
+        let (mut constant, mut turn) = (0.0, [0.0; MAX_JOINTS]);
+        for (k, joint) in arm.joints.iter().enumerate() {
+            planar.height += joint.rise;
+            let mut slopes = [0.0; MAX_JOINTS];
+            for &(axis, ratio) in &joint.drives {
+                slopes[planar.axis(axis)] += ratio;
+            }
+            match joint.kind {
+                AxisKind::Rotary => {
+                    constant += joint.zero;
+                    for (sum, slope) in turn.iter_mut().zip(slopes) {
+                        *sum += slope;
+                    }
+                }
+                AxisKind::Linear => {
+                    let along = turned(&Vector2::x(), constant);
+                    planar.slide(PrismaticJoint {
+                        along: LinkVector { vector: along, turn },
+                        growth: slopes,
+                    });
+                    planar.arrow(LinkVector { vector: along * joint.zero, turn });
+                }
+            }
+            let link = if k + 1 == arm.joints.len() {
+                Vector2::new(effector.wafer_center[0], effector.wafer_center[1])
+            } else {
+                Vector2::new(joint.length, joint.offset)
+            };
+            planar.arrow(LinkVector { vector: turned(&link, constant), turn });
+        }
+        planar.heading = (constant + effector.heading, turn);
+        planar
+    }
+
+    fn axis(&mut self, axis: usize) -> usize {
+        self.axes().iter().position(|&known| known == axis).unwrap_or_else(|| {
+            self.axes[self.count] = axis;
+            self.count += 1;
+            self.count - 1
+        })
+    }
+
+    fn arrow(&mut self, arrow: LinkVector) {
+        if arrow.turn == [0.0; MAX_JOINTS] {
+            self.origin += arrow.vector;
+            return;
+        }
+        let known = self.arrows[..self.arrow_count].iter_mut();
+        match known.into_iter().find(|known| known.turn == arrow.turn) {
+            Some(known) => known.vector += arrow.vector,
+            None => {
+                self.arrows[self.arrow_count] = arrow;
+                self.arrow_count += 1;
+            }
+        }
+    }
+
+    fn slide(&mut self, slide: PrismaticJoint) {
+        self.slides[self.slide_count] = slide;
+        self.slide_count += 1;
+    }
+
+    /// Height of the wafer's plane over the platform plane [m].
+    pub(crate) fn height(&self) -> f64 {
+        self.height
+    }
+
+    /// Axes that move it, as indices into those of the robot.
+    #[inline]
+    pub(crate) fn axes(&self) -> &[usize] {
+        &self.axes[..self.count]
+    }
+
+    #[inline]
+    pub(super) fn arrows(&self) -> &[LinkVector] {
+        &self.arrows[..self.arrow_count]
+    }
+
+    #[inline]
+    pub(super) fn slides(&self) -> &[PrismaticJoint] {
+        &self.slides[..self.slide_count]
+    }
+
+    /// Positions of its axes, of those of all axes.
+    #[inline]
+    pub(super) fn own(&self, positions: &[f64]) -> AxisCoefficients {
+        let mut own = [0.0; MAX_JOINTS];
+        for (own, &axis) in own.iter_mut().zip(self.axes()) {
+            *own = positions[axis];
+        }
+        own
+    }
+
+    /// Centre of the wafer, in the platform plane [m].
+    #[inline]
+    pub(super) fn tip(&self, own: &AxisCoefficients) -> Vector2<f64> {
+        let mut tip = self.origin;
+        for arrow in self.arrows() {
+            tip += turned(&arrow.vector, dot(&arrow.turn, own));
+        }
+        for slide in self.slides() {
+            let along = turned(&slide.along.vector, dot(&slide.along.turn, own));
+            tip += along * dot(&slide.growth, own);
+        }
+        tip
+    }
+
+    /// platform_from_wafer at positions of all axes.
+    pub(crate) fn wafer(&self, positions: &[f64]) -> Pose {
+        let own = self.own(positions);
+        self.at(&self.tip(&own), &own)
+    }
+
+    /// platform_from_wafer, its centre known.
+    #[inline]
+    pub(super) fn at(&self, tip: &Vector2<f64>, own: &AxisCoefficients) -> Pose {
+        let center = tip.push(self.height);
+        Pose::from_parts(Translation3::from(center), about_normal(self.heading(own)))
+    }
+
+    /// Heading of the wafer, from the platform's x axis [rad].
+    #[inline]
+    pub(super) fn heading(&self, own: &AxisCoefficients) -> f64 {
+        self.heading.0 + dot(&self.heading.1, own)
+    }
+
+    /// Velocity of the tip by each of its axes [m/m or m/rad].
+    pub(super) fn tip_velocities(&self, own: &AxisCoefficients) -> [Vector2<f64>; MAX_JOINTS] {
+        let mut velocities = [Vector2::zeros(); MAX_JOINTS];
+        for arrow in self.arrows() {
+            let turning = perpendicular(&turned(&arrow.vector, dot(&arrow.turn, own)));
+            for (velocity, slope) in velocities.iter_mut().zip(arrow.turn) {
+                *velocity += turning * slope;
+            }
+        }
+        for slide in self.slides() {
+            let along = turned(&slide.along.vector, dot(&slide.along.turn, own));
+            let turning = perpendicular(&along) * dot(&slide.growth, own);
+            for (a, velocity) in velocities.iter_mut().enumerate() {
+                *velocity += along * slide.growth[a] + turning * slide.along.turn[a];
+            }
+        }
+        velocities
+    }
+}

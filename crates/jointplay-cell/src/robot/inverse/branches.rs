@@ -1,0 +1,381 @@
+//! The inverse of the whole chain: rods from the plane, height from the arm's plane, motors from the point within it.
+
+use jointplay_core::gpr::Forward;
+use jointplay_core::spatial::{Pose, Tilt};
+use nalgebra::{Translation3, Vector2, Vector3};
+
+use super::super::arm_chain::{ArmChain, AxisCoefficients};
+use super::super::{EffectorId, HybridRobot, Positions, RODS};
+use super::closed::Ways;
+use super::newton::{solutions, wrapped};
+use super::plan::{Pair, Plan};
+use super::redundant::Redundant;
+use super::revolutions::{Ranges, Turns};
+use super::{
+    Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach, Reaching,
+    WaferTarget,
+};
+use crate::CellError;
+use crate::robot::arm_chain::turned;
+
+/// A branch that is farther from its target is none [m].
+const RESIDUAL: f64 = 1e-12;
+
+/// Slack of limits, as a share of the range, so that what is computed to lie on a limit is not beyond it by round-off.
+const SLACK: f64 = 1e-12;
+
+impl HybridRobot {
+    /// All positions that put the wafer of an effector to a target.
+    ///
+    /// ```text
+    ///    normal → rods at height 0 → platform → height of the arm's plane through the centre → centre in the platform frame → motors
+    /// ```
+    /// Raising all rods alike raises the platform alike, so that each of these steps is exact, the shift of the centre and the height error of a tilt at reach included.
+    /// Arms of two links with or without more joints at their ends, radial arms with a belt and radial arms with a slide are solved in closed form with all their branches,
+    /// redundant ones by keeping away from limits and from being stretched: least Σ 1/(1 − u²) + 1/sin² β, u from −1 to 1 between the limits of an axis, β the bend of the last two free links, from where they were;
+    /// others by Newton's method from several starts.
+    /// Positions that differ by whole turns are branches of their own where limits admit several.
+    ///
+    /// # Arguments
+    /// * `near` – positions of all axes that the robot is at; other motors than the effector's keep them
+    ///
+    /// # Errors
+    /// [`CellError::NormalNotUp`], [`CellError::NoSuchEffector`], [`CellError::WrongLength`], [`CellError::NotFinite`], and those of the platform model.
+    ///
+    /// # Numerics
+    /// Allocates the list of branches and nothing else in closed form; a branch is corrected by Newton's method on all axes where it is farther than 10⁻¹³ m from the target, and left out if it stays farther than 10⁻¹² m.
+    ///
+    /// # Source
+    /// Own derivation, `docs/theory.md`
+    pub fn inverse(
+        &self,
+        id: EffectorId,
+        target: &WaferTarget,
+        near: &[f64],
+    ) -> Result<Inverse, CellError> {
+        self.check_effector(id)?;
+        self.check_positions(near)?;
+        let normal = upward(target)?;
+        let planar = ArmChain::new(self, id);
+        let slope = normal.xy() / normal.z;
+        let level = self.gpr.base_points().map(|point| -slope.dot(&point));
+        let below = self.model.forward(&self.gpr, level)?;
+        let pose = &below.base_from_platform;
+        let over = target.center - pose.translation.vector;
+        let height = (normal.dot(&over) - planar.height) / normal.z;
+        let mut start = Positions::new(near);
+        for (rod, level) in start.iter_mut().zip(level) {
+            *rod = level + height;
+        }
+        let raised = Translation3::new(0.0, 0.0, height) * pose;
+        let (point, heading) = within(&raised, &below, target);
+        self.finished(id, &planar, target, &normal, point, heading, start, near)
+    }
+
+    /// All motor positions that put the wafer of an effector over a point, the rods staying as they are in `near`.
+    ///
+    /// # Arguments
+    /// * `point` – the wafer's centre in the platform plane [m]
+    /// * `heading` – its heading from the platform's x axis [rad]
+    ///
+    /// # Errors
+    /// As [`Self::inverse`].
+    pub fn arm_inverse(
+        &self,
+        id: EffectorId,
+        point: Vector2<f64>,
+        heading: Option<f64>,
+        near: &[f64],
+    ) -> Result<Inverse, CellError> {
+        self.check_effector(id)?;
+        self.check_positions(near)?;
+        let platform = self.platform(near)?;
+        let planar = ArmChain::new(self, id);
+        let pose = platform.base_from_platform;
+        let normal = platform.normal();
+        let center = pose.rotation * point.push(planar.height) + pose.translation.vector;
+        if !center.iter().all(|number| number.is_finite()) {
+            return Err(not_finite("the point", center.sum()));
+        }
+        let turned = heading.map(|heading| heading + platform.twist_about_normal());
+        let target = WaferTarget { center, normal, heading: turned };
+        upward(&target)?;
+        let start = Positions::new(near);
+        self.finished(id, &planar, &target, &normal, point, heading, start, near)
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "one call's half-way results, used here alone")]
+    fn finished(
+        &self,
+        id: EffectorId,
+        planar: &ArmChain,
+        target: &WaferTarget,
+        normal: &Vector3<f64>,
+        point: Vector2<f64>,
+        heading: Option<f64>,
+        start: Positions,
+        near: &[f64],
+    ) -> Result<Inverse, CellError> {
+        let ranges = self.ranges(planar);
+        let own_near = planar.own(near);
+        let plan = Plan::new(planar);
+        let is_free = is_free(planar, plan.as_ref());
+        let with_heading = target.heading.is_some() && is_free;
+        let heading = heading.filter(|_| is_free);
+        let mut branches: Vec<Branch> = Vec::new();
+        let mut failure = None;
+        let tilt = Tilt::from_normal(normal);
+        // The rods are those of the start in all of them.
+        let base_from_platform = self.platform(&start)?.base_from_platform;
+        let mut add = |own: &AxisCoefficients, configuration: Configuration| {
+            let mut positions = start;
+            for (&axis, &position) in planar.axes().iter().zip(own) {
+                positions[axis] = position;
+            }
+            let pose = base_from_platform * planar.wafer(&positions);
+            let polished = self.polish(id, &pose, target, normal, with_heading, &mut positions);
+            let (corrections, missing) = match polished {
+                Ok(found) => found,
+                Err(error) => {
+                    failure = Some(error);
+                    return;
+                }
+            };
+            let residual = missing.center.norm();
+            if residual > RESIDUAL {
+                return;
+            }
+            let mut broken = Vec::new();
+            for axis in (0..RODS).chain(planar.axes().iter().copied()) {
+                self.check_axis(axis, positions[axis], &mut broken);
+            }
+            self.check_tilt(tilt, &mut broken);
+            branches.push(Branch {
+                distance: self.time_between(near, &positions),
+                positions,
+                configuration,
+                standing: if broken.is_empty() {
+                    BranchSelection::NotNearest
+                } else {
+                    BranchSelection::BreaksLimits
+                },
+                broken,
+                residual,
+                normal_residual: missing.tilt.norm(),
+                corrections,
+                heading: missing.heading,
+                heading_off: if with_heading { 0.0 } else { missing.turn },
+            });
+        };
+        let mut out_of_reach = None;
+        let mut bend = Configuration::default();
+        match &plan {
+            Some(plan) => {
+                bend = plan.configuration(planar, &own_near);
+                let solver = Solver { planar, plan, ranges: &ranges, near: &own_near };
+                out_of_reach = solver.solve(point, heading, &mut add);
+            }
+            None => {
+                for own in solutions(planar, &ranges, &point, heading, &own_near) {
+                    add(&own, Configuration::default());
+                }
+            }
+        }
+        if let Some(error) = failure {
+            return Err(error);
+        }
+        if branches.is_empty() && out_of_reach.is_none() {
+            let distance = (point - planar.origin).norm();
+            let max = planar.arrows().iter().map(|arrow| arrow.vector.norm()).sum::<f64>();
+            out_of_reach = Some(OutOfReach { distance, min: 0.0, max });
+        }
+        let mut broken_by_plane = Vec::new();
+        for rod in 0..RODS {
+            self.check_axis(rod, start[rod], &mut broken_by_plane);
+        }
+        self.check_tilt(tilt, &mut broken_by_plane);
+        let chosen = choose(&mut branches, bend);
+        Ok(Inverse { branches, chosen, out_of_reach, broken_by_plane })
+    }
+
+    /// Whether an effector may head where it likes, its wafer's centre and plane given.
+    ///
+    /// # Errors
+    /// [`CellError::NoSuchEffector`]
+    pub fn heading_is_free(&self, id: EffectorId) -> Result<bool, CellError> {
+        self.check_effector(id)?;
+        let planar = ArmChain::new(self, id);
+        Ok(is_free(&planar, Plan::new(&planar).as_ref()))
+    }
+
+    fn ranges(&self, planar: &ArmChain) -> Ranges {
+        let mut ranges = Ranges { min: [0.0; 4], max: [0.0; 4], count: planar.axes().len() };
+        for (a, &axis) in planar.axes().iter().enumerate() {
+            (ranges.min[a], ranges.max[a]) = (self.axes[axis].min, self.axes[axis].max);
+        }
+        ranges
+    }
+
+    /// Limits that positions break, those of the tilt last.
+    ///
+    /// # Errors
+    /// [`CellError::WrongLength`], [`CellError::NotFinite`]
+    pub fn limit_violations(&self, positions: &[f64]) -> Result<Vec<LimitViolation>, CellError> {
+        self.check_positions(positions)?;
+        let mut broken = Vec::new();
+        for (axis, &position) in positions.iter().enumerate() {
+            self.check_axis(axis, position, &mut broken);
+        }
+        let rods = [positions[0], positions[1], positions[2]];
+        self.check_tilt(self.gpr.plane_tilt(&rods), &mut broken);
+        Ok(broken)
+    }
+
+    fn check_axis(&self, axis: usize, position: f64, broken: &mut Vec<LimitViolation>) {
+        let (min, max) = (self.axes[axis].min, self.axes[axis].max);
+        let slack = SLACK * (max - min);
+        if position < min - slack || position > max + slack {
+            broken.push(LimitViolation::Axis { axis, position, min, max });
+        }
+    }
+
+    fn check_tilt(&self, tilt: Tilt, broken: &mut Vec<LimitViolation>) {
+        let max = self.gpr.limits().tilt_max;
+        let pitch = tilt.pitch.abs();
+        if pitch > max * (1.0 + SLACK) + SLACK {
+            broken.push(LimitViolation::Tilt { pitch, max });
+        }
+    }
+
+    /// Time of the slowest axis from one set of positions to another, at top speed without a wafer [s].
+    fn time_between(&self, from: &[f64], to: &[f64]) -> f64 {
+        let axes = self.axes.iter().zip(from.iter().zip(to));
+        axes.map(|(axis, (from, to))| (to - from).abs() / axis.empty.velocity).fold(0.0, f64::max)
+    }
+}
+
+/// Whether motors are left over for the heading.
+fn is_free(planar: &ArmChain, plan: Option<&Plan>) -> bool {
+    match plan {
+        Some(plan) => plan.last.is_some(),
+        None => planar.axes().len() > 2,
+    }
+}
+
+struct Solver<'a> {
+    planar: &'a ArmChain,
+    plan: &'a Plan,
+    ranges: &'a Ranges,
+    near: &'a AxisCoefficients,
+}
+
+impl Solver<'_> {
+    fn solve(
+        &self,
+        point: Vector2<f64>,
+        heading: Option<f64>,
+        add: &mut impl FnMut(&AxisCoefficients, Configuration),
+    ) -> Option<OutOfReach> {
+        let (planar, plan) = (self.planar, self.plan);
+        let turns = Turns::of(plan);
+        let mut point = point - planar.origin;
+        let last = heading.map(|heading| heading - planar.heading.0);
+        if plan.first.is_some() || (plan.last.is_some() && last.is_none()) {
+            let redundant =
+                Redundant::new(planar, plan, &turns, self.ranges, point, last, self.near);
+            for bend in bends(plan) {
+                if let Some(own) = redundant.away_from_limits(bend) {
+                    turns.within(&own, self.ranges, |own| add(own, bend));
+                }
+            }
+            return None;
+        }
+        let mut unknown = [0.0; 4];
+        if let (Some(k), Some(turn)) = (plan.last, last) {
+            unknown[2] = turn;
+            point -= turned(&planar.arrows()[k].vector, turn);
+        }
+        let now = plan.unknown(self.near);
+        let ways: Ways = match plan.span(planar, &point, Configuration::default(), [now[0], now[1]])
+        {
+            Ok(ways) => ways,
+            Err(out_of_reach) => return Some(out_of_reach),
+        };
+        for way in ways.into_iter().flatten() {
+            (unknown[0], unknown[1]) = (way.pair[0], way.pair[1]);
+            let own = plan.positions(&unknown);
+            turns.within(&own, self.ranges, |own| add(own, way.configuration));
+        }
+        None
+    }
+}
+
+/// All bends that the pair of a plan can have.
+fn bends(plan: &Plan) -> impl Iterator<Item = Configuration> {
+    const ELBOWS: [Option<Elbow>; 2] = [Some(Elbow::Left), Some(Elbow::Right)];
+    const REACHES: [Option<Reaching>; 2] = [Some(Reaching::Forward), Some(Reaching::Backward)];
+    let (elbows, reaches): (&[_], &[_]) = match plan.pair {
+        Pair::Links(_) => (&ELBOWS, &[None]),
+        Pair::Slide(_) => (&[None], &REACHES),
+        Pair::Belt(..) => (&ELBOWS, &REACHES),
+    };
+    reaches
+        .iter()
+        .flat_map(|&reaching| elbows.iter().map(move |&elbow| Configuration { elbow, reaching }))
+}
+
+/// Of the branches within limits: one that is bent as the arm is, and of those the nearest.
+fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
+    let within = |branch: &Branch| branch.broken.is_empty();
+    let stays = branches.iter().any(|b| within(b) && b.configuration.agrees_with(bend));
+    let mut chosen: Option<usize> = None;
+    for k in 0..branches.len() {
+        let branch = &branches[k];
+        if !within(branch) {
+            continue;
+        }
+        if stays && !branch.configuration.agrees_with(bend) {
+            branches[k].standing = BranchSelection::OtherElbow;
+        } else if chosen.is_none_or(|best| branch.distance < branches[best].distance) {
+            chosen = Some(k);
+        }
+    }
+    if let Some(chosen) = chosen {
+        branches[chosen].standing = BranchSelection::Chosen;
+    }
+    chosen
+}
+
+/// The target's centre and heading in the platform frame.
+fn within(
+    base_from_platform: &Pose,
+    platform: &Forward,
+    target: &WaferTarget,
+) -> (Vector2<f64>, Option<f64>) {
+    let center = base_from_platform.rotation.inverse()
+        * (target.center - base_from_platform.translation.vector);
+    let heading = target.heading.map(|heading| wrapped(heading - platform.twist_about_normal()));
+    (center.xy(), heading)
+}
+
+/// The normal of a target, of length one.
+fn upward(target: &WaferTarget) -> Result<Vector3<f64>, CellError> {
+    for (what, vector) in [("the wafer's centre", &target.center), ("its normal", &target.normal)] {
+        if let Some(&value) = vector.iter().find(|number| !number.is_finite()) {
+            return Err(not_finite(what, value));
+        }
+    }
+    if let Some(value) = target.heading.filter(|heading| !heading.is_finite()) {
+        return Err(not_finite("the heading", value));
+    }
+    let largest = target.normal.amax();
+    let normal = (target.normal / largest).normalize();
+    if largest == 0.0 || normal.z <= 0.0 {
+        return Err(CellError::NormalNotUp { normal: target.normal.into() });
+    }
+    Ok(normal)
+}
+
+fn not_finite(what: &str, value: f64) -> CellError {
+    CellError::NotFinite { what: what.to_owned(), value }
+}

@@ -1,0 +1,193 @@
+//! Positions that differ by whole turns of arrows.
+
+use std::array::from_fn;
+use std::f64::consts::TAU;
+
+use nalgebra::Vector4;
+
+use super::super::arm_chain::AxisCoefficients;
+use super::plan::{Pair, Plan};
+
+/// Most combinations of whole turns that are tried; with axes of at most ten turns there are fewer on any usual arm.
+const MOST: i64 = 20_000;
+
+/// Slack of limits for round-off, as a share of the ranges.
+const SLACK: f64 = 1e-12;
+
+/// Limits of the axes of an arm.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ranges {
+    pub(super) min: AxisCoefficients,
+    pub(super) max: AxisCoefficients,
+    pub(super) count: usize,
+}
+
+impl Ranges {
+    pub(super) fn middle(&self, axis: usize) -> f64 {
+        0.5 * (self.min[axis] + self.max[axis])
+    }
+
+    pub(super) fn half(&self, axis: usize) -> f64 {
+        0.5 * (self.max[axis] - self.min[axis])
+    }
+}
+
+/// The lattice of whole turns: positions a + Σ_m k_m generator_m are one pose for whole numbers k.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Turns {
+    generators: [Vector4<f64>; 4],
+    /// k = duals · a
+    duals: [Vector4<f64>; 4],
+    count: usize,
+}
+
+impl Plan {
+    /// The same pose by unknowns near others.
+    #[inline]
+    pub(super) fn wound(
+        &self,
+        unknown: &AxisCoefficients,
+        near: &AxisCoefficients,
+    ) -> AxisCoefficients {
+        let mut wound = *unknown;
+        for (r, (wound, near)) in wound.iter_mut().zip(near).enumerate() {
+            if r != 1 || matches!(self.pair, Pair::Links(_)) {
+                *wound += TAU * ((near - *wound) / TAU).round();
+            }
+        }
+        if let Pair::Belt(..) = self.pair {
+            // The third arrow turns by the mean: both turn alike, or one of them by two whole turns.
+            let other = unknown[1] + wound[0] - unknown[0];
+            wound[1] = other + 2.0 * TAU * ((near[1] - other) / (2.0 * TAU)).round();
+        }
+        wound
+    }
+}
+
+impl Turns {
+    pub(super) fn of(plan: &Plan) -> Self {
+        let mut turns =
+            Self { generators: [Vector4::zeros(); 4], duals: [Vector4::zeros(); 4], count: 0 };
+        let row = |r: usize| plan.forward.row(r).transpose() / TAU;
+        let column = |r: usize| plan.inverse.column(r) * TAU;
+        let mut add = |generator: Vector4<f64>, dual: Vector4<f64>| {
+            turns.generators[turns.count] = generator;
+            turns.duals[turns.count] = dual;
+            turns.count += 1;
+        };
+        match plan.pair {
+            Pair::Links(_) => {
+                add(column(0), row(0));
+                add(column(1), row(1));
+            }
+            // The third arrow turns by the mean: both turn alike, or one of them by two whole turns.
+            Pair::Belt(..) => {
+                add(column(0) + column(1), row(0));
+                add(column(1) * 2.0, (row(1) - row(0)) * 0.5);
+            }
+            Pair::Slide(_) => add(column(0), row(0)),
+        }
+        for r in 2..plan.count {
+            add(column(r), row(r));
+        }
+        turns
+    }
+
+    fn shifted(&self, own: &AxisCoefficients, k: &[i64; 4]) -> AxisCoefficients {
+        let mut shifted = Vector4::from(*own);
+        for (generator, &k) in self.generators.iter().zip(k).take(self.count) {
+            shifted += generator * k as f64;
+        }
+        shifted.into()
+    }
+
+    /// The same pose by positions near others.
+    fn nearest(&self, own: &AxisCoefficients, to: &AxisCoefficients) -> AxisCoefficients {
+        let away = Vector4::from(*to) - Vector4::from(*own);
+        let mut k = [0; 4];
+        for (k, dual) in k.iter_mut().zip(&self.duals).take(self.count) {
+            *k = dual.dot(&away).round() as i64;
+        }
+        self.shifted(own, &k)
+    }
+
+    /// How far an axis is beyond its limits once it is shifted by whole turns.
+    #[inline]
+    fn beyond(&self, own: &AxisCoefficients, k: &[f64; 4], ranges: &Ranges, axis: usize) -> f64 {
+        let [a, b, c, d] = &self.generators;
+        let shift = (a[axis] * k[0] + b[axis] * k[1]) + (c[axis] * k[2] + d[axis] * k[3]);
+        let position = own[axis] + shift;
+        f64::max(ranges.min[axis] - position, position - ranges.max[axis])
+    }
+
+    /// Hands out the same pose by all positions within limits; where there are none, by those that are least beyond.
+    pub(super) fn within(
+        &self,
+        own: &AxisCoefficients,
+        ranges: &Ranges,
+        mut each: impl FnMut(&AxisCoefficients),
+    ) {
+        let (mut low, mut high) = ([0_i64; 4], [0_i64; 4]);
+        let mut combinations = 1_i64;
+        for m in 0..self.count {
+            let (mut least, mut most) = (0.0, 0.0);
+            for (a, now) in own.iter().enumerate().take(ranges.count) {
+                let ends = [ranges.min[a] - now, ranges.max[a] - now];
+                let products = ends.map(|end| end * self.duals[m][a]);
+                least += products[0].min(products[1]);
+                most += products[0].max(products[1]);
+            }
+            // A little more than the bounds, for what lies on a limit.
+            (low[m], high[m]) = ((least - 1e-9).ceil() as i64, (most + 1e-9).floor() as i64);
+            combinations = combinations.saturating_mul((high[m] - low[m] + 1).max(0));
+        }
+        let mut found = false;
+        if combinations <= MOST {
+            let slack: AxisCoefficients = from_fn(|a| SLACK * (ranges.max[a] - ranges.min[a]));
+            for_each(&low[..self.count], &high[..self.count], |k| {
+                let turns = k.map(|k| k as f64);
+                if (0..ranges.count).all(|a| self.beyond(own, &turns, ranges, a) <= slack[a]) {
+                    found = true;
+                    each(&self.shifted(own, k));
+                }
+            });
+        }
+        if found {
+            return;
+        }
+        let mut middle = [0.0; 4];
+        for (a, middle) in middle.iter_mut().enumerate().take(ranges.count) {
+            *middle = ranges.middle(a);
+        }
+        let about = self.nearest(own, &middle);
+        let (mut best, mut least) = ([0; 4], f64::INFINITY);
+        let weights: AxisCoefficients = from_fn(|a| 1.0 / (ranges.max[a] - ranges.min[a]));
+        let (low, high) = ([-1; 4], [1; 4]);
+        for_each(&low[..self.count], &high[..self.count], |k| {
+            let (turns, mut excess) = (k.map(|k| k as f64), 0.0);
+            for (a, weight) in weights.iter().enumerate().take(ranges.count) {
+                excess += self.beyond(&about, &turns, ranges, a).max(0.0) * weight;
+                if excess >= least {
+                    return;
+                }
+            }
+            (best, least) = (*k, excess);
+        });
+        each(&self.shifted(&about, &best));
+    }
+}
+
+/// All whole numbers within a box.
+fn for_each(low: &[i64], high: &[i64], mut each: impl FnMut(&[i64; 4])) {
+    if low.iter().zip(high).any(|(low, high)| low > high) {
+        return;
+    }
+    let mut k = [0; 4];
+    k[..low.len()].copy_from_slice(low);
+    loop {
+        each(&k);
+        let Some(next) = (0..low.len()).find(|&m| k[m] < high[m]) else { return };
+        k[next] += 1;
+        k[..next].copy_from_slice(&low[..next]);
+    }
+}

@@ -1,0 +1,199 @@
+//! Positions of all axes along a path: cubic pieces with continuous first and second derivatives.
+
+use std::hash::Hasher;
+
+use super::profile::put;
+
+/// Value and three derivatives of one axis.
+pub(crate) type Jet = [f64; 4];
+
+/// A cubic spline through positions of all axes, knots growing from 0 to 1.
+#[derive(Debug, Clone)]
+pub(crate) struct Spline {
+    knots: Vec<f64>,
+    /// For each interval, each axis' jet at its start.
+    jets: Vec<Vec<Jet>>,
+}
+
+impl Spline {
+    /// Through `values` at `knots`, at least four; the first two pieces are one cubic, and the last two.
+    ///
+    /// # Numerics
+    /// A tridiagonal system an axis, dominated by its diagonal; off a smooth path by the fourth power of the interval.
+    ///
+    /// # Source
+    /// [deBoor], chapter IV, the "not-a-knot" end condition
+    pub(crate) fn through(knots: &[f64], values: &[Vec<f64>]) -> Self {
+        let pieces = knots.len() - 1;
+        let axes = values[0].len();
+        let h: Vec<f64> = knots.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        let mut jets = vec![vec![[0.0; 4]; axes]; pieces];
+        for axis in 0..axes {
+            let y = |k: usize| values[k][axis];
+            let curvature = curvatures(&h, &y);
+            for k in 0..pieces {
+                let third = (curvature[k + 1] - curvature[k]) / h[k];
+                let slope =
+                    (y(k + 1) - y(k)) / h[k] - h[k] * (2.0 * curvature[k] + curvature[k + 1]) / 6.0;
+                jets[k][axis] = [y(k), slope, curvature[k], third];
+            }
+        }
+        Self { knots: knots.to_vec(), jets }
+    }
+
+    /// Straight from one position of all axes to another.
+    pub(crate) fn straight(from: &[f64], to: &[f64]) -> Self {
+        let jet = |(from, to): (&f64, &f64)| [*from, to - from, 0.0, 0.0];
+        Self { knots: vec![0.0, 1.0], jets: vec![from.iter().zip(to).map(jet).collect()] }
+    }
+
+    /// The interval that holds `s`.
+    pub(crate) fn interval(&self, s: f64) -> usize {
+        self.knots.partition_point(|&knot| knot <= s).clamp(1, self.jets.len()) - 1
+    }
+
+    /// [`Self::interval`] of parameters that grow.
+    pub(crate) fn walk(&self) -> impl FnMut(f64) -> usize + '_ {
+        let mut interval = 0;
+        move |s| {
+            while interval + 1 < self.jets.len() && self.knots[interval + 1] <= s {
+                interval += 1;
+            }
+            interval
+        }
+    }
+
+    /// The jet of an axis at `s` by the cubic of an interval.
+    pub(crate) fn jet(&self, interval: usize, axis: usize, s: f64) -> Jet {
+        after(&self.jets[interval][axis], s - self.knots[interval])
+    }
+
+    /// For each interval, each axis' jet at its start.
+    pub(crate) fn jets(&self) -> impl Iterator<Item = &[Jet]> {
+        self.jets.iter().map(Vec::as_slice)
+    }
+
+    /// Whether an axis does anything along it.
+    pub(crate) fn moves(&self, axis: usize) -> bool {
+        self.jets.iter().any(|jets| jets[axis][1..] != [0.0; 3])
+    }
+
+    /// Positions of all axes at `s`.
+    pub(crate) fn positions(&self, s: f64) -> Vec<f64> {
+        let interval = self.interval(s);
+        (0..self.jets[interval].len()).map(|axis| self.jet(interval, axis, s)[0]).collect()
+    }
+
+    /// Largest slope of an axis, up or down: at a knot, or where the curvature of a piece is zero.
+    pub(crate) fn steepest(&self, axis: usize) -> f64 {
+        let pieces = self.jets.iter().zip(self.knots.windows(2));
+        pieces.fold(0.0, |most, (jets, ends)| {
+            let [_, slope, curvature, third] = jets[axis];
+            let whole = ends[1] - ends[0];
+            let turn = (-curvature / third).clamp(0.0, whole);
+            let at = |t: f64| (slope + t * (curvature + t * third / 2.0)).abs();
+            // A piece without a third derivative has no turn: that is no number, and never the most.
+            most.max(at(0.0)).max(at(whole)).max(at(turn))
+        })
+    }
+
+    /// Adds all that it is made of to a hash.
+    pub(crate) fn hash(&self, to: &mut impl Hasher) {
+        put(to, &self.knots);
+        self.jets().flatten().for_each(|jet| put(to, jet));
+    }
+
+    /// Where the pieces meet, and both ends.
+    pub(crate) fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+}
+
+/// A jet farther on by the same cubic.
+pub(crate) fn after([y, slope, curvature, third]: &Jet, t: f64) -> Jet {
+    [
+        y + t * (slope + t * (curvature / 2.0 + t * third / 6.0)),
+        slope + t * (curvature + t * third / 2.0),
+        curvature + t * third,
+        *third,
+    ]
+}
+
+/// Second derivatives at the knots.
+fn curvatures(h: &[f64], y: &dyn Fn(usize) -> f64) -> Vec<f64> {
+    let last = h.len();
+    let inner = last - 1;
+    let (mut below, mut diagonal) = (vec![0.0; inner], vec![0.0; inner]);
+    let (mut above, mut right) = (vec![0.0; inner], vec![0.0; inner]);
+    for k in 1..last {
+        let row = k - 1;
+        below[row] = h[k - 1];
+        diagonal[row] = 2.0 * (h[k - 1] + h[k]);
+        above[row] = h[k];
+        right[row] = 6.0 * ((y(k + 1) - y(k)) / h[k] - (y(k) - y(k - 1)) / h[k - 1]);
+    }
+    // The curvature beyond the first and last inner knot goes on in a straight line.
+    let (first, end) = (h[0] / h[1], h[last - 1] / h[last - 2]);
+    diagonal[0] += below[0] * (1.0 + first);
+    above[0] -= below[0] * first;
+    diagonal[inner - 1] += above[inner - 1] * (1.0 + end);
+    below[inner - 1] -= above[inner - 1] * end;
+    for row in 1..inner {
+        let factor = below[row] / diagonal[row - 1];
+        diagonal[row] -= factor * above[row - 1];
+        right[row] -= factor * right[row - 1];
+    }
+    let mut m = vec![0.0; last + 1];
+    m[last - 1] = right[inner - 1] / diagonal[inner - 1];
+    for row in (0..inner - 1).rev() {
+        m[row + 1] = (right[row] - above[row] * m[row + 2]) / diagonal[row];
+    }
+    m[0] = m[1] + first * (m[1] - m[2]);
+    m[last] = m[last - 1] + end * (m[last - 1] - m[last - 2]);
+    m
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_is_met_exactly_on_uneven_knots() {
+        let cubic = |s: f64| 1.0 + s * (-2.0 + s * (0.5 + s * 3.0));
+        let knots = [0.0, 0.1, 0.35, 0.4, 0.8, 1.0];
+        let values: Vec<Vec<f64>> = knots.iter().map(|&s| vec![cubic(s), -cubic(s)]).collect();
+        let spline = Spline::through(&knots, &values);
+        for s in [0.0, 0.05, 0.1, 0.2, 0.39, 0.77, 0.9, 1.0] {
+            let jet = spline.jet(spline.interval(s), 0, s);
+            let expected = [cubic(s), -2.0 + s + 9.0 * s * s, 1.0 + 18.0 * s, 18.0];
+            for (found, expected) in jet.iter().zip(expected) {
+                assert!((found - expected).abs() < 1e-11, "{s}: {found} {expected}");
+            }
+            assert!((spline.positions(s)[1] + cubic(s)).abs() < 1e-13);
+        }
+        // Its slope is −2 + s + 9 s²; of 4 s (1 − s)² it is 4 (1 − s) (1 − 3 s), which turns at 2/3.
+        assert!((spline.steepest(0) - 8.0).abs() < 1e-11);
+        let values: Vec<Vec<f64>> = knots
+            .iter()
+            .map(|&s: &f64| vec![4.0 * s * (1.0 - s).powi(2) - 3.5 * s, 2.0 * s])
+            .collect();
+        let spline = Spline::through(&knots, &values);
+        assert!((spline.steepest(0) - (4.0 / 3.0 + 3.5)).abs() < 1e-11);
+        assert!((spline.steepest(1) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn halving_the_intervals_takes_the_error_by_sixteen() {
+        let error = |pieces: u32| {
+            let knots: Vec<f64> = (0..=pieces).map(|k| f64::from(k) / f64::from(pieces)).collect();
+            let values: Vec<Vec<f64>> = knots.iter().map(|s| vec![(3.0 * s).sin()]).collect();
+            let spline = Spline::through(&knots, &values);
+            (0..1000)
+                .map(|k| f64::from(k) / 1000.0)
+                .map(|s| (spline.positions(s)[0] - (3.0 * s).sin()).abs())
+                .fold(0.0, f64::max)
+        };
+        let gain = error(16) / error(32);
+        assert!(gain > 10.0 && gain < 40.0, "{gain}");
+    }
+}

@@ -1,0 +1,325 @@
+//! Whether friction holds a wafer.
+
+use nalgebra::Vector3;
+
+use crate::robot::FrameMotion;
+use crate::wafer::{Support, Wafer};
+
+/// What a wafer's effector has to hold it with, and what friction can, by mass.
+///
+/// ```text
+///    |f_t|  +  |M| / (b − |c|)   ≤   µ f_n        f = g̈ + g e_b3,   c = n × m / f_n,   M = n · (m − c × f)
+/// ```
+/// f and m: force and moment about the middle of the resting plane that move the wafer, its turning included, by mass; f_n and f_t: along the normal n and across it.
+/// c: where the pressure of the pads has its centre, M: moment about it that friction has to bear.
+/// b: radius of the three points, or of the wafer on its edge, or half the distance of the rails.
+///
+/// # Assumptions
+/// Coulomb friction at the pads, a rigid flat wafer.
+/// Sufficient, however the pads lie and the weight is spread over them; exact without a moment, and without a force along the plane.
+///
+/// # Source
+/// own derivation, docs/theory.md
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrictionMargin {
+    /// Needed along the wafer's plane; infinite where the wafer lifts off what it rests on [m/s²].
+    pub needed: f64,
+    /// Held by friction [m/s²].
+    pub held: f64,
+}
+
+/// What has to act on a wafer that moves with its effector, by mass and in the base frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct RequiredWrench {
+    /// Force [m/s²].
+    force: Vector3<f64>,
+    /// Moment about the middle of its resting plane [m²/s²].
+    moment: Vector3<f64>,
+    /// Normal of that plane, up.
+    normal: Vector3<f64>,
+}
+
+impl FrictionMargin {
+    /// Of a wafer that moves so.
+    pub(super) fn of(
+        motion: &FrameMotion,
+        wafer: &Wafer,
+        support: &Support,
+        friction: f64,
+        gravity: f64,
+    ) -> Self {
+        friction_check(&burden(motion, wafer, gravity), wafer, support, friction)
+    }
+
+    /// What is needed as a share of what is held.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        if self.held > 0.0 { self.needed / self.held } else { f64::INFINITY }
+    }
+}
+
+impl Support {
+    /// Lever of friction against turning [m].
+    pub(crate) fn lever(&self, wafer: &Wafer) -> f64 {
+        match *self {
+            Self::Edge => 0.5 * wafer.diameter,
+            Self::ThreePoints { radius } => radius,
+            Self::TwoRails { distance } => 0.5 * distance,
+        }
+    }
+}
+
+/// What moves a wafer so.
+fn burden(motion: &FrameMotion, wafer: &Wafer, gravity: f64) -> RequiredWrench {
+    let half = 0.5 * wafer.thickness;
+    let [.., acceleration] = motion.point(&Vector3::new(0.0, 0.0, half));
+    let force = acceleration + Vector3::new(0.0, 0.0, gravity);
+    let FrameMotion { angular_velocity: omega, angular_acceleration: alpha, .. } = motion;
+    // Of a disc, by mass: across its plane and about its normal.
+    let radius = 0.5 * wafer.diameter;
+    let across = 0.25 * radius * radius + wafer.thickness * wafer.thickness / 12.0;
+    let about = 0.5 * radius * radius;
+    let n = motion.base_from_frame.rotation.matrix().column(2).into_owned();
+    let swept = n * alpha.dot(&n) + omega.cross(&n) * omega.dot(&n);
+    let turning = alpha * across + swept * (about - across);
+    RequiredWrench { force, moment: turning + (n * half).cross(&force), normal: n }
+}
+
+/// What a support needs to bear a burden, and what its friction holds.
+fn friction_check(
+    burden: &RequiredWrench,
+    wafer: &Wafer,
+    support: &Support,
+    friction: f64,
+) -> FrictionMargin {
+    let RequiredWrench { force, moment, normal } = burden;
+    let radius = 0.5 * wafer.diameter;
+    let lever = support.lever(wafer);
+    // How far from the middle the pressure may have its centre.
+    let room = match *support {
+        Support::Edge => radius,
+        Support::ThreePoints { radius } => 0.5 * radius,
+        Support::TwoRails { .. } => lever.min((radius * radius - lever * lever).max(0.0).sqrt()),
+    };
+    let pressed = force.dot(normal);
+    let along = force - normal * pressed;
+    let center = normal.cross(moment) / pressed;
+    let off = center.norm();
+    // Nothing pulls the wafer down: pressed over the rim of its support, it lifts at the other side.
+    if pressed <= 0.0 || off > room {
+        return FrictionMargin { needed: f64::INFINITY, held: friction * pressed.max(0.0) };
+    }
+    let twisting = normal.dot(&(moment - center.cross(force)));
+    let turning = if twisting == 0.0 { 0.0 } else { twisting.abs() / (lever - off) };
+    FrictionMargin { needed: along.norm() + turning, held: friction * pressed }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wafer::Material;
+    use jointplay_core::spatial::Pose;
+    use nalgebra::{Rotation3, Translation3, Vector2};
+
+    const GRAVITY: f64 = 9.80665;
+    const FRICTION: f64 = 0.4;
+    const SUPPORTS: [Support; 3] =
+        [Support::Edge, Support::ThreePoints { radius: 0.12 }, Support::TwoRails { distance: 0.2 }];
+    const LEVERS: [f64; 3] = [0.15, 0.12, 0.1];
+
+    fn wafer() -> Wafer {
+        let material =
+            Material { name: "silicon".into(), young: 147e9, poisson: 0.18, density: 2329.0 };
+        Wafer { diameter: 0.3, thickness: 775e-6, material }
+    }
+
+    /// Level, of a force and a moment about the normal through the centre of mass.
+    fn level(force: Vector2<f64>, moment: f64) -> RequiredWrench {
+        let force = Vector3::new(force.x, force.y, GRAVITY);
+        let half = Vector3::z() * 0.5 * wafer().thickness;
+        let moment = Vector3::z() * moment + half.cross(&force);
+        RequiredWrench { force, moment, normal: Vector3::z() }
+    }
+
+    fn near(found: f64, expected: f64, tolerance: f64) {
+        assert!((found - expected).abs() <= tolerance, "{found} is not {expected}");
+    }
+
+    #[test]
+    fn pushed_straight_turned_on_the_spot_and_tilted() {
+        for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
+            let grip =
+                |burden: &RequiredWrench| friction_check(burden, &wafer(), support, FRICTION);
+            // Friction alone holds what goes straight, wherever the pads are.
+            let straight = grip(&level(Vector2::new(1.2, -0.5), 0.0));
+            near(straight.needed, 1.3, 1e-12);
+            near(straight.held, FRICTION * GRAVITY, 1e-12);
+            // On the spot: m R²/2 α against µ m g b.
+            let acceleration: f64 = 30.0;
+            let mut turning = FrameMotion::still(Pose::identity());
+            turning.angular_acceleration.z = acceleration;
+            let spinning = grip(&burden(&turning, &wafer(), GRAVITY));
+            near(spinning.needed, 0.15_f64.powi(2) / 2.0 * acceleration / lever, 1e-12);
+            near(spinning.held, FRICTION * GRAVITY, 1e-12);
+            // At rest on a slope: g sin α against µ g cos α.
+            let lean = Rotation3::from_axis_angle(&Vector3::y_axis(), 0.3);
+            let still = FrameMotion::still(Pose::from_parts(Translation3::identity(), lean));
+            let resting = grip(&burden(&still, &wafer(), GRAVITY));
+            near(resting.needed, GRAVITY * 0.3_f64.sin(), 1e-12);
+            near(resting.held, FRICTION * GRAVITY * 0.3_f64.cos(), 1e-12);
+        }
+    }
+
+    #[test]
+    fn away_from_the_axis_both_add_up() {
+        // Round an axis 0.5 m away: r (α, ω²) for the middle, and R²/2 α about it.
+        let (out, velocity, acceleration): (f64, f64, f64) = (0.5, 1.4, 3.0);
+        let round = FrameMotion {
+            base_from_frame: Translation3::new(out, 0.0, 0.0) * Rotation3::identity(),
+            velocity: Vector3::y() * (out * velocity),
+            acceleration: Vector3::new(-velocity * velocity, acceleration, 0.0) * out,
+            angular_velocity: Vector3::z() * velocity,
+            angular_acceleration: Vector3::z() * acceleration,
+        };
+        let straight = out * acceleration.hypot(velocity * velocity);
+        let turning = 0.15_f64.powi(2) / 2.0 * acceleration;
+        // The centre of mass is above the pads: pressed forward by its height.
+        let off = 0.5 * wafer().thickness * straight / GRAVITY;
+        for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
+            let found =
+                friction_check(&burden(&round, &wafer(), GRAVITY), &wafer(), support, FRICTION);
+            near(found.needed, straight + turning / (lever - off), 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_wafer_that_precesses_has_the_moment_of_its_spin() {
+        // ω = ω₁ e₃ + ω₂ n with the spin ω₂ and the lean fixed: the angular momentum H turns with ω₁, Ḣ = ω₁ e₃ × H.
+        let (around, spin, lean) = (2.0, -5.0, 0.4);
+        let turn = Rotation3::from_axis_angle(&Vector3::x_axis(), lean);
+        let n = turn * Vector3::z();
+        let omega = Vector3::z() * around + n * spin;
+        let alpha = (Vector3::z() * around).cross(&(n * spin));
+        // About its centre of mass, so that this rests.
+        let lever = n * (-0.5 * wafer().thickness);
+        let precessing = FrameMotion {
+            base_from_frame: Translation3::from(lever) * turn,
+            velocity: omega.cross(&lever),
+            acceleration: alpha.cross(&lever) + omega.cross(&omega.cross(&lever)),
+            angular_velocity: omega,
+            angular_acceleration: alpha,
+        };
+        let (about, across) = (0.15_f64.powi(2) / 2.0, 0.15_f64.powi(2) / 4.0);
+        let across = across + wafer().thickness.powi(2) / 12.0;
+        let momentum = omega * across + n * omega.dot(&n) * (about - across);
+        let expected = (Vector3::z() * around).cross(&momentum);
+        let found = burden(&precessing, &wafer(), 0.0);
+        assert!((found.moment - expected).norm() < 1e-12, "{} {expected}", found.moment);
+        assert!(found.force.norm() < 1e-12, "{}", found.force);
+    }
+
+    #[test]
+    fn a_wafer_that_is_thrown_or_tipped_is_not_held() {
+        for support in &SUPPORTS {
+            let grip = |burden: &RequiredWrench| friction_check(burden, &wafer(), support, 1e9);
+            let mut thrown = level(Vector2::zeros(), 0.0);
+            thrown.force.z = -0.1;
+            assert_eq!(grip(&thrown), FrictionMargin { needed: f64::INFINITY, held: 0.0 });
+            let mut tipped = level(Vector2::zeros(), 0.0);
+            tipped.moment.x = 0.16 * GRAVITY;
+            assert_eq!(grip(&tipped).needed, f64::INFINITY);
+            tipped.moment.x = 0.05 * GRAVITY;
+            assert!(grip(&tipped).needed.is_finite());
+        }
+    }
+
+    /// Places of pads with what each bears, by a generator of numbers from 0 to 1.
+    fn pads(support: &Support, center: Vector2<f64>, mut random: impl FnMut() -> f64) -> Pads {
+        let ring =
+            |radius: f64, angle: f64| Vector2::new(radius * angle.cos(), radius * angle.sin());
+        let third = std::f64::consts::TAU / 3.0;
+        match *support {
+            Support::Edge | Support::ThreePoints { .. } => {
+                let radius =
+                    if let Support::ThreePoints { radius } = *support { radius } else { 0.15 };
+                let start = random() * third;
+                let points = [0.0, 1.0, 2.0].map(|k| ring(radius, start + k * third));
+                let share = |at: &Vector2<f64>| {
+                    GRAVITY * (1.0 / 3.0 + 2.0 / 3.0 * center.dot(at) / (radius * radius))
+                };
+                points.iter().map(|at| (*at, share(at))).collect()
+            }
+            Support::TwoRails { distance } => {
+                // Two points on each rail, whose centre of pressure is at the same place along it.
+                let half = 0.5 * distance;
+                let chord = (0.15_f64.powi(2) - half * half).sqrt() - center.y.abs();
+                let mut points = Vec::new();
+                for side in [-1.0, 1.0] {
+                    let load = 0.5 * GRAVITY * (1.0 + side * center.x / half);
+                    let (up, down) = (random() * chord, random() * chord + 1e-6);
+                    let share = down / (up + down);
+                    points.push((Vector2::new(side * half, center.y + up), load * share));
+                    points.push((Vector2::new(side * half, center.y - down), load * (1.0 - share)));
+                }
+                points
+            }
+        }
+    }
+
+    type Pads = Vec<(Vector2<f64>, f64)>;
+
+    /// How much more than all friction a small slide takes, over many of them: above 0 the wafer moves.
+    fn slides(pads: &Pads, force: Vector2<f64>, moment: f64, friction: f64) -> f64 {
+        let mut worst = f64::NEG_INFINITY;
+        for k in 0..60 {
+            let direction = f64::from(k) * std::f64::consts::TAU / 60.0;
+            let velocity = Vector2::new(direction.cos(), direction.sin());
+            for turn in -60..=60 {
+                // Turns per metre, up to those on the spot.
+                let spin = (f64::from(turn) * 0.026).tan() / 0.12;
+                let work = force.dot(&velocity) + moment * spin;
+                let rub: f64 = pads
+                    .iter()
+                    .map(|(at, load)| {
+                        let slide = velocity + Vector2::new(-at.y, at.x) * spin;
+                        friction * load * slide.norm()
+                    })
+                    .sum();
+                worst = worst.max((work - rub) / (1.0 + 0.12 * spin.abs()));
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn what_is_held_does_not_slide_and_what_is_pushed_twice_as_much_does() {
+        let mut state = 7_u64;
+        let mut random = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        for round in 0..240 {
+            let support = &SUPPORTS[round % 3];
+            let lever = LEVERS[round % 3];
+            let (direction, mix) = (random() * std::f64::consts::TAU, random());
+            // The same needed by all: what is left over for turning.
+            let needed = 0.999 * FRICTION * GRAVITY;
+            let force = Vector2::new(direction.cos(), direction.sin()) * mix * needed;
+            let center = -force * (0.5 * wafer().thickness / GRAVITY);
+            let moment = (1.0 - mix) * needed * (lever - center.norm());
+            let found = friction_check(&level(force, moment), &wafer(), support, FRICTION);
+            near(found.needed, needed, 1e-9);
+            let pads = pads(support, center, &mut random);
+            near(pads.iter().map(|(_, load)| load).sum(), GRAVITY, 1e-9);
+            let pressed: Vector2<f64> = pads.iter().map(|(at, load)| at * *load / GRAVITY).sum();
+            assert!((pressed - center).norm() < 1e-9, "{pressed} {center}");
+            let held = slides(&pads, force, moment, FRICTION);
+            assert!(held <= 0.0, "{support:?} {mix} {held}");
+            // Points that lie at the lever: the bound is off by less than two.
+            if !matches!(support, Support::TwoRails { .. }) {
+                let moved = slides(&pads, force * 2.1, moment * 2.1, FRICTION);
+                assert!(moved > 0.0, "{support:?} {mix} {moved}");
+            }
+        }
+    }
+}

@@ -1,0 +1,416 @@
+//! Motions keep every limit at every sample, by their own derivatives and by differences, and end exactly where they should.
+
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+mod common;
+
+use common::A;
+use jointplay_cell::cell::Cell;
+use jointplay_cell::program::{Path, Phase, Place, Step};
+use jointplay_cell::robot::{KinematicLimits, RODS, WaferTarget};
+use jointplay_cell::trajectory::{
+    MAX_DURATION, Sample, Trajectory, TrajectoryOptions, axis_limits, plan_trajectory,
+};
+use jointplay_cell::wafer::Droop;
+use jointplay_core::gpr::AxisHeight;
+use jointplay_core::spatial::Tilt;
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+fn cell(kind: usize, droop: Droop) -> Cell {
+    let mut robot = common::kind(kind, [0.25, 0.22, 0.2]);
+    for arm in &mut robot.arms {
+        arm.droop = droop.clone();
+    }
+    for (place, axis) in robot.axes.iter_mut().enumerate() {
+        // Unequal, so that each takes its turn in being the slowest.
+        let share = [1.0, 0.6, 0.35, 0.8][place % 4];
+        axis.empty.velocity *= share;
+        axis.loaded.acceleration *= 0.5 * share;
+        axis.loaded.jerk *= 0.7;
+    }
+    common::cell(robot)
+}
+
+fn step(from: &[f64], to: &[f64], path: Path, speed: f64, loaded: bool) -> Step {
+    Step {
+        instruction: 0,
+        place: Place { line: 1, column: 1 },
+        phase: Phase::Move,
+        from: from.to_vec(),
+        to: to.to_vec(),
+        path,
+        speed,
+        blend: 0.0,
+        line_speed: None,
+        loaded: if loaded { vec![A] } else { Vec::new() },
+        handover: None,
+        slot: None,
+    }
+}
+
+/// Limits at every sample, derivatives as differences, and exact ends.
+fn keeps(cell: &Cell, motion: &Trajectory) {
+    const RATE: f64 = 4000.0;
+    let samples: Vec<Sample> = motion.samples(RATE).collect();
+    let (first, last) = (&samples[0], &samples[samples.len() - 1]);
+    assert_eq!(first.positions, motion.steps[0].from);
+    assert_eq!(last.positions, motion.steps[motion.steps.len() - 1].to);
+    assert_eq!(last.time, motion.duration());
+    for (index, step) in motion.steps.iter().enumerate() {
+        if motion.blend(index).is_some() {
+            continue;
+        }
+        let end = motion.at(motion.times[index + 1]);
+        assert_eq!(end.positions, step.to);
+        assert!(end.velocities.iter().chain(&end.accelerations).all(|value| value.abs() < 1e-9));
+    }
+    for triple in samples.windows(3) {
+        let [before, now, after] = triple else { unreachable!() };
+        let dt = 1.0 / RATE;
+        if after.step != before.step || (after.time - now.time - dt).abs() > 1e-9 {
+            continue;
+        }
+        for axis in 0..now.positions.len() {
+            let limits = axis_limits(&cell.robot, axis, &motion.steps[now.step]);
+            let share = motion.steps[now.step].speed;
+            let (v, a, j) = (now.velocities[axis], now.accelerations[axis], now.jerks[axis]);
+            let name = &cell.robot.axes[axis].name;
+            assert!(
+                v.abs() <= share * limits.velocity * (1.0 + 1e-9),
+                "{name} {v} at {}",
+                now.time
+            );
+            assert!(
+                a.abs() <= share * limits.acceleration * (1.0 + 1e-9),
+                "{name} {a} at {}",
+                now.time
+            );
+            assert!(j.abs() <= share * limits.jerk * (1.0 + 1e-9), "{name} {j} at {}", now.time);
+            let difference =
+                |of: fn(&Sample) -> &Vec<f64>| (of(after)[axis] - of(before)[axis]) / (2.0 * dt);
+            // Off by what the jerk does in a step.
+            assert!((difference(|s| &s.positions) - v).abs() <= limits.jerk * dt * dt);
+            assert!((difference(|s| &s.velocities) - a).abs() <= limits.jerk * dt);
+            let jerk = difference(|s| &s.accelerations);
+            assert!(
+                jerk.abs() <= share * limits.jerk * 1.001 + 1e-6,
+                "{name} {jerk} at {}",
+                now.time
+            );
+        }
+    }
+}
+
+/// Positions with the platform at a tilt and height and the motors at shares of their range.
+fn positions(cell: &Cell, tilt: Tilt, height: f64, shares: [f64; 5]) -> Vec<f64> {
+    let robot = &cell.robot;
+    let mut all = robot.gpr.inverse(tilt, AxisHeight(height)).unwrap().to_vec();
+    for (axis, share) in robot.axes[RODS..].iter().zip(shares) {
+        all.push(axis.min + share * (axis.max - axis.min));
+    }
+    all
+}
+
+fn shares() -> impl Strategy<Value = [f64; 5]> {
+    prop::array::uniform5(0.15..0.85)
+}
+
+fn tilt() -> impl Strategy<Value = Tilt> {
+    (-3.0..3.0, 0.0..0.02).prop_map(|(yaw, pitch)| Tilt { yaw, pitch })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn axes_keep_their_limits(
+        kind in 0..common::KINDS,
+        first in shares(), second in shares(), third in shares(),
+        tilts in [tilt(), tilt(), tilt()],
+        heights in [0.3..0.7, 0.3..0.7, 0.3..0.7],
+        speed in 0.1..1.0,
+        loaded: bool,
+    ) {
+        let cell = cell(kind, Droop::Rigid);
+        let [a, b, c] = [(0, first), (1, second), (2, third)]
+            .map(|(k, shares)| positions(&cell, tilts[k], heights[k], shares));
+        let steps = vec![
+            step(&a, &b, Path::PointToPoint, 1.0, loaded),
+            step(&b, &b, Path::Dwell(0.1), 1.0, loaded),
+            step(&b, &c, Path::PointToPoint, speed, !loaded),
+        ];
+        let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+        keeps(&cell, &motion);
+        // The slowest axis of a step is at its limits all the time, the others no longer.
+        prop_assert!(motion.limiting_axis(0).is_some() && motion.limiting_axis(1).is_none());
+    }
+
+    #[test]
+    fn lines_are_straight_and_keep_the_limits(
+        kind in 0..common::KINDS,
+        shares in shares(),
+        tilts in [tilt(), tilt()],
+        way in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
+        droops: bool,
+        loaded: bool,
+    ) {
+        let droop = Droop::Cantilever { stiffness: 900.0, mass_per_length: 2.5 };
+        let cell = cell(kind, if droops { droop } else { Droop::Rigid });
+        let from = positions(&cell, tilts[0], 0.5, shares);
+        let start = cell.wafer_pose(A, &from, loaded).unwrap();
+        let target = WaferTarget {
+            center: start.translation.vector + Vector3::from(way),
+            normal: tilts[1].normal(),
+            heading: None,
+        };
+        let reached = cell.reach(A, &target, loaded, &from);
+        prop_assume!(reached.is_ok());
+        let to = reached.unwrap().positions;
+        // Another bend of the arm is not to be reached along a line.
+        let near = from.iter().zip(&to).all(|(a, b)| (a - b).abs() < 1.2);
+        prop_assume!(near);
+        let steps = vec![step(&from, &to, Path::Line(A), 1.0, loaded)];
+        let motion = match plan_trajectory(&cell, steps, &TrajectoryOptions::default()) {
+            Ok(motion) => motion,
+            // Past a singular position there may be none; it is said where.
+            Err(error) => {
+                prop_assert!(error.to_string().contains("along the line"), "{error}");
+                return Ok(());
+            }
+        };
+        keeps(&cell, &motion);
+        let straight = motion.straightness(0).unwrap();
+        prop_assert!(straight.deviation <= 1e-6);
+        let end = cell.wafer_pose(A, &to, loaded).unwrap();
+        let along = (end.translation.vector - start.translation.vector).normalize();
+        let mut worst = 0.0_f64;
+        let normal = |pose: &jointplay_core::spatial::Pose| pose.rotation * Vector3::z();
+        let (first, last) = (normal(&start), normal(&end));
+        for sample in motion.samples(2000.0) {
+            let pose = cell.wafer_pose(A, &sample.positions, loaded).unwrap();
+            let off = pose.translation.vector - start.translation.vector;
+            worst = worst.max((off - along * off.dot(&along)).norm());
+            // Between the planes of the ends, on the short way.
+            let angle = normal(&pose).angle(&first) + normal(&pose).angle(&last);
+            prop_assert!(angle <= first.angle(&last) + 1e-5, "{angle}");
+        }
+        prop_assert!(worst <= straight.deviation * 1.3 + 1e-11, "{worst} {}", straight.deviation);
+    }
+
+    #[test]
+    fn corners_keep_the_limits_of_both_sides(
+        kind in 0..common::KINDS,
+        shares in [shares(), shares(), shares()],
+        tilts in [tilt(), tilt(), tilt()],
+        way in [-0.06..0.06, -0.06..0.06, -0.02..0.02],
+        speeds in prop::array::uniform4(0.2..1.0),
+        radii in prop::array::uniform4(0.0..0.03),
+        loaded: bool,
+    ) {
+        let cell = cell(kind, Droop::Rigid);
+        let [a, b, c] = [0, 1, 2].map(|k| positions(&cell, tilts[k], 0.5, shares[k]));
+        let start = cell.wafer_pose(A, &b, loaded).unwrap();
+        let target = WaferTarget {
+            center: start.translation.vector + Vector3::from(way),
+            normal: tilts[2].normal(),
+            heading: None,
+        };
+        let reached = cell.reach(A, &target, loaded, &b);
+        prop_assume!(reached.is_ok());
+        let out = reached.unwrap().positions;
+        let mut steps = vec![
+            step(&a, &b, Path::PointToPoint, speeds[0], loaded),
+            step(&b, &out, Path::Line(A), speeds[1], loaded),
+            step(&out, &c, Path::PointToPoint, speeds[2], loaded),
+            step(&c, &a, Path::PointToPoint, speeds[3], loaded),
+        ];
+        let Ok(apart) = plan_trajectory(&cell, steps.clone(), &TrajectoryOptions::default()) else {
+            return Ok(());
+        };
+        steps.iter_mut().zip(radii).for_each(|(step, radius)| step.blend = radius);
+        let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+        keeps(&cell, &motion);
+        for k in 0..3 {
+            let Some(blend) = motion.blend(k) else { continue };
+            prop_assert!(blend.deviation <= radii[k].min(radii[k + 1]));
+        }
+        prop_assert!(motion.blend(3).is_none());
+        prop_assert!(motion.duration() <= apart.duration() + 1e-12);
+    }
+}
+
+#[test]
+fn moves_run_into_each_other_within_a_radius() {
+    let mut cell = cell(0, Droop::Rigid);
+    // So that neither has to be slowed for the wafer.
+    cell.robot.arms[0].effectors[0].friction = 10.0;
+    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.45, [0.5; 5]);
+    let mut turned = from.clone();
+    turned[3] += 1.0;
+    let mut up = turned.clone();
+    for rod in &mut up[..RODS] {
+        *rod += 0.1;
+    }
+    let mut back = up.clone();
+    back[3] -= 0.8;
+    let steps = |radius: f64| {
+        let mut steps = vec![
+            step(&from, &turned, Path::PointToPoint, 1.0, true),
+            step(&turned, &up, Path::PointToPoint, 1.0, true),
+            step(&up, &back, Path::PointToPoint, 1.0, true),
+            step(&back, &back, Path::Dwell(0.1), 1.0, true),
+        ];
+        steps.iter_mut().for_each(|step| step.blend = radius);
+        steps
+    };
+    let options = TrajectoryOptions::default();
+    let apart = plan_trajectory(&cell, steps(0.0), &options).unwrap();
+    let centers = |motion: &Trajectory| -> Vec<Vector3<f64>> {
+        motion
+            .samples(2000.0)
+            .map(|s| cell.wafer_pose(A, &s.positions, true).unwrap().translation.vector)
+            .collect()
+    };
+    let way = centers(&apart);
+    let mut before = apart.duration();
+    for radius in [0.002, 0.02] {
+        let motion = plan_trajectory(&cell, steps(radius), &options).unwrap();
+        keeps(&cell, &motion);
+        assert!(motion.duration() < before - 1e-3, "{} {before}", motion.duration());
+        before = motion.duration();
+        let overlaps: f64 = (0..4).filter_map(|k| motion.blend(k)).map(|one| one.overlap).sum();
+        assert!((apart.duration() - motion.duration() - overlaps).abs() < 1e-9);
+        let stated =
+            (0..4).filter_map(|k| motion.blend(k)).map(|one| one.deviation).fold(0.0, f64::max);
+        assert!(stated <= radius && motion.blend(2).is_none());
+        let strays = centers(&motion)
+            .iter()
+            .map(|c| way.iter().map(|w| (w - c).norm()).fold(f64::INFINITY, f64::min))
+            .fold(0.0, f64::max);
+        // The way is known at points a millimetre apart.
+        assert!(strays <= stated + 1e-3, "{strays} {stated}");
+        // Positions and speeds do not jump where one step gives over to the next.
+        let all: Vec<Sample> = motion.samples(4000.0).collect();
+        for pair in all.windows(2) {
+            for axis in 0..pair[0].positions.len() {
+                let dt = pair[1].time - pair[0].time;
+                let mean = 0.5 * (pair[0].velocities[axis] + pair[1].velocities[axis]);
+                let moved = pair[1].positions[axis] - pair[0].positions[axis];
+                assert!((moved - mean * dt).abs() < 1e-8, "{moved} {}", mean * dt);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_line_has_its_own_speed_limit() {
+    let cell = cell(0, Droop::Rigid);
+    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let to: Vec<f64> =
+        from.iter().enumerate().map(|(k, q)| if k < RODS { q + 0.02 } else { *q }).collect();
+    let mut lift = step(&from, &to, Path::Line(A), 1.0, false);
+    lift.line_speed = Some(0.05);
+    let motion = plan_trajectory(&cell, vec![lift], &TrajectoryOptions::default()).unwrap();
+    let fastest =
+        motion.samples(1000.0).map(|sample| sample.velocities[0].abs()).fold(0.0, f64::max);
+    assert!((fastest - 0.05).abs() < 2e-4, "{fastest}");
+    assert!((motion.straightness(0).unwrap().length - 0.02).abs() < 1e-12);
+}
+
+#[test]
+fn a_station_is_waited_for_from_when_its_wafer_was_left() {
+    let cell = cell(0, Droop::Rigid);
+    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let mut to = from.clone();
+    to[3] += 0.5;
+    let wait = |since, seconds| step(&to, &to, Path::ProcessDwell { since, seconds }, 1.0, false);
+    let go = || step(&from, &to, Path::PointToPoint, 1.0, false);
+    let still = step(&to, &to, Path::Dwell(2.0), 1.0, false);
+    let motion = plan_trajectory(
+        &cell,
+        vec![go(), still, wait(0, 5.0), wait(0, 1.0)],
+        &TrajectoryOptions::default(),
+    )
+    .unwrap();
+    assert!((motion.step_duration(2) - 3.0).abs() < 1e-12);
+    assert_eq!(motion.step_duration(3), 0.0);
+    assert_eq!([0, 1, 2, 3].map(|step| motion.has_duration(step)), [true, true, true, false]);
+}
+
+#[test]
+fn all_that_cannot_be_timed_is_said() {
+    let cell = cell(0, Droop::Rigid);
+    let from = positions(&cell, Tilt { yaw: 0.0, pitch: 0.0 }, 0.5, [0.5; 5]);
+    let mut to = from.clone();
+    to[3] += 0.5;
+    let steps = vec![
+        step(&from, &to, Path::PointToPoint, 0.0, false),
+        step(&from, &to, Path::PointToPoint, 1.0, false),
+        step(&to, &from, Path::Dwell(1.0), 1.0, false),
+        // The arm has no motor that moves its wafer aside along a straight line this far.
+        step(&from, &from, Path::Dwell(f64::NAN), 1.0, false),
+    ];
+    let error = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err();
+    let said: Vec<String> = error.problems.iter().map(ToString::to_string).collect();
+    assert_eq!(said.len(), 4, "{said:#?}");
+    assert!(said[0].contains("share of speed is 0"), "{}", said[0]);
+    assert!(said[1].contains("axis T starts at"), "{}", said[1]);
+    assert!(said[2].contains("ends elsewhere"), "{}", said[2]);
+    assert!(said[3].contains("waits NaN s"), "{}", said[3]);
+}
+
+#[test]
+fn a_line_on_which_the_arm_would_have_to_jump_is_refused() {
+    // An arm with more joints than it needs: the ways of holding the wafer from either end do not meet.
+    let cell = cell(9, Droop::Rigid);
+    let shares =
+        [0.6986754123647267, 0.38714119678890774, 0.5765603575934801, 0.6386828982446656, 0.15];
+    let level = Tilt { yaw: 0.0, pitch: 0.0 };
+    let from = positions(&cell, level, 0.5, shares);
+    let start = cell.wafer_pose(A, &from, false).unwrap();
+    let way = Vector3::new(0.01986070640874278, -0.05178173816321386, 0.0);
+    let target = WaferTarget {
+        center: start.translation.vector + way,
+        normal: level.normal(),
+        heading: None,
+    };
+    let to = cell.reach(A, &target, false, &from).unwrap().positions;
+    let steps = vec![step(&from, &to, Path::Line(A), 1.0, false)];
+    let error =
+        plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err().to_string();
+    for words in ["25.0 % along the line, at x ", "the axes jump from one branch", "`retract_mm`"] {
+        assert!(error.contains(words), "{words}: {error}");
+    }
+}
+
+#[test]
+fn a_motion_ends_within_a_day() {
+    let mut cell = cell(0, Droop::Rigid);
+    let from = vec![0.5, 0.5, 0.5, 0.0, 0.9];
+    let to = vec![0.5, 0.5, 0.5, 1.2, 0.9];
+    let there_and_back = || {
+        vec![
+            step(&from, &to, Path::PointToPoint, 1.0, false),
+            step(&to, &from, Path::PointToPoint, 1.0, false),
+        ]
+    };
+    // Triangles of speed: t = 2 √(d / a) where the jerk is no limit.
+    for (hours, problem) in [(11.0_f64, None), (13.0, Some(1)), (25.0, Some(0)), (1e3, Some(0))] {
+        let acceleration = 1.2 * (2.0 / (3600.0 * hours)).powi(2);
+        cell.robot.axes[3].empty = KinematicLimits { velocity: 1e3, acceleration, jerk: 1e3 };
+        let found = plan_trajectory(&cell, there_and_back(), &TrajectoryOptions::default());
+        match (found, problem) {
+            (Ok(motion), None) => {
+                let expected = 2.0 * 3600.0 * hours;
+                assert!((motion.duration() / expected - 1.0).abs() < 1e-3);
+                assert!(motion.duration() <= MAX_DURATION);
+            }
+            (Err(error), Some(step)) => {
+                assert_eq!((error.problems.len(), error.problems[0].step), (1, step), "{error}");
+                assert!(error.to_string().contains("a day"), "{error}");
+            }
+            (found, _) => panic!("{hours}: {found:?}"),
+        }
+    }
+}
