@@ -262,6 +262,19 @@ def test_joint_limits_are_an_answer():
         with pytest.raises(jp.JointLimitsError, match="rod 1 is at 300.000000 mm, allowed are -254 to 254 mm") as caught:
             ask(beyond)
         assert caught.value.limits_broken[:3] == ["rod 1", "rod 2", "rod 3"] and caught.value.result is not None
+
+
+def test_limits_of_robots_and_mechanisms_have_one_base_class():
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    for ask in (lambda: jp.Gpr().inverse(30, 1.5), lambda: mechanism.assemble({"rod 1": 0.3, "rod 2": 0.3, "rod 3": 0.3})):
+        with pytest.raises(jp.BeyondLimitsError) as caught:
+            ask()
+        assert caught.value.limits_broken
+    assert issubclass(jp.BeyondLimitsError, jp.NoAnswerError)
+
+
+def test_positions_beyond_joint_limits_have_their_status():
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
     found = mechanism.positions({"rod 1": [0, 0.3], "rod 2": [0, 0.3], "rod 3": [0, 0.3]})
     assert found.status.tolist() == [jp.Status.SOLVED, jp.Status.BEYOND_LIMITS]
     with pytest.raises(jp.InputError, match=r'joint "S1": some of S1\[0\]'):

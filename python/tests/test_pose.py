@@ -119,7 +119,7 @@ def test_limits(gpr):
 
 
 def test_poses_beyond_the_limits_are_refused(gpr):
-    with pytest.raises(jp.BeyondLimitsError, match="lengths are in m and angles in rad") as caught:
+    with pytest.raises(jp.RobotLimitsError, match="lengths are in m and angles in rad") as caught:
         gpr.inverse(30, 1.5)
     error = caught.value
     assert isinstance(error, jp.NoAnswerError)
@@ -127,7 +127,7 @@ def test_poses_beyond_the_limits_are_refused(gpr):
     assert error.limits_broken[-1].found == 1.5 and error.limits_broken[-1].max == gpr.tilt_limit_rad
     assert pickle.loads(pickle.dumps(error)).limits_broken == error.limits_broken
     # Millimetres for metres.
-    with pytest.raises(jp.BeyondLimitsError):
+    with pytest.raises(jp.RobotLimitsError):
         gpr.forward([120, 121, 122])
     for call in (
         lambda: gpr.inverse_for_center(0, 0.1, 0.5),
@@ -137,7 +137,7 @@ def test_poses_beyond_the_limits_are_refused(gpr):
         lambda: gpr.mobility([0.1, 0.1, 0.1]),
         lambda: gpr.sensitivity([0.1, 0.1, 0.1]),
     ):
-        with pytest.raises(jp.BeyondLimitsError):
+        with pytest.raises(jp.RobotLimitsError):
             call()
     many = gpr.inverse([0, 30, 0], [0.01, 1.5, np.nan])
     assert many.status.tolist() == [jp.Status.SOLVED, jp.Status.BEYOND_LIMITS, jp.Status.NOT_FINITE]

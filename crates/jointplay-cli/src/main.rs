@@ -66,6 +66,7 @@ struct Cli {
 }
 
 fn main() -> ExitCode {
+    commands::answer_shell();
     let Cli { console, command } = match usage::parse() {
         Ok(cli) => cli,
         Err(code) => return code,

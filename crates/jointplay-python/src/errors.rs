@@ -82,7 +82,7 @@ fn class_and_facts<'py>(
         E::BeyondLimits(broken) => {
             let limits = broken.iter().map(|limit| broken_limit(py, limit));
             let limits = PyTuple::new(py, limits.collect::<PyResult<Vec<_>>>()?)?;
-            ("BeyondLimitsError", fields!(py; limits_broken = limits))
+            ("RobotLimitsError", fields!(py; limits_broken = limits))
         }
         E::PitchTooLarge { pitch } => ("PitchTooLargeError", fields!(py; pitch_rad = *pitch)),
         E::NotPositive { .. }

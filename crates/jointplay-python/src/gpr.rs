@@ -250,7 +250,7 @@ impl PyGpr {
     /// Raises
     /// ------
     /// NoAnswerError
-    ///     For one pose without an answer, a `BeyondLimitsError` beyond the limits; of many, such poses are NaN and have their status.
+    ///     For one pose without an answer, a `RobotLimitsError` beyond the limits; of many, such poses are NaN and have their status.
     #[pyo3(signature = (rods_m, virtualization=None, *, solver=None, metric=None, quantities=None, out=None, threads=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn forward<'py>(
@@ -304,7 +304,7 @@ impl PyGpr {
     ///
     /// Raises
     /// ------
-    /// BeyondLimitsError, PitchTooLargeError, NotFiniteError
+    /// RobotLimitsError, PitchTooLargeError, NotFiniteError
     ///     For one tilt; of many, such tilts are NaN and have their status.
     #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None, *, out=None, threads=None))]
     fn inverse<'py>(

@@ -127,10 +127,17 @@ class NoAnswerError(JointplayError):
 
 
 class BeyondLimitsError(NoAnswerError):
-    """A pose is beyond the robot's limits of rods and tilt."""
+    """A pose of a robot or a configuration of a mechanism is beyond its limits."""
+
+    limits_broken: tuple[BrokenLimit, ...] | list[str]
+    """The limits that are exceeded."""
+
+
+class RobotLimitsError(BeyondLimitsError):
+    """A pose is beyond the robot's limits of rod lengths and tilt."""
 
     limits_broken: tuple[BrokenLimit, ...]
-    """The limits that it breaks, rods first."""
+    """The limits that are exceeded, rods first."""
 
 
 class NotConvergedError(NoAnswerError):
@@ -200,13 +207,13 @@ class NotRelievedError(NoAnswerError):
     """Largest that counts as closed."""
 
 
-class JointLimitsError(NoAnswerError):
-    """A mechanism is beyond joint limits, or virtual joints are beyond their clearance."""
+class JointLimitsError(BeyondLimitsError):
+    """A joint is beyond its limits, or a virtual joint beyond its clearance."""
 
     limits_broken: list[str]
-    """Names of the coordinates that are beyond."""
+    """Names of the coordinates beyond their limits."""
     result: Any
-    """The result that was computed there."""
+    """The result computed at the configuration."""
 
 
 class StoppedError(NoAnswerError):

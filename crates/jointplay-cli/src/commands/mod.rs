@@ -23,6 +23,7 @@ mod study;
 mod suggest;
 
 use clap::Subcommand;
+pub(crate) use completions::answer_shell;
 
 use crate::failure::Failure;
 

@@ -37,6 +37,9 @@ fn the_first_try_needs_no_flag() {
     assert_eq!(report["wafers"], 25);
     assert!(report["instructions"].as_array().unwrap().len() > 100);
     assert!(!report["assumed"].as_array().unwrap().is_empty());
+    let jump = format!("{:.1} µm", report["compensated"]["jump_um"].as_f64().unwrap());
+    let page = include_str!("../../../../docs/exports.md");
+    assert!(page.contains(&jump), "docs/exports.md: {jump}");
 }
 
 #[test]
@@ -726,4 +729,40 @@ fn a_build_without_mcap_says_so() {
     let run = Desk::new().run("cell export --to mcap");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("--features mcap"), "{}", run.stderr);
+}
+
+/// The JSON part of a binary glTF file.
+fn gltf_document(bytes: &[u8]) -> Value {
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    serde_json::from_slice(&bytes[20..20 + length]).unwrap()
+}
+
+#[test]
+fn reported_jumps_at_hand_overs_equal_those_of_the_exported_wafer_centre() {
+    let desk = desk(&[]);
+    desk.write("example.program", "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\n");
+    desk.done("cell export example.toml --to csv,gltf --rate 1000 --out out");
+    let gltf = gltf_document(&std::fs::read(desk.file("out/example.glb")).unwrap());
+    let hand_overs = gltf["asset"]["extras"]["hand_overs"].as_array().unwrap();
+    let slots: Vec<&str> = hand_overs.iter().map(|one| one["slot"].as_str().unwrap()).collect();
+    assert_eq!(slots, ["LP1 1", "ALIGN 1"]);
+    let table = crate::study::columns(&desk.read("out/example.csv"));
+    let column =
+        |name: &str| -> Vec<f64> { table[name].iter().map(|cell| cell.parse().unwrap()).collect() };
+    let times = column("time_s");
+    let center = ["A_x_mm", "A_y_mm", "A_z_mm"].map(column);
+    let mut largest: f64 = 0.0;
+    for one in hand_overs {
+        let time = one["time_s"].as_f64().unwrap();
+        let after = times.iter().position(|&at| at > time).unwrap();
+        // The robot is at rest there: within a millisecond it moves by less than 10 nm.
+        let squares = center.iter().map(|axis| (axis[after] - axis[after - 1]).powi(2));
+        let jump_um = 1e3 * squares.sum::<f64>().sqrt();
+        let reported = one["jump_um"].as_f64().unwrap();
+        assert!((reported - jump_um).abs() < 0.01, "{one}: {jump_um}");
+        assert!(jump_um > 50.0, "{jump_um}");
+        largest = largest.max(reported);
+    }
+    let report = desk.json("cell check example.toml");
+    assert_eq!(report["compensated"]["jump_um"], largest);
 }

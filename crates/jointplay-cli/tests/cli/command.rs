@@ -245,9 +245,33 @@ fn long_motions_can_be_interrupted() {
 }
 
 #[test]
-fn completions_for_bash_know_the_catalogue() {
+fn completion_offers_catalogue_names_and_files_in_every_shell() {
     let desk = Desk::new();
-    assert!(desk.done("completions bash").contains("gpr-mechanism"));
+    desk.write("bearing.toml", "");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = desk.done(&format!("completions {shell}"));
+        assert!(script.contains("JOINTPLAY_COMPLETE"), "{shell}: {script}");
+        let candidates = |line: &str| {
+            let mut command = desk.command(&format!("-- jointplay {line}"));
+            let index = line.split(' ').count().to_string();
+            command.env("JOINTPLAY_COMPLETE", shell).env("_CLAP_IFS", "\n");
+            command.env("_CLAP_COMPLETE_INDEX", index);
+            String::from_utf8(command.output().unwrap().stdout).unwrap()
+        };
+        for (line, expected) in [
+            ("mobility be", &["bennett", "bennett-network", "bearing.toml"][..]),
+            ("catalogue show gpr", &["gpr", "gpr-mechanism"]),
+            ("forward --robot gp", &["gpr"]),
+            ("study mis", &["misbuilt"]),
+            ("sim", &["simulate"]),
+        ] {
+            let found = candidates(line);
+            for name in expected {
+                assert!(found.contains(name), "{shell}, {line}: {name}: {found}");
+            }
+        }
+        assert!(!candidates("forward --robot gp").contains("gpr-mechanism"), "{shell}");
+    }
 }
 
 #[test]
