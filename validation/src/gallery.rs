@@ -1,4 +1,4 @@
-//! `docs/catalogue.md`: every mechanism of the catalogue, its picture and its numbers.
+//! `docs/reference/catalogue.md`: every mechanism of the catalogue, its picture and its numbers.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -12,7 +12,8 @@ use jointplay::plot::MechanismPicture;
 const HEAD: &str = "\
 # Catalogue of mechanisms
 
-These mechanisms come with the program; `jointplay catalogue` lists them, and their names may stand wherever a mechanism file may.
+For users who need a mechanism to start from, or a known result to compare with: this page lists all mechanisms that are included.
+`jointplay catalogue` prints the same list, and each name can be used in place of a mechanism file.
 
 ```sh
 jointplay draw bennett --figure bennett.svg
@@ -21,12 +22,17 @@ jointplay mobility bennett
 jointplay catalogue copy bennett my-mechanisms
 ```
 
-The base is hatched, actuated joints are orange, virtual joints purple.
-A sleeve is a revolute joint, with a shaft through it a cylindrical one; a block on a rail is a prismatic joint, a ball a spherical one, a cross a universal one.
-Lengths are made up where no source has them; each file names its source, a key of [REFERENCES.md](../REFERENCES.md).
+In the pictures, the base is hatched, actuated joints are orange, and virtual joints are purple.
+A sleeve is a revolute joint, a sleeve with a shaft through it a cylindrical joint, a block on a rail a prismatic joint, a ball a spherical joint, and a cross a universal joint.
+Each file names its source by a key of [REFERENCES.md](../../REFERENCES.md); dimensions that the source does not give are invented.
 
-This page and its pictures are written by `cargo run -p jointplay-validation --bin figures`; the tests hold the numbers to the program's own and to those of an independent one.
-f is the sum of the freedoms of all joints; mobility is counted, to first order, and for real; redundancy is the number of loop equations that say nothing new.
+`cargo run -p jointplay-validation --bin figures` generates this page and its pictures.
+Tests compare the numbers with those of the program and with those of an independent program.
+
+- f: the sum of the freedoms of all joints.
+- rank: the rank of the constraint Jacobian.
+- Kutzbach, instantaneous, finite: the three [mobilities](../explanation/mobility.md).
+- redundancy: the number of redundant loop equations.
 ";
 
 /// The mechanism files of the catalogue.
@@ -58,7 +64,7 @@ pub fn picture(file: &MechanismFile) -> Result<MechanismPicture<'_>, jointplay::
 pub fn page() -> Result<String, Box<dyn Error>> {
     let mechanisms = mechanisms();
     let mut page =
-        format!("{HEAD}\n| name | what | f | rank | counted | first order | real | redundancy |\n");
+        format!("{HEAD}\n| name | mechanism | f | rank | Kutzbach | instantaneous | finite | redundancy |\n");
     page.push_str("| --- | --- | --- | --- | --- | --- | --- | --- |\n");
     for (entry, file) in &mechanisms {
         let (name, what) = (entry.name, file.mechanism.name());
@@ -66,7 +72,7 @@ pub fn page() -> Result<String, Box<dyn Error>> {
     }
     for (entry, file) in &mechanisms {
         let (name, what) = (entry.name, file.mechanism.name());
-        writeln!(page, "\n## {name}\n\n![{what}](figures/catalogue/{name}.svg)\n")?;
+        writeln!(page, "\n## {name}\n\n![{what}](../figures/catalogue/{name}.svg)\n")?;
         writeln!(page, "{}", description(entry))?;
         if let Some(note) = &file.expected.note {
             writeln!(page, "{note}")?;
@@ -77,7 +83,7 @@ pub fn page() -> Result<String, Box<dyn Error>> {
         let [f, rank, kutzbach, first, real, redundancy] = cells(file);
         writeln!(
             page,
-            "f = {f}, rank {rank}; mobility {kutzbach} counted, {first} to first order, {real} for real; redundancy {redundancy}."
+            "f = {f}, rank {rank}; mobility: Kutzbach {kutzbach}, instantaneous {first}, finite {real}; redundancy {redundancy}."
         )?;
     }
     Ok(page)

@@ -49,7 +49,7 @@ fn every_test_that_a_document_names_exists() {
     let tests = tests();
     assert!(tests.len() > 40, "{tests:?}");
     let mut count = 0;
-    for document in ["docs/theory.md", "docs/errata.md", "docs/paper-to-code.md"] {
+    for document in ["docs/explanation/kinematics.md", "docs/explanation/errata.md", "docs/explanation/paper-to-code.md"] {
         for name in named(&read(document)) {
             assert!(tests.contains(&name), "{document} names `{name}`, which is no test");
             count += 1;
@@ -66,8 +66,8 @@ fn texts(svg: &str) -> Vec<&str> {
 #[test]
 fn the_catalogue_page_and_its_pictures_are_current() {
     let cure = "run `cargo run -p jointplay-validation --bin figures`";
-    assert_eq!(read("docs/catalogue.md"), gallery::page().expect("a page"), "{cure}");
-    let page = read("docs/catalogue.md");
+    assert_eq!(read("docs/reference/catalogue.md"), gallery::page().expect("a page"), "{cure}");
+    let page = read("docs/reference/catalogue.md");
     for (entry, file) in &gallery::mechanisms() {
         let section = page.split(&format!("## {}\n", entry.name)).nth(1).expect("a section");
         let description = section.lines().filter(|line| !line.trim().is_empty()).nth(1);

@@ -1,6 +1,6 @@
 //! What the paper prints or concludes and should not: each printed form fails here, each right one holds.
 //!
-//! The story to these tests, with figures: `docs/errata.md`.
+//! The story to these tests, with figures: `docs/explanation/errata.md`.
 
 use jointplay::gpr::{Gpr, ball_sides};
 use jointplay::virtualization::{Metric, Offset, Planar, Polar, Radial, Sides, Solver};
@@ -14,7 +14,7 @@ use jointplay_validation::printed::{
 use nalgebra::Vector2;
 
 /// The page that these tests prove.
-const PAGE: &str = include_str!("../../docs/errata.md");
+const PAGE: &str = include_str!("../../docs/explanation/errata.md");
 
 const MM: f64 = 1e-3;
 const UM: f64 = 1e-6;

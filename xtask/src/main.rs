@@ -4,11 +4,14 @@
 //! | -------- | --------------------------------------------------- |
 //! | `test`   | May this change go in? Runs everything below too.   |
 //! | `tidy`   | Do the documents and sources keep the house rules?  |
+//! | `circles` | Do the files of each crate import each other in one direction? |
+//! | `words` | Do documents, messages and names use the field's terms? |
 //! | `deps`   | Does each crate import only what its ring may?      |
 //! | `python` | Does the Python package work where it is installed? |
 //! | `cell`   | Do other programs read exported motions?             |
 //! | `studio` | Does the studio's server keep its own description?   |
 //! | `page`   | Does the studio's page work in a browser?           |
+//! | `book`   | Does the documentation build, without dead links?   |
 
 #![allow(
     clippy::print_stdout,
@@ -16,7 +19,9 @@
     reason = "a chore reports to the person who runs it"
 )]
 
+mod book;
 mod cell;
+mod circles;
 mod command;
 mod deps;
 mod finding;
@@ -29,6 +34,7 @@ mod studio;
 mod test;
 mod tidy;
 mod tree;
+mod words;
 
 use std::process::ExitCode;
 
@@ -37,11 +43,14 @@ usage: cargo xtask CHORE
 
   test     everything a change must pass, stopping at the first failure
   tidy     paths, links, source keys, sizes and unfinished code
+  circles  files that import each other
   deps     who may import whom
+  words    words to avoid, and the field's terms for them
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
   studio   the studio's server, held to its own description
-  page     the studio's page: built, and tested in a browser";
+  page     the studio's page: built, and tested in a browser
+  book     the documentation as a book, with every link checked";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -49,11 +58,17 @@ fn main() -> ExitCode {
     let passed = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test::run(&root),
         ["tidy"] => tidy::run(&root),
+        ["circles"] => circles::run(&root),
+        ["words"] => words::run(&root),
         ["deps"] => deps::run(&root),
         ["python"] => python::run(&root),
         ["cell"] => cell::run(&root),
         ["studio"] => studio::run(&root),
         ["page"] => page::run(&root),
+        ["book"] => book::run(&root),
+        // Asked by mdbook alone.
+        ["chapters"] => book::chapters(),
+        ["chapters", "supports", renderer] => renderer == "html",
         // Asked by maturin alone.
         ["rustc", ref arguments @ ..] => python::rustc(arguments, &root),
         [] | ["help" | "-h" | "--help"] => {

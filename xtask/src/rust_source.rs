@@ -3,12 +3,13 @@
 /// A Rust file parted into code and comments.
 ///
 /// Each part has the lines and columns of the file; what belongs elsewhere is blank in it.
-/// The text inside string and character literals is in neither.
 pub(crate) struct RustSource {
     /// The code, without comments and the text of literals.
     pub(crate) code: String,
     /// The comments, with their marks.
     pub(crate) comments: String,
+    /// The text of string and character literals, with their quotes.
+    pub(crate) literals: String,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -21,9 +22,16 @@ enum Part {
 impl RustSource {
     /// Parts `text`, which need not compile.
     pub(crate) fn new(text: &str) -> Self {
-        let mut scanner = Scanner { rest: text, code: String::new(), comments: String::new() };
+        let mut scanner = Scanner { rest: text, ..Scanner::default() };
         scanner.scan();
-        Self { code: scanner.code, comments: scanner.comments }
+        let Scanner { code, comments, literals, .. } = scanner;
+        Self { code, comments, literals }
+    }
+
+    /// Comments and literals together.
+    pub(crate) fn prose(&self) -> String {
+        let parts = self.comments.chars().zip(self.literals.chars());
+        parts.map(|(comment, literal)| if comment == ' ' { literal } else { comment }).collect()
     }
 
     /// Lines of documentation, each with its number from 1 and without its `///` or `//!`.
@@ -66,10 +74,12 @@ fn doc_text(comment: &str) -> Option<&str> {
     if text.starts_with('/') { None } else { Some(text.strip_prefix(' ').unwrap_or(text)) }
 }
 
+#[derive(Default)]
 struct Scanner<'a> {
     rest: &'a str,
     code: String,
     comments: String,
+    literals: String,
 }
 
 impl Scanner<'_> {
@@ -105,6 +115,7 @@ impl Scanner<'_> {
             let blank = if c == '\n' { '\n' } else { ' ' };
             self.code.push(if part == Part::Code { c } else { blank });
             self.comments.push(if part == Part::Comment { c } else { blank });
+            self.literals.push(if part == Part::Literal { c } else { blank });
         }
         self.rest = rest;
     }

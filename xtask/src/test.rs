@@ -6,7 +6,7 @@ mod ahead;
 mod doc_links;
 
 use self::ahead::Ahead;
-use crate::{cell, deps, page, python, studio, tidy};
+use crate::{book, cell, deps, page, python, studio, tidy};
 use std::io::{self, IsTerminal};
 use std::path::Path;
 use std::process::Command;
@@ -69,6 +69,7 @@ pub(crate) fn run(root: &Path) -> bool {
             ahead.start(root);
             run_cargo(step, root)
         }
+        "xtask book" => book::run(root),
         "xtask cell" => ahead.wait("cell") && cell::run(root),
         "xtask studio" => ahead.wait("studio") && studio::run(root),
         "xtask page" => ahead.wait("page") && page::run(root),
@@ -109,6 +110,7 @@ fn steps(examples: &[String]) -> Vec<Step> {
     }
     let docs = Step::new(DOC, "mend the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", doc_links::FLAGS)), ..docs });
+    steps.push(Step::new("xtask book", "correct the formula or link listed above"));
     steps.push(Step::new(
         "xtask cell",
         "run `jointplay cell export --to …` with the kind that failed, and the reader named above",
@@ -229,6 +231,7 @@ mod tests {
             "PROPTEST_RNG_SEED=\"1\" cargo test --workspace --all-features",
             "cargo run -p jointplay --example 01_a",
             &format!("RUSTDOCFLAGS=\"{}\" cargo {DOC}", doc_links::FLAGS),
+            "cargo xtask book",
             "cargo xtask cell",
             "cargo xtask studio",
             "cargo xtask page",

@@ -225,7 +225,7 @@ mod tests {
             let (_, section) = document.split_once(heading).expect("the section");
             section.split_once("\n## ").map_or(section, |(section, _)| section).to_owned()
         };
-        let speed = section("docs/speed.md", "## Beside other programs");
+        let speed = section("docs/explanation/performance.md", "## Beside other programs");
         let lines: Vec<&str> = speed.lines().chain([""]).collect();
         let rows = lines.windows(2).filter(|pair| {
             let heading = pair[1].starts_with("| ---");

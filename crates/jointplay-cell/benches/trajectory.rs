@@ -11,13 +11,14 @@ use std::hint::black_box;
 
 use common::A;
 use criterion::{Criterion, criterion_group, criterion_main};
-use jointplay_cell::cell::{Body, Carrier, Cell, Shape};
 use jointplay_cell::check::{CheckOptions, check};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{
     Command, Instruction, Name, Place, Program, SlotName, SlotNumber, Step, expand,
 };
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
+use jointplay_cell::workcell::{Body, Carrier, Cell};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Translation3, Vector3};
 

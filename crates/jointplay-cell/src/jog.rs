@@ -5,10 +5,10 @@ use jointplay_core::spatial::{Pose, Tilt, leaning};
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use crate::CellError;
-use crate::cell::Cell;
 use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use crate::station::SlotId;
 use crate::wafer::Unreachable;
+use crate::workcell::Cell;
 
 /// How often the way to a place that cannot be reached is halved: what is left of it is a trillionth.
 const HALVINGS: usize = 40;

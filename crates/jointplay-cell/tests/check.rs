@@ -8,13 +8,14 @@ mod common;
 use std::collections::BTreeSet;
 
 use common::{A, GRAVITY};
-use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
 use jointplay_cell::robot::{PlatformModel, WaferTarget};
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, DroopRow};
+use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
 use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
 use jointplay_core::virtualization::{Kernel, SolveOptions, Solver};

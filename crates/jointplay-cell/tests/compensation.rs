@@ -7,9 +7,9 @@ mod common;
 use common::A;
 use std::f64::consts::PI;
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::WaferTarget;
 use jointplay_cell::wafer::{Droop, DroopRow, Unreachable};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::{Tilt, leaning};
 use nalgebra::Vector3;
 use proptest::prelude::*;

@@ -5,13 +5,13 @@
 mod common;
 
 use common::A;
-use jointplay_cell::cell::Cell;
 use jointplay_cell::program::{Path, Phase, Place, Step};
 use jointplay_cell::robot::{KinematicLimits, RODS, WaferTarget};
 use jointplay_cell::trajectory::{
     MAX_DURATION, Sample, Trajectory, TrajectoryOptions, axis_limits, plan_trajectory,
 };
 use jointplay_cell::wafer::Droop;
+use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;

@@ -1,6 +1,6 @@
 //! Result files, written whole or not at all, and never over a file that exists unless `--force` is given.
 //!
-//! This is the one policy of all commands; `docs/command.md` describes it for users.
+//! This is the one policy of all commands; `docs/reference/command.md` describes it for users.
 
 use std::collections::BTreeSet;
 use std::io::Write as _;

@@ -1,6 +1,7 @@
 //! What can go wrong in the core, as facts.
 
 use crate::gpr::BrokenLimits;
+use crate::linalg::LinalgError;
 use crate::virtualization::{Solver, VirtualJoints};
 
 /// Why a computation has no answer. Lengths are in m, angles in rad.
@@ -211,14 +212,9 @@ pub enum Error {
         /// First coordinate of the ball.
         coordinate: usize,
     },
-    /// The singular value decomposition did not converge.
-    #[error("the singular values of a {rows}×{columns} matrix did not converge")]
-    SvdNotConverged {
-        /// Rows of the matrix.
-        rows: usize,
-        /// Columns of the matrix.
-        columns: usize,
-    },
+    /// A matrix without a decomposition.
+    #[error(transparent)]
+    Linalg(#[from] LinalgError),
 }
 
 /// The best that an iteration for the virtual joints found before it gave up.

@@ -5,7 +5,25 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use crate::Error;
+/// Why a matrix has no decomposition.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinalgError {
+    /// An entry of the matrix is NaN or infinite.
+    #[error("an entry of the matrix is {value}, but has to be a finite number")]
+    NotFinite {
+        /// The first such entry.
+        value: f64,
+    },
+    /// The singular value decomposition did not converge.
+    #[error("the singular values of a {rows}×{columns} matrix did not converge")]
+    SvdNotConverged {
+        /// Rows of the matrix.
+        rows: usize,
+        /// Columns of the matrix.
+        columns: usize,
+    },
+}
 
 /// An equation of which elimination leaves no more than this share is a combination of those before it: a few hundred units of round-off.
 const LEAST_PIVOT: f64 = 1e-13;
@@ -29,7 +47,7 @@ pub struct Svd {
 /// Decomposes any finite matrix.
 ///
 /// # Errors
-/// [`Error::NotFinite`] for a NaN or an infinity, [`Error::SvdNotConverged`] if the iteration fails on the matrix and on its reflection (never seen).
+/// [`LinalgError::NotFinite`] for a NaN or an infinity, [`LinalgError::SvdNotConverged`] if the iteration fails on the matrix and on its reflection (never seen).
 ///
 /// # Numerics
 /// Bidiagonalisation and implicit QR, or divide and conquer for large matrices, after scaling by a power of two so that squares neither overflow nor vanish.
@@ -37,10 +55,10 @@ pub struct Svd {
 ///
 /// # Source
 /// [GolubVanLoan], section 8.6
-pub fn svd(a: &DMatrix<f64>) -> Result<Svd, Error> {
+pub fn svd(a: &DMatrix<f64>) -> Result<Svd, LinalgError> {
     let (m, n) = a.shape();
     if let Some(&value) = a.iter().find(|value| !value.is_finite()) {
-        return Err(Error::NotFinite { what: "an entry of the matrix", value });
+        return Err(LinalgError::NotFinite { value });
     }
     let largest = a.amax();
     if largest == 0.0 {
@@ -56,7 +74,7 @@ pub fn svd(a: &DMatrix<f64>) -> Result<Svd, Error> {
     let (found, reflected) = match scaled.svd() {
         Ok(found) => (found, false),
         Err(_) => {
-            let error = Error::SvdNotConverged { rows: m, columns: n };
+            let error = LinalgError::SvdNotConverged { rows: m, columns: n };
             ((reflection(m) * &scaled).svd().map_err(|_| error)?, true)
         }
     };

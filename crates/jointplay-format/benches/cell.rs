@@ -5,10 +5,10 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use jointplay_cell::Memory;
-use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
+use jointplay_cell::workcell::Cell;
 use jointplay_format::{cell, program};
 
 fn lot(criterion: &mut Criterion) {

@@ -2,6 +2,7 @@
 
 use jointplay_core::Error;
 use jointplay_core::gpr::BrokenLimit;
+use jointplay_core::linalg::LinalgError;
 
 use crate::number::{number, rounded};
 use crate::units;
@@ -63,6 +64,9 @@ pub fn explain(error: &Error) -> String {
         ),
         Error::NotFinite { what, value } => {
             format!("{what} is {}, but has to be a finite number", number(*value))
+        }
+        Error::Linalg(LinalgError::NotFinite { value }) => {
+            format!("an entry of the matrix is {}, but has to be a finite number", number(*value))
         }
         Error::Collinear { what, height_to_base, allowed } => format!(
             "the three {what} lie on one line: their triangle is {} times as high as it is long, at least {} is needed",

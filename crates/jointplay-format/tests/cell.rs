@@ -2,12 +2,13 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::cell::{Cell, Shape};
 use jointplay_cell::check::{CheckOptions, Report, check};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::expand;
 use jointplay_cell::robot::RODS;
 use jointplay_cell::station::{Approach, Origin, SlotId, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Tilt;
 use jointplay_format::cell::{Change, EXAMPLE, MAX_TRIANGLES, Problem, read, set_station};
 use jointplay_format::program;
@@ -68,7 +69,7 @@ fn every_slot_of_the_example_is_within_reach_of_both_arms() {
 
 #[test]
 fn the_file_of_the_documents_is_a_cell() {
-    let document = include_str!("../../../docs/cells.md");
+    let document = include_str!("../../../docs/reference/cell-files.md");
     let text =
         document.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
     let cell = read(text, &mut no_files).unwrap();

@@ -1,7 +1,6 @@
 //! Exported motions: as long as the motion, at its ends exactly, and with what is wrong with it.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{CheckOptions, Moment, check_pose};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
 use jointplay_cell::robot::{
@@ -11,6 +10,7 @@ use jointplay_cell::robot::{
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::Kernel;

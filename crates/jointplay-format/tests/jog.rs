@@ -4,11 +4,11 @@
 
 use std::f64::consts::PI;
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::jog::{FromSlot, Stopped};
 use jointplay_cell::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use jointplay_cell::station::{SlotId, teach};
 use jointplay_cell::wafer::Unreachable;
+use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::Tilt;
 use jointplay_format::cell::explain::explain_stopped;

@@ -5,13 +5,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use jointplay_cell::cell::{Cell, Shape};
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
 use jointplay_cell::robot::{AxesMotion, EffectorId};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::Droop;
+use jointplay_cell::workcell::Cell;
 use jointplay_cell::{Memory, Reuse, Unplanned};
 use jointplay_format::{cell, program};
 use proptest::prelude::*;

@@ -215,7 +215,7 @@ fn what_is_fuzzed_starts_from_every_command() {
 
 #[test]
 fn the_documents_examples_are_programs_as_the_formatter_writes_them() {
-    let page = include_str!("../../../docs/programs.md");
+    let page = include_str!("../../../docs/reference/programs.md");
     let examples: Vec<&str> =
         page.split("```program\n").skip(1).map(|rest| rest.split_once("```").unwrap().0).collect();
     for example in &examples {

@@ -2,7 +2,6 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::program::{
     Handover, MAX_CALLS, MAX_INSTRUCTIONS, Path, Phase, ProgramProblem, Step, expand,
 };
@@ -13,6 +12,7 @@ use jointplay_cell::robot::{
 use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, leaning};
 use jointplay_format::program::{explain, parse};

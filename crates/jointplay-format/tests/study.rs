@@ -59,7 +59,7 @@ fn a_study_says_what_is_computed() {
 
 #[test]
 fn the_study_of_the_documents_is_one() {
-    let page = include_str!("../../../docs/studies.md");
+    let page = include_str!("../../../docs/reference/study-files.md");
     let (_, rest) = page.split_once("```toml\n").unwrap();
     let file = study(rest.split_once("```").unwrap().0);
     assert_eq!(file.plan.samples(), Ok(30_000));

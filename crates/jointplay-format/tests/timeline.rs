@@ -2,9 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
 use jointplay_core::virtualization::Kernel;
 use jointplay_format::export::{Recording, Timeline};

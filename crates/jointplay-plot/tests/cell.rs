@@ -1,7 +1,7 @@
 //! Pictures of cells: what they hold, and that nothing is cut off.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
@@ -9,6 +9,7 @@ use jointplay_cell::robot::{
 use jointplay_cell::station::teach::fit_plane;
 use jointplay_cell::station::{Approach, Origin, Station, Stroke};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, leaning};
 use jointplay_plot::Error;

@@ -3,6 +3,7 @@
 use jointplay::Error;
 use jointplay::format::place;
 use jointplay::gpr::BrokenLimit;
+use jointplay::linalg::LinalgError;
 use jointplay::study;
 use pyo3::exceptions::PyException;
 use pyo3::prelude::*;
@@ -67,6 +68,9 @@ fn class_and_facts<'py>(
         E::NotFinite { what, value } => {
             ("NotFiniteError", fields!(py; what = *what, value = *value))
         }
+        E::Linalg(LinalgError::NotFinite { value }) => {
+            ("NotFiniteError", fields!(py; what = "an entry of the matrix", value = *value))
+        }
         E::OutOfRange { what, value, min, max, unit } => (
             "OutOfRangeError",
             fields!(py; what = *what, value = *value, min = *min, max = *max, unit = *unit),
@@ -130,7 +134,7 @@ fn class_and_facts<'py>(
         E::NotLeast { iterations } => {
             ("NotConvergedError", fields!(py; solver = "least-norm", iterations = *iterations))
         }
-        E::SvdNotConverged { rows, columns } => {
+        E::Linalg(LinalgError::SvdNotConverged { rows, columns }) => {
             ("NoAnswerError", fields!(py; rows = *rows, columns = *columns))
         }
         _ => ("InputError", PyDict::new(py)),

@@ -5,7 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use jointplay::cell::cell::Cell;
+use jointplay::cell::workcell::Cell;
 use jointplay::cell::{Interrupted, Job, Memory, Stop};
 use jointplay::format::{cell, program};
 use rayon::prelude::*;

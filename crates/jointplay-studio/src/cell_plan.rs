@@ -3,11 +3,11 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use jointplay::cell::cell::Cell;
 use jointplay::cell::check::CheckOptions;
 use jointplay::cell::check::Report;
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, name_errors};
 use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
+use jointplay::cell::workcell::Cell;
 use jointplay::cell::{Interrupted, Memory, Stop, Unplanned};
 use jointplay::format::export::{self, Flaw, Recording, Timeline};
 use jointplay::format::{program, report};

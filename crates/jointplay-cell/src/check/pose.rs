@@ -1,17 +1,19 @@
 //! One pose of the robot, checked as the poses of a program are; and how far it may go straight until something touches.
 
-use super::report::{Kind, Report};
-use super::scene::Scene;
-use super::steps::Steps;
-use super::{CheckOptions, examine};
+use super::checker::examine;
+use super::options::CheckOptions;
+use super::report::Report;
+use super::segments::Steps;
 use crate::CellError;
-use crate::cell::Cell;
-use crate::memory::{Run, whole};
+use crate::collision::Scene;
+use crate::geometry::Solids;
+use crate::incremental::{Run, whole};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::EffectorId;
-use crate::solid::Solids;
 use crate::station::SlotId;
 use crate::trajectory::{Trajectory, straight};
+use crate::violation::Kind;
+use crate::workcell::Cell;
 
 /// How often the last part before a contact is halved: what is left of a metre is a nanometre.
 const HALVINGS: usize = 30;

@@ -2,10 +2,7 @@
 
 use std::ops::Range;
 
-use super::course::{Axes, Course};
-use super::levers::droop_bounds;
-use super::scene::Scene;
-use super::travel::Gearing;
+use crate::collision::{Axes, Course, Gearing, Scene, droop_bounds};
 use crate::robot::{AxesMotion, EffectorId, MAX_JOINTS, RODS};
 use crate::wafer::{DroopBounds, FrictionMargin, SHORTEST};
 

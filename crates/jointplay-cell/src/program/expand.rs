@@ -8,10 +8,10 @@ use super::occupancy::WaferOccupancy;
 use super::resolve::{Line, Number, Resolved, ResolvedCommand, Slot, resolve};
 use super::sequence::MotionSequencer;
 use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
-use crate::cell::Cell;
-use crate::memory::{Interrupted, Stop, whole};
+use crate::incremental::{Interrupted, Stop, whole};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
+use crate::workcell::Cell;
 
 /// The steps that a program comes to in its cell, from the home position on.
 ///

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use super::{Handover, Step};
-use crate::cell::Cell;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::wafer::Deflection;
+use crate::workcell::Cell;
 
 /// A wafer on its effector, by the resting plane of a slot.
 ///

@@ -3,11 +3,11 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use crate::cell::Cell;
-use crate::memory::{Kept, Key, Reuse, extend};
+use crate::incremental::{Kept, Key, Reuse, extend};
 use crate::robot::{EffectorId, WaferTarget};
 use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
+use crate::workcell::Cell;
 
 /// Places that the last program came to, by what they depend on.
 #[derive(Default)]

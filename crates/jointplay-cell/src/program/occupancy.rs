@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use super::{Place, ProgramProblem};
-use crate::cell::Cell;
 use crate::program::resolve::effector_name;
 use crate::robot::EffectorId;
 use crate::station::SlotId;
+use crate::workcell::Cell;
 
 /// Whether something holds a wafer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -9,8 +9,8 @@ use super::{
     AxisTarget, Command, Instruction, Name, Place, Program, ProgramError, ProgramProblem, SlotName,
     SlotNumber,
 };
-use crate::cell::Cell;
 use crate::robot::{EffectorId, HybridRobot};
+use crate::workcell::Cell;
 
 /// A program with its names looked up.
 pub(super) struct Resolved {

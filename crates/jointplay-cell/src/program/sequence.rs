@@ -11,10 +11,10 @@ use super::ik_cache::IkCache;
 use super::occupancy::slot_name;
 use super::resolve::effector_name;
 use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
-use crate::cell::Cell;
 use crate::robot::{AxisKind, EffectorId, RODS, WaferTarget};
 use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
+use crate::workcell::Cell;
 
 /// A platform that leans less counts as level: over the reach of an arm this is less than a micrometre [rad].
 const LEVEL_ENOUGH: f64 = 1e-6;

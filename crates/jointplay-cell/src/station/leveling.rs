@@ -4,9 +4,9 @@ use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
 use super::{Station, teach};
-use crate::cell::Cell;
 use crate::robot::WaferTarget;
 use crate::wafer::Unreachable;
+use crate::workcell::Cell;
 
 /// Halvings by which the largest tilt that can be followed is found: to less than a nanoradian.
 const HALVINGS: usize = 30;

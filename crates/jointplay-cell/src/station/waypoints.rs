@@ -5,9 +5,9 @@ use nalgebra::{Point3, Vector3};
 
 use super::{Approach, SlotId, Station};
 use crate::CellError;
-use crate::cell::Cell;
 use crate::robot::{EffectorId, WaferTarget};
 use crate::wafer::Unreachable;
+use crate::workcell::Cell;
 
 /// Places of the wafer's centre for one slot, all in planes parallel to the slot's.
 ///

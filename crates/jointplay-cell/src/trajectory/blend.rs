@@ -6,10 +6,10 @@ use std::sync::Arc;
 use super::Segment;
 use super::corner::Corner;
 use super::segment_planner::key;
-use crate::cell::{Cell, Zone, ZoneRule};
-use crate::memory::{Interrupted, Kept, Key, Run, anew, extend};
+use crate::geometry::{Solid, Solids};
+use crate::incremental::{Interrupted, Kept, Key, Run, anew, extend};
 use crate::program::Step;
-use crate::solid::{Solid, Solids};
+use crate::workcell::{Cell, Zone, ZoneRule};
 
 /// How a step runs into the next.
 #[derive(Debug, Clone, Copy, PartialEq)]

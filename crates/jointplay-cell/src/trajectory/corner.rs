@@ -7,10 +7,10 @@ use super::Segment;
 use super::blend::Blend;
 use super::limits::scaled_axis_limits;
 use super::profile::AxisState;
-use crate::cell::Cell;
+use crate::geometry::{Placed, Solid, outside};
 use crate::program::{Phase, Step};
 use crate::robot::{ArmChain, AxesMotion, EffectorId, KinematicLimits, Positions, RODS};
-use crate::solid::{Placed, Solid, outside};
+use crate::workcell::Cell;
 
 /// Halvings by which the longest overlap is found.
 const HALVINGS: usize = 12;

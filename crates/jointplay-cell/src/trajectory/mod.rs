@@ -28,7 +28,7 @@ pub(crate) use segment_planner::{SegmentCache, straight};
 
 use std::sync::Arc;
 
-use crate::memory::{Key, extend};
+use crate::incremental::{Key, extend};
 use crate::program::Step;
 
 /// All axes at one time.

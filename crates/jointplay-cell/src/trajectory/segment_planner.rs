@@ -11,10 +11,10 @@ use super::spline::Spline;
 use super::synchronized::together;
 use super::time_parameterization::TimeParameterization;
 use super::{Segment, Trajectory};
-use crate::cell::Cell;
-use crate::memory::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
+use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
 use crate::program::{Path, Place, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
+use crate::workcell::Cell;
 
 /// The longest motion that is timed: a day [s].
 pub const MAX_DURATION: f64 = 86_400.0;

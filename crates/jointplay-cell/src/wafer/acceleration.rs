@@ -5,8 +5,8 @@ use nalgebra::{Vector2, Vector3};
 use super::compensation::{Unreachable, apply_deflection, turn};
 use super::droop::DroopError;
 use super::{Droop, FrictionMargin, SHORTEST};
-use crate::cell::Cell;
 use crate::robot::{ArmChain, AxesMotion, EffectorId, FrameMotion};
+use crate::workcell::Cell;
 
 /// Nearer to its joint an arm points nowhere [m].
 const MIN_HEADING_RADIUS: f64 = 1e-9;

@@ -5,8 +5,8 @@ use nalgebra::{Point3, Rotation3, Translation3, Unit, Vector3};
 
 use super::{Deflection, Droop, DroopError, SHORTEST};
 use crate::CellError;
-use crate::cell::Cell;
 use crate::robot::{ArmChain, Configuration, EffectorId, LimitViolation, OutOfReach, WaferTarget};
+use crate::workcell::Cell;
 
 /// Farther than this from its target, a wafer is not there [m].
 const RESIDUAL: f64 = 1e-12;

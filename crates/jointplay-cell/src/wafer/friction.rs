@@ -19,7 +19,7 @@ use crate::wafer::{Support, Wafer};
 /// Sufficient, however the pads lie and the weight is spread over them; exact without a moment, and without a force along the plane.
 ///
 /// # Source
-/// own derivation, docs/theory.md
+/// own derivation, docs/explanation/wafers.md
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionMargin {
     /// Needed along the wafer's plane; infinite where the wafer lifts off what it rests on [m/s²].

@@ -84,7 +84,7 @@ pub enum SagError {
 ///    D ∇⁴w = q,    D = E h³ / 12 (1 − ν²),    q = ρ g h        edge free of moment, and of force but at the supports
 /// ```
 /// On its whole edge w = q a⁴ (5 + ν) / 64 (1 + ν) D at the centre.
-/// On points and rails w is the sum over the points that carry of exact solutions for the free plate, see docs/theory.md; rails may push up and not pull down, so that the plate may lift off them.
+/// On points and rails w is the sum over the points that carry of exact solutions for the free plate, see docs/explanation/wafers.md; rails may push up and not pull down, so that the plate may lift off them.
 ///
 /// # Errors
 /// [`SagError`] for what is no wafer, and for supports that it would fall off.
@@ -93,7 +93,7 @@ pub enum SagError {
 /// Thin, isotropic, small deflections; no friction in the plane.
 ///
 /// # Source
-/// [Timoshenko] for the edge; the sums of waves are our own derivation, docs/theory.md.
+/// [Timoshenko] for the edge; the sums of waves are our own derivation, docs/explanation/wafers.md.
 pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagError> {
     let poisson = checked(wafer, gravity)?;
     let a = wafer.diameter / 2.0;
@@ -289,7 +289,7 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
         carrying.push(deepest);
         carrying.sort_unstable();
     }
-    Err(jointplay_core::Error::SvdNotConverged { rows: n, columns: n })
+    Err(jointplay_core::linalg::LinalgError::SvdNotConverged { rows: n, columns: n }.into())
 }
 
 #[cfg(test)]

@@ -1,11 +1,11 @@
 //! Robots of every kind that the inverse tells apart, and a cell around one.
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
     PlatformModel,
 };
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::{Gpr, Limb};
 
 use AxisKind::{Linear, Rotary};

@@ -20,7 +20,7 @@ use crate::output::{self, fixed, limits};
 /// What every model says of a range of tilts, side by side
 ///
 /// The models agree on the plane and the sides, and differ in where the platform sits over them: their centre shifts have opposite signs.
-/// Which one is true is physics, not kinematics: see docs/errata.md.
+/// Which one is true is physics, not kinematics: see docs/explanation/errata.md.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
+use jointplay::constraint::CLOSURE_TOLERANCE;
 use jointplay::format::mechanism::MAX_BYTES;
 use jointplay::format::number::{counted, rounded};
 use jointplay::format::report::{
@@ -12,7 +13,7 @@ use jointplay::format::report::{
 };
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
-use jointplay::mechanism::{CLOSED, MechanismSystem, mechanism_mobility};
+use jointplay::mechanism::{MechanismSystem, mechanism_mobility};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility};
 use jointplay::virtualization::{Planar, SolveOptions};
 
@@ -251,7 +252,7 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
     let _ = writeln!(
         text,
-        "  deviations of dimensions that change singular values by less than the threshold, or close to {CLOSED:.0e}, are round-off and count as none"
+        "  deviations of dimensions that change singular values by less than the threshold, or close to {CLOSURE_TOLERANCE:.0e}, are round-off and count as none"
     );
     let _ = writeln!(text, "{}", report.class);
     for carried in &report.carried_twice {
@@ -273,7 +274,7 @@ fn near_words(report: &MechanismMobilityReport) -> String {
         let (mobility, needed) = (near.near_mobility, near.near_tolerance_needed);
         let words = if report.freedoms.finite_mobility == Some(mobility) {
             ", as for real".to_owned()
-        } else if needed <= CLOSED {
+        } else if needed <= CLOSURE_TOLERANCE {
             format!("; the largest mismatch on the way, {needed:.1e}, is round-off")
         } else {
             format!(", if dimensions are true only to {needed:.1e}")

@@ -38,8 +38,8 @@ fn the_first_try_needs_no_flag() {
     assert!(report["instructions"].as_array().unwrap().len() > 100);
     assert!(!report["assumed"].as_array().unwrap().is_empty());
     let jump = format!("{:.1} µm", report["compensated"]["jump_um"].as_f64().unwrap());
-    let page = include_str!("../../../../docs/exports.md");
-    assert!(page.contains(&jump), "docs/exports.md: {jump}");
+    let page = include_str!("../../../../docs/reference/exports.md");
+    assert!(page.contains(&jump), "docs/reference/exports.md: {jump}");
 }
 
 #[test]

@@ -44,11 +44,11 @@ fn desk_with_a_model() -> Desk {
 fn every_command_that_a_document_shows_runs() {
     let documents = [
         include_str!("../../../../README.md"),
-        include_str!("../../../../docs/paper-to-code.md"),
-        include_str!("../../../../docs/catalogue.md"),
-        include_str!("../../../../docs/studies.md"),
-        include_str!("../../../../docs/command.md"),
-        include_str!("../../../../docs/exports.md"),
+        include_str!("../../../../docs/explanation/paper-to-code.md"),
+        include_str!("../../../../docs/reference/catalogue.md"),
+        include_str!("../../../../docs/reference/study-files.md"),
+        include_str!("../../../../docs/reference/command.md"),
+        include_str!("../../../../docs/reference/exports.md"),
     ];
     let mut all: Vec<String> = documents.into_iter().flat_map(commands).collect();
     all.sort();
@@ -102,7 +102,7 @@ fn every_example_in_a_help_text_runs() {
 
 #[test]
 fn what_the_page_on_cells_breaks_is_told_as_it_says() {
-    let page = include_str!("../../../../docs/cells.md");
+    let page = include_str!("../../../../docs/reference/cell-files.md");
     let (_, part) = page.split_once("## Break it, and mend it").unwrap();
     let (part, _) = part.split_once("\n## ").unwrap();
     let desk = Desk::new();

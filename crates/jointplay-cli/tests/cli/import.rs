@@ -134,7 +134,7 @@ fn saved(text: &str) -> Vec<(&str, &str)> {
 
 #[test]
 fn what_the_document_says_to_save_and_run_runs() {
-    let text = include_str!("../../../../docs/mechanisms.md");
+    let text = include_str!("../../../../docs/reference/mechanism-files.md");
     let (_, section) = text.split_once("## Models of other programs").unwrap();
     let desk = Desk::new();
     let files = saved(section);

@@ -94,6 +94,19 @@ impl<'a> From<&'a [f64]> for Column<'a> {
     }
 }
 
+/// Whether every column is as long as the column of statuses.
+pub(super) fn same_lengths(
+    expected: usize,
+    found: impl IntoIterator<Item = (&'static str, usize)>,
+) -> Result<(), Error> {
+    for (what, found) in found {
+        if found != expected {
+            return Err(Error::WrongLength { what, found, expected });
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -43,11 +43,11 @@ impl Gpr {
         wanted: &mut [(Quantity, &mut [f64])],
     ) -> Result<Tally, Error> {
         let expected = status.len();
-        super::same_lengths(
+        super::column::same_lengths(
             expected,
             rods.iter().map(|column| ("a column of rods", column.len())),
         )?;
-        super::same_lengths(
+        super::column::same_lengths(
             expected,
             wanted.iter().map(|(_, column)| ("a column of results", column.len())),
         )?;

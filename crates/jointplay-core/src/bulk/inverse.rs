@@ -42,7 +42,7 @@ impl Gpr {
             ("a column of rods", rods[1].len()),
             ("a column of rods", rods[2].len()),
         ];
-        super::same_lengths(status.len(), lengths)?;
+        super::column::same_lengths(status.len(), lengths)?;
         let (shortest, longest, pitch_max) = if self.checks_limits() {
             let limits = self.limits();
             (limits.rod_min, limits.rod_max, limits.tilt_max)

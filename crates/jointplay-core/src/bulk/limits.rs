@@ -25,10 +25,16 @@ impl Gpr {
         broken: [&mut [bool]; 4],
     ) -> Result<(), Error> {
         let expected = rods[0].len();
-        super::same_lengths(expected, rods.map(|column| ("a column of rods", column.len())))?;
-        super::same_lengths(expected, pitch.map(|column| ("the column of pitches", column.len())))?;
+        super::column::same_lengths(
+            expected,
+            rods.map(|column| ("a column of rods", column.len())),
+        )?;
+        super::column::same_lengths(
+            expected,
+            pitch.map(|column| ("the column of pitches", column.len())),
+        )?;
         let written = broken.each_ref().map(|column| ("a column of results", column.len()));
-        super::same_lengths(expected, written)?;
+        super::column::same_lengths(expected, written)?;
         let [first, second, third, tilted] = broken;
         let written = first.iter_mut().zip(second).zip(third).zip(tilted).enumerate();
         for (i, (((first, second), third), tilted)) in written {

@@ -46,18 +46,3 @@ pub use column::Column;
 pub use parts::{Part, parts};
 pub use quantity::Quantity;
 pub use status::{Status, Tally};
-
-use crate::Error;
-
-/// Whether every column is as long as the column of statuses.
-fn same_lengths(
-    expected: usize,
-    found: impl IntoIterator<Item = (&'static str, usize)>,
-) -> Result<(), Error> {
-    for (what, found) in found {
-        if found != expected {
-            return Err(Error::WrongLength { what, found, expected });
-        }
-    }
-    Ok(())
-}

@@ -1,6 +1,7 @@
 //! What became of each pose.
 
 use crate::Error;
+use crate::linalg::LinalgError;
 
 /// Whether a pose has an answer, and if not, why.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -57,7 +58,9 @@ impl Status {
     #[must_use]
     pub fn of(error: &Error) -> Option<Self> {
         Some(match error {
-            Error::NotFinite { .. } => Self::NotFinite,
+            Error::NotFinite { .. } | Error::Linalg(LinalgError::NotFinite { .. }) => {
+                Self::NotFinite
+            }
             Error::TooLong { .. } | Error::BeyondLimits(_) => Self::BeyondLimits,
             Error::PitchTooLarge { .. } => Self::PitchTooLarge,
             Error::NotConverged(_)

@@ -42,7 +42,7 @@ impl Gpr {
     /// Does not allocate.
     ///
     /// # Source
-    /// [Virtualization], IV.B; the placement is own derivation, `docs/theory.md`
+    /// [Virtualization], IV.B; the placement is own derivation, `docs/explanation/kinematics.md`
     #[inline]
     pub fn forward<V: Virtualization + ?Sized>(
         &self,

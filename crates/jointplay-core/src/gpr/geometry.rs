@@ -64,7 +64,7 @@ impl Gpr {
         if signed_area(&base_points) * signed_area(platform.sockets()) < 0.0 {
             return Err(Error::OppositeSenses);
         }
-        let limits = limits.checked()?;
+        let limits = checked_limits(limits)?;
         let (min, max) = (limits.rod_min, limits.rod_max);
         if !(min..=max).contains(&finite("the working height", working_height)?) {
             return Err(Error::OutOfRange {
@@ -170,6 +170,30 @@ impl Gpr {
 pub fn ball_sides(ball_centers: &[Vector3<f64>; 3]) -> Sides {
     let [p_1, p_2, p_3] = ball_centers;
     [(p_2 - p_1).norm(), (p_3 - p_2).norm(), (p_1 - p_3).norm()]
+}
+
+/// Limits that are finite, in order, and below a right angle.
+fn checked_limits(limits: Limits) -> Result<Limits, Error> {
+    length("the shortest rod", limits.rod_min)?;
+    length("the longest rod", limits.rod_max)?;
+    if limits.rod_min >= limits.rod_max {
+        return Err(Error::LimitsReversed {
+            what: "rod",
+            min: limits.rod_min,
+            max: limits.rod_max,
+        });
+    }
+    let right_angle = std::f64::consts::FRAC_PI_2;
+    if !(finite("the largest tilt", limits.tilt_max)? > 0.0 && limits.tilt_max < right_angle) {
+        return Err(Error::OutOfRange {
+            what: "largest tilt",
+            value: limits.tilt_max,
+            min: 0.0,
+            max: right_angle,
+            unit: "rad",
+        });
+    }
+    Ok(limits)
 }
 
 #[cfg(test)]

@@ -24,7 +24,7 @@ impl Gpr {
     /// Does not allocate.
     ///
     /// # Source
-    /// Own derivation, `docs/theory.md`
+    /// Own derivation, `docs/explanation/kinematics.md`
     #[inline]
     pub fn inverse(&self, tilt: Tilt, height: AxisHeight) -> Result<[f64; 3], Error> {
         let rods = self.rods(tilt, height)?;

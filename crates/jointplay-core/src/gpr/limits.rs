@@ -1,7 +1,5 @@
 //! How far the robot may go.
 
-use crate::Error;
-use crate::error::{finite, length};
 use crate::spatial::Tilt;
 
 /// Limits of rods and tilt.
@@ -106,29 +104,6 @@ impl std::fmt::Display for BrokenLimits {
 impl Limits {
     /// Relative slack, and for the tilt absolute slack [rad], so that a pose computed to lie on a limit is not beyond it by round-off.
     const SLACK: f64 = 1e-12;
-
-    pub(super) fn checked(self) -> Result<Self, Error> {
-        length("the shortest rod", self.rod_min)?;
-        length("the longest rod", self.rod_max)?;
-        if self.rod_min >= self.rod_max {
-            return Err(Error::LimitsReversed {
-                what: "rod",
-                min: self.rod_min,
-                max: self.rod_max,
-            });
-        }
-        let right_angle = std::f64::consts::FRAC_PI_2;
-        if !(finite("the largest tilt", self.tilt_max)? > 0.0 && self.tilt_max < right_angle) {
-            return Err(Error::OutOfRange {
-                what: "largest tilt",
-                value: self.tilt_max,
-                min: 0.0,
-                max: right_angle,
-                unit: "rad",
-            });
-        }
-        Ok(self)
-    }
 
     /// Every limit that rods of these lengths [m] and this tilt break.
     #[must_use]

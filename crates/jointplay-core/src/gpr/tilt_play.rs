@@ -58,7 +58,7 @@ impl Gpr {
     /// As [`Self::inverse`] and [`Self::forward`].
     ///
     /// # Source
-    /// [Virtualization], eq. (3)–(5); the chord is own derivation, `docs/theory.md`
+    /// [Virtualization], eq. (3)–(5); the chord is own derivation, `docs/explanation/kinematics.md`
     pub fn tilt_play<V: Virtualization + ?Sized>(
         &self,
         tilt: Tilt,

@@ -2,13 +2,12 @@
 
 use nalgebra::DVector;
 
-use super::MechanismSystem;
+use super::closure::Closure;
+use super::system::MechanismSystem;
 use crate::Error;
-use crate::constraint::{System, scaled_jacobian, scaled_residual, units};
+use crate::constraint::{CLOSURE_TOLERANCE, System, scaled_jacobian, scaled_residual, units};
 use crate::linalg::svd;
 
-/// Scaled residual that counts as closed: far above round-off, far below any play.
-pub const CLOSED: f64 = 1e-11;
 /// Below this residual a step that gains nothing is the end.
 const ROUND_OFF: f64 = 1e-14;
 /// Longest step of a correction, in radians and characteristic lengths.
@@ -21,25 +20,6 @@ const FAR: f64 = 1e-4;
 /// Damping below which a longer step is no better.
 const LEAST_DAMPING: f64 = 1e-14;
 
-/// Loops closed, or as nearly as they could be.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Closure {
-    /// (f + M) coordinates of joints, then virtual joints [m, rad].
-    pub coordinates: DVector<f64>,
-    /// Largest mismatch, in radians and characteristic lengths.
-    pub residual: f64,
-    /// Corrections done.
-    pub iterations: usize,
-}
-
-impl Closure {
-    /// Whether the residual is that of closed loops.
-    #[must_use]
-    pub fn is_closed(&self) -> bool {
-        self.residual <= CLOSED
-    }
-}
-
 /// Corrects the free coordinates until all loops are closed, by damped Gauss–Newton steps of least norm.
 ///
 /// Neither redundant constraints nor singular configurations stop it: directions that constraints leave open are not moved in.
@@ -49,7 +29,7 @@ impl Closure {
 /// * `free` – indices of the coordinates that may move
 ///
 /// # Errors
-/// [`Error::SvdNotConverged`] (never seen). A closure that was not reached is not an error here: see [`Closure::is_closed`].
+/// [`Error::Linalg`] (never seen). A closure that was not reached is not an error here: see [`Closure::is_closed`].
 ///
 /// # Numerics
 /// The damping is in proportion to the residual, so that convergence is quadratic where the loops can be closed, and near linear where they only touch.
@@ -86,7 +66,8 @@ pub fn close(
             let there = here.moved(&by)?;
             let reached = scaled_residual(&there.residual(&there.at_home()), &rows);
             let slow = reached.norm() > STILL_CONVERGING * before;
-            let drifts = before <= CLOSED && step.norm() > if slow { DRIFT } else { FAR };
+            let drifts =
+                before <= CLOSURE_TOLERANCE && step.norm() > if slow { DRIFT } else { FAR };
             if reached.norm() < before && !drifts {
                 (here, residual, accepted) = (there, reached, true);
                 damping_factor *= 0.1;

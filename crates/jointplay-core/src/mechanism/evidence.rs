@@ -84,7 +84,7 @@ pub struct SelfStress {
 /// Self-stresses of as few joints as elimination finds, with the joints that take part.
 ///
 /// # Errors
-/// [`Error::SvdNotConverged`] (never seen).
+/// [`Error::Linalg`] (never seen).
 pub fn self_stresses(
     system: &MechanismSystem<'_>,
     first: &InstantaneousMobility,
@@ -189,7 +189,7 @@ pub struct LinkMotion {
 /// The instantaneous motions of a link: dimension, translations among them, the screw of a single freedom.
 ///
 /// # Errors
-/// [`Error::SvdNotConverged`] (never seen).
+/// [`Error::Linalg`] (never seen).
 pub fn link_motion(
     system: &MechanismSystem<'_>,
     first: &InstantaneousMobility,

@@ -36,7 +36,7 @@ pub struct Exaggerated {
 /// [`Error::WrongLength`], [`Error::NotFinite`].
 ///
 /// # Source
-/// own derivation, `docs/theory.md`
+/// own derivation, `docs/explanation/mechanisms.md`
 pub fn exaggerated(
     mechanism: &Mechanism,
     coordinates: &DVector<f64>,

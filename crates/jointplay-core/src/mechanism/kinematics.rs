@@ -5,6 +5,7 @@ use nalgebra::{DVector, Matrix3, Rotation3, Translation3, Vector3};
 use super::description::{Carrier, Mechanism, VirtualMotion};
 use super::joint::{Coordinate, Factor, Twist};
 use super::tree::{Branch, spanning_tree};
+use crate::Error;
 use crate::constraint::Dimension;
 use crate::spatial::{Pose, rotation_vector};
 
@@ -184,9 +185,9 @@ impl<'a> Kinematics<'a> {
     /// Pose of each link in the base frame at some coordinates.
     ///
     /// # Errors
-    /// [`crate::Error::WrongLength`], [`crate::Error::NotFinite`].
-    pub fn link_poses(&self, coordinates: &DVector<f64>) -> Result<Vec<Pose>, crate::Error> {
-        super::system::check(coordinates, self.dimensions.len())?;
+    /// [`Error::WrongLength`], [`Error::NotFinite`].
+    pub fn link_poses(&self, coordinates: &DVector<f64>) -> Result<Vec<Pose>, Error> {
+        check_coordinates(coordinates, self.dimensions.len())?;
         let zero = DVector::zeros(coordinates.len());
         Ok(self.placed(coordinates, &zero, &Vector3::zeros(), None).links)
     }
@@ -452,4 +453,18 @@ pub(crate) fn carried(by: &Pose, twist: &Twist, reference: &Vector3<f64>) -> Twi
     let angular = by.rotation * twist.0;
     let shifted = by.rotation * reference + by.translation.vector;
     (angular, by.rotation * twist.1 + angular.cross(&(reference - shifted)))
+}
+
+/// Whether a coordinate vector has as many numbers as needed, all finite.
+pub(super) fn check_coordinates(coordinates: &DVector<f64>, expected: usize) -> Result<(), Error> {
+    let what = "the coordinate vector";
+    if coordinates.len() != expected {
+        return Err(Error::WrongLength { what, found: coordinates.len(), expected });
+    }
+    coordinates.iter().try_for_each(|&value| crate::error::finite(what, value).map(|_| ()))
+}
+
+/// The vector of the antisymmetric part: sin θ times the axis for a rotation.
+pub(super) fn skew_part(m: &Matrix3<f64>) -> Vector3<f64> {
+    Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]) * 0.5
 }

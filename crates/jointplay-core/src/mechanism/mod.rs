@@ -6,6 +6,7 @@
 mod assembly;
 mod blocks;
 mod closing;
+mod closure;
 mod description;
 mod evidence;
 mod exaggerated;
@@ -22,11 +23,13 @@ mod suggest;
 mod symmetry;
 mod system;
 mod tree;
+mod unassembled;
 mod virtual_candidates;
 
-pub use assembly::{Unassembled, assemble, branches, guess};
+pub use assembly::{assemble, branches, guess};
 pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
-pub use closing::{CLOSED, Closure, close};
+pub use closing::close;
+pub use closure::Closure;
 pub use description::{
     Carrier, Joint, MAX_LINKS, Mechanism, MechanismError, Play, VirtualJoint, VirtualMotion,
 };
@@ -42,3 +45,4 @@ pub use relieved_motion::drive_relieved;
 pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};
 pub use system::{MAX_DENSE, MechanismSystem};
+pub use unassembled::Unassembled;

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::singular::{OnWay, SINGULAR};
 use super::{Closure, MechanismSystem, close};
 use crate::Error;
-use crate::constraint::{System, scaled_jacobian, units};
+use crate::constraint::{CLOSURE_TOLERANCE, System, scaled_jacobian, units};
 use crate::linalg::{Svd, svd};
 use crate::mobility::{finite_mobility, instantaneous_mobility};
 use crate::random::Random;
@@ -140,7 +140,7 @@ pub fn drive_watched(
     let run = Run::new(start, drives, free);
     let closed = close(start, free, MAX_CORRECTIONS)?;
     if !closed.is_closed() {
-        return Err(Error::NotClosed { residual: closed.residual, allowed: super::CLOSED });
+        return Err(Error::NotClosed { residual: closed.residual, allowed: CLOSURE_TOLERANCE });
     }
     let first = run.decomposed(&closed.coordinates)?;
     let mut regular_rank = first.rank(STEP_THRESHOLD);
@@ -251,7 +251,7 @@ impl<'a> Run<'a> {
     }
 
     pub(super) fn decomposed(&self, coordinates: &DVector<f64>) -> Result<Svd, Error> {
-        svd(&self.jacobian(coordinates, self.free)?)
+        Ok(svd(&self.jacobian(coordinates, self.free)?)?)
     }
 
     pub(super) fn waypoint(

@@ -4,9 +4,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::motion::STEP_THRESHOLD;
 use super::singular::OnWay;
-use super::{CLOSED, MechanismSystem, close};
+use super::{MechanismSystem, close};
 use crate::Error;
-use crate::constraint::{Dimension, System, scaled_jacobian, scaled_residual, units};
+use crate::constraint::{
+    CLOSURE_TOLERANCE, Dimension, System, scaled_jacobian, scaled_residual, units,
+};
 use crate::linalg::{Svd, svd};
 use crate::mobility::{ClosedThere, finite_mobility};
 
@@ -148,7 +150,7 @@ pub fn relieve(
     solver: ReliefSolver,
 ) -> Result<Relief, Error> {
     let first = relieved_from(start, commanded, solver, LONGEST_STEP)?;
-    if first.residual <= CLOSED {
+    if first.residual <= CLOSURE_TOLERANCE {
         return Ok(first);
     }
     // From where the loops can be closed at all, by shorter steps.
@@ -157,11 +159,11 @@ pub fn relieve(
     let closed = close(start, &free, MAX_ITERATIONS)?;
     if !closed.is_closed() {
         let residual = closed.residual.min(first.residual);
-        return Err(Error::NotRelieved { residual, allowed: CLOSED });
+        return Err(Error::NotRelieved { residual, allowed: CLOSURE_TOLERANCE });
     }
     let near = start.moved_to(closed.coordinates)?;
     let second = relieved_from(&near, commanded, solver, 0.1 * LONGEST_STEP)?;
-    if second.residual <= CLOSED {
+    if second.residual <= CLOSURE_TOLERANCE {
         return Ok(second);
     }
     Err(Error::NotLeast { iterations: first.iterations + second.iterations })

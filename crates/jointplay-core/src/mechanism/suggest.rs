@@ -87,7 +87,7 @@ pub fn suggest(
     commands: &[DVector<f64>],
 ) -> Result<Suggestions, Error> {
     let f = mechanism.joint_freedoms();
-    super::system::check(home, f)?;
+    super::kinematics::check_coordinates(home, f)?;
     if let Some(found) = commands.iter().find(|command| command.len() != commanded.len()) {
         let (found, expected) = (found.len(), commanded.len());
         return Err(Error::WrongLength { what: "a command", found, expected });

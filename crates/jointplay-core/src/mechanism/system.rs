@@ -2,10 +2,12 @@
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::kinematics::{Kinematics, Placed, bracket, carried, minus};
-use super::{CLOSED, Mechanism};
+use super::description::Mechanism;
+use super::kinematics::{
+    Kinematics, Placed, bracket, carried, check_coordinates, minus, skew_part,
+};
 use crate::Error;
-use crate::constraint::{Configuration, Dimension, System};
+use crate::constraint::{CLOSURE_TOLERANCE, Configuration, Dimension, System};
 use crate::spatial::Pose;
 
 /// Most joint and virtual coordinates, or closure equations, of a mechanism that is analysed.
@@ -21,7 +23,7 @@ pub const MAX_DENSE: usize = 240;
 /// Lengths are those of the point in the middle of the joints, so that they do not depend on where the base is.
 ///
 /// # Source
-/// Loop closure in screws: [Gogu]; the orthonormal cycles are own derivation, `docs/theory.md`
+/// Loop closure in screws: [Gogu]; the orthonormal cycles are own derivation, `docs/explanation/mechanisms.md`
 #[derive(Debug, Clone)]
 pub struct MechanismSystem<'a> {
     kinematics: Kinematics<'a>,
@@ -49,7 +51,7 @@ impl<'a> MechanismSystem<'a> {
             return Err(Error::TooLarge { what, found, allowed: MAX_DENSE });
         }
         let kinematics = Kinematics::new(mechanism);
-        check(&home, kinematics.dimensions().len())?;
+        check_coordinates(&home, kinematics.dimensions().len())?;
         let (reference, spread) = middle(&kinematics, &home);
         let characteristic_length = mechanism.characteristic_length().unwrap_or(spread);
         let (cycles, orthonormalizer) = orthonormal_cycles(&kinematics);
@@ -77,7 +79,7 @@ impl<'a> MechanismSystem<'a> {
     /// # Errors
     /// As [`MechanismSystem::new`].
     pub fn at(&self, home: DVector<f64>) -> Result<Self, Error> {
-        check(&home, self.home.len())?;
+        check_coordinates(&home, self.home.len())?;
         let (reference, _) = middle(&self.kinematics, &home);
         Ok(Self { home, reference, ..self.clone() })
     }
@@ -87,13 +89,13 @@ impl<'a> MechanismSystem<'a> {
     /// # Errors
     /// As [`MechanismSystem::new`].
     pub fn moved(&self, by: &DVector<f64>) -> Result<Self, Error> {
-        check(by, self.home.len())?;
+        check_coordinates(by, self.home.len())?;
         Ok(Self { home: self.kinematics.moved(&self.home, by), ..self.clone() })
     }
 
     /// The same system at another home; reference point and characteristic length stay.
     pub(super) fn moved_to(&self, home: DVector<f64>) -> Result<Self, Error> {
-        check(&home, self.home.len())?;
+        check_coordinates(&home, self.home.len())?;
         Ok(Self { home, ..self.clone() })
     }
 
@@ -141,7 +143,7 @@ impl<'a> MechanismSystem<'a> {
     /// Whether all loops are closed at home, to round-off.
     #[must_use]
     pub fn is_closed(&self) -> bool {
-        self.mismatch(&self.at_home()) <= CLOSED
+        self.mismatch(&self.at_home()) <= CLOSURE_TOLERANCE
     }
 
     fn loop_mismatches(&self, at: &Configuration) -> Vec<f64> {
@@ -227,7 +229,7 @@ impl<'a> MechanismSystem<'a> {
                 });
             }
             // Joints before a closed loop carry it whole: what is left of them is round-off, and no constraint.
-            if self.missed_by(mismatch) <= CLOSED {
+            if self.missed_by(mismatch) <= CLOSURE_TOLERANCE {
                 let on_first: Vec<usize> = self.kinematics.path_to(first).map(|(j, _)| j).collect();
                 let shared = self.kinematics.path_to(second).map(|(j, _)| j);
                 for j in shared.filter(|j| on_first.contains(j)) {
@@ -325,20 +327,6 @@ fn too_large(mechanism: &Mechanism) -> Option<(&'static str, usize)> {
         ("closure equations", 6 * mechanism.loops()),
     ];
     sizes.into_iter().find(|&(_, found)| found > MAX_DENSE)
-}
-
-/// Whether a coordinate vector has as many numbers as needed, all finite.
-pub(super) fn check(coordinates: &DVector<f64>, expected: usize) -> Result<(), Error> {
-    let what = "the coordinate vector";
-    if coordinates.len() != expected {
-        return Err(Error::WrongLength { what, found: coordinates.len(), expected });
-    }
-    coordinates.iter().try_for_each(|&value| crate::error::finite(what, value).map(|_| ()))
-}
-
-/// The vector of the antisymmetric part: sin θ times the axis for a rotation.
-pub(super) fn skew_part(m: &Matrix3<f64>) -> Vector3<f64> {
-    Vector3::new(m[(2, 1)] - m[(1, 2)], m[(0, 2)] - m[(2, 0)], m[(1, 0)] - m[(0, 1)]) * 0.5
 }
 
 /// Middle of the joints, and their root mean square distance from it; 1 m where all are in one point, since no length matters there.

@@ -5,10 +5,7 @@ use super::search::{Followed, KEPT_RADIUS, Search};
 use super::second_order::{SecondOrder, second_order};
 use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
-use crate::constraint::{Configuration, System, scaled_residual, units};
-
-/// Scaled residual up to which a configuration counts as closed: far above round-off, far below any play.
-pub(crate) const CLOSED: f64 = 1e-9;
+use crate::constraint::{ACCEPTED_RESIDUAL, Configuration, System, scaled_residual, units};
 
 /// Dimension of the set of configurations near one, between two bounds of different origin.
 ///
@@ -52,7 +49,7 @@ pub struct FiniteMobility {
 /// Deterministic: the directions are the same at every call.
 ///
 /// # Source
-/// [ConnellyWhiteley] for the second-order condition; the bounds are own derivation, `docs/theory.md`
+/// [ConnellyWhiteley] for the second-order condition; the bounds are own derivation, `docs/explanation/mobility.md`
 pub fn finite_mobility<S: System + ?Sized>(
     system: &S,
     at: &Configuration,
@@ -61,8 +58,8 @@ pub fn finite_mobility<S: System + ?Sized>(
     let instantaneous = instantaneous_mobility(system, at, relative_threshold)?;
     let rows = units(&system.constraint_dimensions(), instantaneous.characteristic_length);
     let residual = scaled_residual(&system.residual(at), &rows).amax();
-    if residual.is_nan() || residual > CLOSED {
-        return Err(Error::NotClosed { residual, allowed: CLOSED });
+    if residual.is_nan() || residual > ACCEPTED_RESIDUAL {
+        return Err(Error::NotClosed { residual, allowed: ACCEPTED_RESIDUAL });
     }
     let by_first_order = |instantaneous: InstantaneousMobility, neighbours| FiniteMobility {
         mobility: Some(instantaneous.mobility),

@@ -12,6 +12,7 @@
 //!
 //! The answers differ at a singular configuration, and that difference is the subject of this library: none is ever reported as another.
 
+mod branches;
 mod finite;
 mod instantaneous;
 mod kutzbach;
@@ -20,7 +21,7 @@ mod neighbours;
 mod search;
 mod second_order;
 
-pub(crate) use finite::CLOSED;
+pub use branches::branch_dimensions;
 pub use finite::{FiniteMobility, finite_mobility};
 pub use instantaneous::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, instantaneous_mobility,
@@ -29,6 +30,6 @@ pub use kutzbach::kutzbach_mobility;
 pub use near::{
     ClosedThere, NearMiss, NearMobility, TOLERANCES, near_miss, near_mobility, near_tolerances,
 };
-pub use neighbours::{Neighbours, branch_dimensions};
+pub use neighbours::Neighbours;
 pub use second_order::SecondOrder;
 pub(crate) use second_order::quadrics;

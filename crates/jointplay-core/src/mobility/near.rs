@@ -81,7 +81,7 @@ pub struct NearMobility {
 /// What each number of motions needs does not depend on the tolerance, see [`near_tolerances`]; the mobility is how many of these numbers are within it.
 ///
 /// # Source
-/// own derivation, `docs/theory.md`
+/// own derivation, `docs/explanation/mechanisms.md`
 pub fn near_mobility<S: System + ?Sized>(
     system: &S,
     at: &Configuration,

@@ -2,9 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::instantaneous::{InstantaneousMobility, instantaneous_mobility};
 use super::search::{Followed, KEPT_RADIUS, Search, random_direction};
 use super::second_order::{SecondOrder, common_zero_near, second_order};
-use super::{FiniteMobility, InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
 use crate::constraint::{Configuration, System};
 use crate::linalg::svd;
@@ -50,7 +50,7 @@ impl Neighbours {
         self.dimensions.last().copied().unwrap_or(0)
     }
 
-    fn add(&mut self, dimension: usize) {
+    pub(super) fn add(&mut self, dimension: usize) {
         if let Err(place) = self.dimensions.binary_search(&dimension) {
             self.dimensions.insert(place, dimension);
         }
@@ -111,42 +111,6 @@ pub(super) fn neighbours<S: System + ?Sized>(
         found.found += usize::from(reached);
     }
     Ok(found)
-}
-
-/// Dimensions of the branches that meet at a configuration, as far as a search finds them: different ones, smallest first.
-///
-/// More than one make it a kinematotropic candidate: a mechanism that can change there how many freedoms it has.
-/// Each dimension is proven at a configuration of the branch; see [`finite_mobility`](super::finite_mobility) for the proof.
-///
-/// # Arguments
-/// * `at`, `found` – a configuration, and the result of [`finite_mobility`](super::finite_mobility) for it
-///
-/// # Errors
-/// Those of [`instantaneous_mobility`].
-///
-/// # Numerics
-/// A single dimension, without a search, where all motions of first order are finite; none where no finite motion is possible.
-/// Branches on which no start ends are missing; where the finite mobility is undecided, the largest dimension is its lower bound.
-/// Deterministic.
-pub fn branch_dimensions<S: System + ?Sized>(
-    system: &S,
-    at: &Configuration,
-    found: &FiniteMobility,
-) -> Result<Vec<usize>, Error> {
-    let first = &found.instantaneous;
-    let (Some(mobility), Some(second)) = (found.mobility, &found.second_order) else {
-        // Undecided: the search has been made with all its starts.
-        let searched = found.neighbours.as_ref().map(|searched| searched.dimensions.clone());
-        return Ok(searched.unwrap_or_else(|| found.mobility.into_iter().collect()));
-    };
-    if mobility == 0 {
-        return Ok(Vec::new());
-    }
-    let search = Search::new(system, at, first.characteristic_length);
-    let mut all = neighbours(&search, at, first, second, usize::MAX)?;
-    all.add(mobility);
-    all.dimensions.retain(|&dimension| dimension <= mobility);
-    Ok(all.dimensions)
 }
 
 /// Dimension of the branch that a displacement leads to, if it can be proven.

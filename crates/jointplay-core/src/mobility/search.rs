@@ -108,7 +108,8 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
     }
 
     fn decomposed(&self, at: &Configuration) -> Result<Svd, Error> {
-        svd(&scaled_jacobian(&self.system.constraint_jacobian(at), &self.rows, &self.columns))
+        let jacobian = self.system.constraint_jacobian(at);
+        Ok(svd(&scaled_jacobian(&jacobian, &self.rows, &self.columns))?)
     }
 
     /// Follows motions of first order in random directions, each kept as it is: the common case, and far cheaper than a search for branches.

@@ -12,7 +12,7 @@ use crate::error::finite;
 /// Without it, a least displacement would depend on the unit of length.
 ///
 /// # Source
-/// Own choice; that the paper's numbers in mm and rad are ρ = 1 mm is shown in `docs/errata.md`.
+/// Own choice; that the paper's numbers in mm and rad are ρ = 1 mm is shown in `docs/explanation/errata.md`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Metric {
     /// ρ = 1 mm: what [Virtualization] does, without saying so, by adding mm² to rad².

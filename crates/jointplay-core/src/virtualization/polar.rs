@@ -2,14 +2,15 @@
 
 use nalgebra::Vector2;
 
-use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization, unit};
+use super::platform::unit;
+use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization};
 
 /// Sockets in polar coordinates about O_p: p_k = l_k u(β_k + φ_k).
 ///
 /// Six unknowns for three sides: the metric decides.
 ///
 /// # Source
-/// [Virtualization], V.A, with the signs of ∂F_31/∂φ put right (`docs/errata.md`)
+/// [Virtualization], V.A, with the signs of ∂F_31/∂φ put right (`docs/explanation/errata.md`)
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Polar;
 

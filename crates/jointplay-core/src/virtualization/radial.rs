@@ -8,7 +8,7 @@ use super::{Kernel, Motion, Platform, Sides, Sockets, VirtualJoint, Virtualizati
 /// With sockets 120° apart O_p is the Fermat point of the ball centres, the point from which all sides are seen under 120°.
 ///
 /// # Source
-/// [Virtualization], III and Fig. 3; closed form: own derivation, `docs/theory.md`
+/// [Virtualization], III and Fig. 3; closed form: own derivation, `docs/explanation/kinematics.md`
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Radial;
 

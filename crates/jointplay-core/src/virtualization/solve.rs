@@ -2,36 +2,13 @@
 
 use nalgebra::Vector3;
 
+use super::solver::Solver;
 use super::{
     MAX_VIRTUAL_JOINTS, Metric, Platform, Sides, Sockets, VirtualJoints, Virtualization, sides_of,
 };
 use crate::Error;
 use crate::error::Unconverged;
 use crate::linalg::least_norm_of_three;
-
-/// Which displacements, of all that produce the sides, are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Solver {
-    /// The paper's iteration from the nominal X: a solution near, not at, the least displacement; two or three steps.
-    Newton,
-    /// The least displacement in the metric near the nominal X, by iteration; a few steps more.
-    ///
-    /// Where sockets have to move by millimetres, another displacement far away may be smaller still.
-    LeastNorm,
-    /// The least displacement of all in closed form; where the virtualization has none, [`Self::LeastNorm`].
-    #[default]
-    ClosedForm,
-}
-
-impl std::fmt::Display for Solver {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        formatter.pad(match self {
-            Self::Newton => "newton",
-            Self::LeastNorm => "least-norm",
-            Self::ClosedForm => "closed-form",
-        })
-    }
-}
 
 /// How the displacements are found.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -96,7 +73,7 @@ pub struct Solution {
 /// Least norm goes only a share of the way to the least displacement, halved each time that a step turns back on the last one: the full way overshoots where angles cost little and displacements are large.
 ///
 /// # Source
-/// newton: [Virtualization], eq. (6)–(8); least norm: Gauss–Newton on the displacement, own derivation, `docs/theory.md`
+/// newton: [Virtualization], eq. (6)–(8); least norm: Gauss–Newton on the displacement, own derivation, `docs/explanation/kinematics.md`
 // Always: left to itself the compiler copies the solution from call to call, which takes as long as finding it.
 #[inline(always)]
 pub fn solve<V: Virtualization + ?Sized>(

@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use jointplay_cell::cell::{Body, Carrier, Shape, Zone, ZoneRule};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::station::Station;
 use jointplay_cell::station::teach::frame;
+use jointplay_cell::workcell::{Body, Carrier, Zone, ZoneRule};
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::Vector3;
 

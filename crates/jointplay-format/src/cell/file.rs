@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::{EffectorId, HybridRobot};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::wafer::{Material, Wafer};
+use jointplay_cell::workcell::Cell;
 use nalgebra::Vector3;
 
 use super::problem::{Fault, Problem};

@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use jointplay_cell::cell::Shape;
+use jointplay_cell::geometry::Shape;
 
 use super::Files;
 use super::bodies::is_solid;

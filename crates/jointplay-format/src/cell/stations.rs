@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::HybridRobot;
 use jointplay_cell::station::teach::{self, Verdict};
 use jointplay_cell::station::{Approach, Origin, Station, Stroke};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::Vector3;
 

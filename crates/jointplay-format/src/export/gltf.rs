@@ -3,9 +3,9 @@
 mod buffer;
 mod parts;
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::program::{HandoverDeflection, handover_deflections};
 use jointplay_cell::station::SlotId;
+use jointplay_cell::workcell::Cell;
 use serde_json::{Map, Value, json};
 
 use self::buffer::Buffer;

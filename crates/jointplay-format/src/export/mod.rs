@@ -25,9 +25,9 @@ mod segment;
 mod solidworks;
 mod timeline;
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::trajectory::Trajectory;
+use jointplay_cell::workcell::Cell;
 
 pub use error::Error;
 pub use gltf::gltf;

@@ -1,9 +1,9 @@
 //! What moves in a cell, as frames with their ways: rods, platform, links, wafers.
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::program::Handover;
 use jointplay_cell::robot::{ChainPose, EffectorId, RODS};
 use jointplay_cell::station::SlotId;
+use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
 use nalgebra::{SVector, UnitQuaternion, Vector4};
 

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::robot::Axis;
 use jointplay_cell::trajectory::Sample;
+use jointplay_cell::workcell::Cell;
 
 use super::samples::turns;
 use super::{Error, Recording};

@@ -8,11 +8,11 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::program::Phase;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::{Sample, Trajectory};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::Pose;
 
 use super::scene::{Held, Wafers, rounded};

@@ -7,7 +7,7 @@
 //!       TRANSFER aligner TO port-2 SLOT 26 - n WITH A
 //!     END
 //! ```
-//! The grammar is in `docs/programs.md`.
+//! The grammar is in `docs/reference/programs.md`.
 //!
 //! | to… | use |
 //! | --- | --- |

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::check::{PairDistance, Report, Share, Verdict, Violation};
 use jointplay_cell::program::{HandoverDeflection, Place, handover_deflections};
 use jointplay_cell::robot::AxisKind;
 use jointplay_cell::station::Origin;
 use jointplay_cell::trajectory::{Blend, LineDeviation, Trajectory};
+use jointplay_cell::workcell::Cell;
 use jointplay_core::virtualization::Kernel;
 use serde::Serialize;
 

@@ -1,8 +1,8 @@
 //! Where stations are, and what is known of it.
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::station::teach::Verdict;
 use jointplay_cell::station::{Origin, Station};
+use jointplay_cell::workcell::Cell;
 use nalgebra::Vector3;
 use serde::Serialize;
 

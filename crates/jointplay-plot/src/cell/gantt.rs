@@ -1,10 +1,10 @@
 //! A motion over time: which axis moves when, and for which instruction.
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::program::{Handover, Step};
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::Trajectory;
+use jointplay_cell::workcell::Cell;
 
 use crate::linear_ticks::linear_ticks;
 use crate::svg::{Anchor, INK, Svg, px};

@@ -1,6 +1,6 @@
 //! What a shape covers, seen from above.
 
-use jointplay_cell::cell::Shape;
+use jointplay_cell::geometry::Shape;
 use jointplay_core::spatial::Pose;
 use nalgebra::Point3;
 

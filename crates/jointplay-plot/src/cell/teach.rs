@@ -1,8 +1,8 @@
 //! Stations as they were taught: how they lean, and how far points lie off their plane.
 
-use jointplay_cell::cell::Cell;
 use jointplay_cell::station::teach::{PlaneFit, Verdict};
 use jointplay_cell::station::{Origin, Station};
+use jointplay_cell::workcell::Cell;
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use crate::draw::RIM;

@@ -1,7 +1,7 @@
 //! A cell from above.
 
-use jointplay_cell::cell::{Carrier, Cell, ZoneRule};
 use jointplay_cell::robot::EffectorId;
+use jointplay_cell::workcell::{Carrier, Cell, ZoneRule};
 
 use super::effector_colour;
 use super::outline::outline;

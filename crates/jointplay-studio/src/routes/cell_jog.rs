@@ -3,13 +3,13 @@
 use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
-use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Moment, Straight, check_pose, straight_until_contact};
 use jointplay::cell::jog::{Jogged, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::wafer::Unreachable;
+use jointplay::cell::workcell::Cell;
 use jointplay::cell::{CellError, Stop};
 use jointplay::format::cell::explain;
 use jointplay::format::export::{Recording, frames};

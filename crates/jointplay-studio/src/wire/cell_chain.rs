@@ -1,7 +1,7 @@
 //! How the frames of a robot follow from its axes.
 
-use jointplay::cell::cell::Cell;
 use jointplay::cell::robot::{self, Arm};
+use jointplay::cell::workcell::Cell;
 use jointplay::format::export::HeldAt;
 use serde::Serialize;
 use utoipa::ToSchema;

@@ -1,8 +1,8 @@
 //! A robot with arms that is moved by hand.
 
-use jointplay::cell::cell::Cell;
 use jointplay::cell::jog::FromSlot;
 use jointplay::cell::robot::WaferTarget;
+use jointplay::cell::workcell::Cell;
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::Tilt;
 use serde::Deserialize;

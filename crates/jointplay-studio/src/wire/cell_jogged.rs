@@ -1,12 +1,12 @@
 //! Where a robot with arms has come to that was moved by hand.
 
-use jointplay::cell::cell::Cell;
 use jointplay::cell::jog::{FromSlot, Stopped};
 use jointplay::cell::robot::{
     self, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
 };
 use jointplay::cell::station::{SlotId, teach};
 use jointplay::cell::wafer::{DroopError, Unreachable};
+use jointplay::cell::workcell::Cell;
 use jointplay::format::cell::explain::{explain_branch, explain_stopped};
 use jointplay::format::export::Frame;
 use jointplay::nalgebra::Vector3;

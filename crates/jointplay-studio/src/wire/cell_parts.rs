@@ -1,8 +1,9 @@
 //! What a cell is made of: robot, stations, wafers, bodies, zones.
 
-use jointplay::cell::cell::{Body, Carrier, Cell, Shape, Zone, ZoneRule};
+use jointplay::cell::geometry::Shape;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station, teach};
+use jointplay::cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
 use jointplay::format::export::wafers_at_start;
 use jointplay::format::report::{self, StationReport};
 use jointplay::nalgebra::Vector3;

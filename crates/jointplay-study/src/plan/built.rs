@@ -4,8 +4,7 @@ use jointplay_core::Error;
 use jointplay_core::gpr::{Gpr, Limb};
 
 use super::Spread;
-use super::inputs::DIMENSION_STREAMS;
-use super::random::Stream;
+use super::random::{DIMENSION_STREAMS, Stream};
 
 /// A dimension of a limb.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

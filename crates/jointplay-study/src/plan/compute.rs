@@ -5,49 +5,14 @@ use std::ops::Range;
 use jointplay_core::bulk::{Column, Quantity, Status};
 use jointplay_core::gpr::{BrokenLimit, BrokenLimits, Gpr, ball_sides};
 
+use super::block::{Block, Outcome};
+use super::built::RodsFrom;
 use super::built::{Workshop, value};
+use super::definition::Plan;
 use super::inputs::Inputs;
-use super::{Moments, Plan, RodsFrom, Wanted, wanted};
+use super::moments::Moments;
+use super::wanted::{self, Wanted};
 use crate::Error;
-
-/// What became of a sample under a virtualization.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
-    /// There is a robot, and its pose ended so.
-    Pose(Status),
-    /// The dimensions drawn make no robot.
-    NoRobot,
-}
-
-impl Outcome {
-    /// The words that people read.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pose(status) => status.name(),
-            Self::NoRobot => "dimensions that make no robot",
-        }
-    }
-}
-
-/// Some samples of a plan: a column for all that is wanted, NaN where a sample has no answer.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Block {
-    /// Which samples.
-    pub samples: Vec<u64>,
-    /// Draw of each.
-    pub draws: Vec<u64>,
-    /// What is wanted, in the order of the plan, in SI units.
-    pub columns: Vec<Vec<f64>>,
-    /// For each virtualization what became of each sample.
-    pub outcomes: Vec<Vec<Outcome>>,
-    /// The columns summed up.
-    pub moments: Vec<Moments>,
-    /// Samples with a rod beyond its limits.
-    pub beyond_rods: u64,
-    /// Samples that are commanded beyond the limit of the tilt.
-    pub beyond_tilt: u64,
-}
 
 /// Computes samples of a plan.
 ///

@@ -2,16 +2,9 @@
 
 use jointplay_core::spatial::Tilt;
 
-use super::random::Stream;
-use super::{Plan, TiltForm};
+use super::definition::{Plan, TiltForm};
+use super::random::{FIRST_STREAM, HEIGHT_STREAM, SECOND_STREAM, Stream};
 use crate::Error;
-
-/// Numbers of the random streams; dimensions follow, four for each limb.
-const HEIGHT_STREAM: u64 = 0;
-const FIRST_STREAM: u64 = 1;
-const SECOND_STREAM: u64 = 2;
-/// Stream of the first dimension of the first limb.
-pub(super) const DIMENSION_STREAMS: u64 = 3;
 
 /// Commanded poses of some samples.
 pub(super) struct Inputs {

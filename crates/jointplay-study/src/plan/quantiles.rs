@@ -2,9 +2,10 @@
 
 use rayon::prelude::*;
 
+use super::block::BLOCK;
+use super::compute::compute;
+use super::definition::Plan;
 use super::random::Stream;
-use super::run::BLOCK;
-use super::{Plan, compute};
 use crate::Error;
 
 /// Samples that quantiles are taken from at most.

@@ -3,6 +3,13 @@
 use chacha20::ChaCha20Rng;
 use chacha20::rand_core::{Rng as _, SeedableRng as _};
 
+/// Numbers of the random streams; dimensions follow, four for each limb.
+pub(super) const HEIGHT_STREAM: u64 = 0;
+pub(super) const FIRST_STREAM: u64 = 1;
+pub(super) const SECOND_STREAM: u64 = 2;
+/// Stream of the first dimension of the first limb.
+pub(super) const DIMENSION_STREAMS: u64 = 3;
+
 /// 32-bit words of the keystream that one draw of one quantity takes.
 const WORDS: u128 = 4;
 

@@ -4,13 +4,11 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{Block, Plan, compute};
+use super::block::{BLOCK, Block, CHUNK};
+use super::compute::compute;
+use super::definition::Plan;
 use crate::Error;
 
-/// Samples that a core computes at a time: enough to hide handing them out, few enough to stay in its cache.
-pub const BLOCK: usize = 4096;
-/// Samples that are handed on together: a row group of a table.
-pub const CHUNK: u64 = 65_536;
 /// Cores that one chunk keeps busy: it has sixteen blocks.
 const CORES_OF_A_CHUNK: usize = 8;
 

@@ -1,6 +1,6 @@
 //! Draws the figures of the documents: `cargo run -p jointplay-validation --bin figures`.
 //!
-//! Writes `docs/figures/*.svg`, `docs/catalogue.md` and its pictures; with a folder as argument, also the same pictures as PNG there, to look at.
+//! Writes `docs/figures/*.svg`, `docs/reference/catalogue.md` and its pictures; with a folder as argument, also the same pictures as PNG there, to look at.
 
 mod divergence;
 mod first_order;
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             std::fs::write(png, picture.to_png(1120)?)?;
         }
     }
-    std::fs::write(folder.join("../catalogue.md"), gallery::page()?)?;
+    std::fs::write(folder.join("../reference/catalogue.md"), gallery::page()?)?;
     Ok(())
 }
 

@@ -46,7 +46,7 @@ impl HybridRobot {
     /// Allocates the list of branches and nothing else in closed form; a branch is corrected by Newton's method on all axes where it is farther than 10⁻¹³ m from the target, and left out if it stays farther than 10⁻¹² m.
     ///
     /// # Source
-    /// Own derivation, `docs/theory.md`
+    /// Own derivation, `docs/explanation/arms.md`
     pub fn inverse(
         &self,
         id: EffectorId,

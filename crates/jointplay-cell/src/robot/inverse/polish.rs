@@ -96,7 +96,7 @@ impl HybridRobot {
             if with_heading {
                 fill(5, &|_, angular| ARM * angular.dot(normal), ARM * missing.turn);
             }
-            let found = svd(&a)?;
+            let found = svd(&a).map_err(jointplay_core::Error::from)?;
             let change = found.solve(&b, found.rank(1e-10));
             let mut next = *positions;
             for (&axis, change) in axes.iter().zip(change.iter()) {

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::cell::Memory;
-use jointplay::cell::cell::Cell;
 use jointplay::cell::check::{CheckOptions, Report, Verdict};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{Trajectory, TrajectoryOptions};
+use jointplay::cell::workcell::Cell;
 use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::place::Error as Placed;
 use jointplay::format::{cell, program, report};

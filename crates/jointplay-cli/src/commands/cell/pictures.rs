@@ -1,8 +1,8 @@
 //! Pictures of a cell and of its motion.
 
-use jointplay::cell::cell::{Body, Carrier};
 use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
+use jointplay::cell::workcell::{Body, Carrier};
 use jointplay::format::export;
 use jointplay::plot;
 use jointplay::plot::cell::{Gantt, TopView, Track};

@@ -41,7 +41,7 @@ pub enum Factor {
 pub(crate) type Twist = (Vector3<f64>, Vector3<f64>);
 
 impl Factor {
-    pub(in super::super) fn turn(axis: usize) -> Self {
+    pub(crate) fn turn(axis: usize) -> Self {
         Self::Turn { axis: unit(axis), point: Vector3::zeros() }
     }
 

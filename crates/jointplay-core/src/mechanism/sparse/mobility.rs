@@ -2,13 +2,14 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::{Linear, SparseSystem};
+use super::linear::Linear;
+use super::system::SparseSystem;
 use crate::Error;
-use crate::constraint::Dimension;
+use crate::constraint::{ACCEPTED_RESIDUAL, Dimension};
 use crate::linalg::svd;
 use crate::mechanism::kinematics::Motion;
 use crate::mechanism::{MechanismSystem, blocks};
-use crate::mobility::{CLOSED, SecondOrder, finite_mobility};
+use crate::mobility::{SecondOrder, finite_mobility};
 use crate::random::Random;
 
 /// Rounds of inverse iteration: each gains the square of damping over the least singular value that counts.
@@ -217,8 +218,8 @@ impl SparseSystem<'_> {
     /// [GolubVanLoan], section 8.2, for the iteration; the bounds as in [`crate::mobility::finite_mobility`]
     pub fn mobility(&self, relative_threshold: f64) -> Result<SparseMobility, Error> {
         let residual = self.residual();
-        if residual.is_nan() || residual > CLOSED {
-            return Err(Error::NotClosed { residual, allowed: CLOSED });
+        if residual.is_nan() || residual > ACCEPTED_RESIDUAL {
+            return Err(Error::NotClosed { residual, allowed: ACCEPTED_RESIDUAL });
         }
         let blocks = blocks(self.kinematics.mechanism());
         if let [one] = blocks.as_slice()

@@ -2,11 +2,12 @@
 
 use nalgebra::DVector;
 
-use super::{Linear, SparseSystem};
+use super::linear::Linear;
+use super::system::SparseSystem;
 use crate::Error;
-use crate::constraint::Dimension;
+use crate::constraint::{CLOSURE_TOLERANCE, Dimension};
 use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
-use crate::mechanism::{CLOSED, Drive, Motion, Stop, Waypoint};
+use crate::mechanism::{Drive, Motion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
 /// Changes of a step below this share of it are the end: Newton's method mends the rest.
@@ -33,7 +34,7 @@ impl SparseSystem<'_> {
     fn correct(&mut self, held: &[bool], max_iterations: usize) -> Result<(usize, f64), Error> {
         let mut residual = self.residual();
         let (mut iterations, mut moved) = (0, DVector::zeros(self.coordinates.len()));
-        while residual > 0.01 * CLOSED && iterations < max_iterations {
+        while residual > 0.01 * CLOSURE_TOLERANCE && iterations < max_iterations {
             iterations += 1;
             let linear = self.linear(held)?;
             let (x, by) = self.least_step(&linear, None);
@@ -50,16 +51,16 @@ impl SparseSystem<'_> {
             }
             let Some((there, reached)) = better else { break };
             moved += &by * share;
-            let stalled = residual <= CLOSED && reached > 0.5 * residual;
+            let stalled = residual <= CLOSURE_TOLERANCE && reached > 0.5 * residual;
             (*self, residual) = (there, reached);
             if stalled {
                 break;
             }
         }
-        if residual <= CLOSED {
+        if residual <= CLOSURE_TOLERANCE {
             Ok((iterations, self.largest(&moved)))
         } else {
-            Err(Error::NotReached { residual, allowed: CLOSED, iterations })
+            Err(Error::NotReached { residual, allowed: CLOSURE_TOLERANCE, iterations })
         }
     }
 

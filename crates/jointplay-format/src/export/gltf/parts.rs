@@ -1,7 +1,8 @@
 //! What is seen: bodies of the cell, and simple shapes for what it gives none.
 
-use jointplay_cell::cell::{Body, Carrier, Cell, Shape, ZoneRule};
+use jointplay_cell::geometry::Shape;
 use jointplay_cell::station::Station;
+use jointplay_cell::workcell::{Body, Carrier, Cell, ZoneRule};
 use jointplay_core::spatial::Pose;
 use nalgebra::UnitQuaternion;
 use serde_json::{Value, json};

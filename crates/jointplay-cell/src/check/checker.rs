@@ -1,0 +1,182 @@
+//! The run of a check over all segments of a motion, with results reused from the last one.
+
+use std::collections::BTreeMap;
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use super::aggregate::Summary;
+use super::options::CheckOptions;
+use super::report::Report;
+use super::segment_findings::Alone;
+use super::segments::{Start, Steps};
+use crate::collision::{Among, Near, Scene};
+use crate::geometry::Solids;
+use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, each, whole};
+use crate::trajectory::{Segment, Trajectory};
+use crate::workcell::{Cell, ZoneRule};
+
+/// Everything that is wrong with a motion, none hidden by the first.
+///
+/// Each step is looked at from its start on, so many times a second, and at its end: axes, tilt, play, slip and zones at each of these samples.
+/// Distances of bodies are judged between the samples too:
+///
+/// ```text
+///    min d  ≥  (d_0 + d_1 − way) / 2
+/// ```
+/// over an interval with the distances d_0 and d_1 at its ends, in which no point of either goes farther than the way, or
+///
+/// ```text
+///    min d  ≥  min(g_0, g_1) - bend dt / 4
+/// ```
+/// with the gaps g_0 and g_1 along one direction, the same side ahead: of what slides along something, whose points change their speed by no more than the bend in all.
+/// An interval in which either keeps a pair apart is passed over, any other is halved, also below the samples: so a wall that is thinner than a sample's way is not jumped, nor a place that is too narrow.
+///
+/// # Numerics
+/// Least distances are exact at the samples looked at; those passed over may be nearer by `within` of each row.
+///
+/// # Assumptions
+/// Bodies and wafers are rigid where distances are concerned; wafers are flat discs.
+/// The last link of an arm and the wafer on it are lowered and turned by the droop of the arm, as in pictures and exports; links before it are not.
+///
+/// A distance is compared with the one asked for to a resolution of 10⁻⁸ m, which is how exactly distances are tested to be found.
+#[must_use]
+pub fn check(cell: &Cell, motion: &Trajectory, options: &CheckOptions) -> Report {
+    whole(Checks::default().check(cell, motion, options, Run::one_by_one()))
+}
+
+/// Steps that are checked at a time: memory for what they are among does not grow with the motion.
+const AT_A_TIME: usize = 1024;
+
+/// What was found of the steps of the last motion, by what it depends on.
+#[derive(Default)]
+pub(crate) struct Checks {
+    solids: Solids,
+    /// With the ways that the keys of both tell apart by where they are kept.
+    moves: Kept<(Alone, [Option<Arc<Segment>>; 3])>,
+    distances: Kept<Near>,
+}
+
+impl Checks {
+    /// See [`check`].
+    pub(crate) fn check(
+        &mut self,
+        cell: &Cell,
+        motion: &Trajectory,
+        options: &CheckOptions,
+        run: Run<'_>,
+    ) -> Result<Report, Interrupted> {
+        let shared = shared(cell, options);
+        self.solids.begin();
+        self.moves.begin(&shared);
+        self.distances.begin(&shared);
+        let mut summary = Summary::new(cell, motion);
+        let mut scene = Scene::new(cell, &mut self.solids);
+        for first in (0..motion.steps.len()).step_by(AT_A_TIME) {
+            let range = first..(first + AT_A_TIME).min(motion.steps.len());
+            let (steps, starts) =
+                Steps::new((motion, range), options, scene, &mut self.solids, run)?;
+            self.some((&steps, &starts), first, motion, run, &mut summary)?;
+            scene = steps.into_last();
+        }
+        self.solids.end();
+        self.moves.end();
+        self.distances.end();
+        Ok(summary.finished(&scene))
+    }
+
+    /// Checks some steps, from the first one on.
+    fn some(
+        &mut self,
+        (steps, starts): (&Steps<'_>, &[Start]),
+        first: usize,
+        motion: &Trajectory,
+        run: Run<'_>,
+        summary: &mut Summary<'_>,
+    ) -> Result<(), Interrupted> {
+        // By themselves, and among what is near them while their samples are at hand.
+        let unknown = starts.iter().map(|start| &start.key).enumerate();
+        let unknown = unknown.filter(|(_, key)| !self.moves.knows(key));
+        let mut by_themselves = anew(unknown, run, |place| {
+            steps.with_course(|course| {
+                let alone = steps.alone(&starts[place], first + place, course);
+                let among = steps.among(&starts[place], first + place, &alone);
+                let near = (!self.distances.knows(&among.key))
+                    .then(|| steps.near(&starts[place], first + place, (&alone, &among), course));
+                (alone, among, near)
+            })
+        })?;
+        let mut nears: BTreeMap<Key, Near> = BTreeMap::new();
+        let (mut alone, mut near_it) = (Vec::with_capacity(starts.len()), BTreeMap::new());
+        for (place, start) in starts.iter().enumerate() {
+            let Ok(found) = self.moves.get::<Infallible>(start.key.clone(), || {
+                let (found, among, near) =
+                    by_themselves.remove(&start.key).expect("what is not known was looked at");
+                nears.extend(near.map(|near| (among.key.clone(), near)));
+                near_it.insert(place, among);
+                Ok((found, motion.segments_of(first + place)))
+            });
+            alone.push(found);
+        }
+        let among = each(starts.len(), run, |place| match near_it.get(&place) {
+            Some(_) => None,
+            None => Some(steps.among(&starts[place], first + place, &alone[place].0)),
+        })?;
+        let among = among.into_iter().enumerate();
+        let among: Vec<Among> =
+            among.filter_map(|(place, among)| among.or_else(|| near_it.remove(&place))).collect();
+        // Moves that are known, among other things than before.
+        let unknown = among.iter().map(|among| &among.key).enumerate();
+        let unknown =
+            unknown.filter(|(_, key)| !(self.distances.knows(key) || nears.contains_key(*key)));
+        let others = anew(unknown, run, |place| {
+            let things = (&alone[place].0, &among[place]);
+            steps.with_course(|course| steps.near(&starts[place], first + place, things, course))
+        })?;
+        nears.extend(others);
+        for (place, (alone, among)) in alone.iter().zip(&among).enumerate() {
+            let Ok(near) = self.distances.get::<Infallible>(among.key.clone(), || {
+                Ok(nears.remove(&among.key).expect("what is not known was looked at"))
+            });
+            let scene = steps.scene(&starts[place]);
+            summary.add(scene, first + place, &alone.0, &near, &among.items);
+        }
+        Ok(())
+    }
+
+    pub(crate) fn reuse_of_moves(&self) -> Reuse {
+        self.moves.reuse()
+    }
+
+    pub(crate) fn reuse_of_distances(&self) -> Reuse {
+        self.distances.reuse()
+    }
+}
+
+/// Checks all steps once, nothing being remembered.
+pub(super) fn examine(
+    cell: &Cell,
+    motion: &Trajectory,
+    steps: Steps<'_>,
+    starts: &[Start],
+) -> Report {
+    let mut summary = Summary::new(cell, motion);
+    for (index, start) in starts.iter().enumerate() {
+        let (alone, among, near) = steps.with_course(|course| {
+            let alone = steps.alone(start, index, course);
+            let among = steps.among(start, index, &alone);
+            let near = steps.near(start, index, (&alone, &among), course);
+            (alone, among, near)
+        });
+        summary.add(steps.scene(start), index, &alone, &near, &among.items);
+    }
+    summary.finished(&steps.into_last())
+}
+
+/// What every step depends on: numbers are printed so that no two of them look alike.
+fn shared(cell: &Cell, options: &CheckOptions) -> String {
+    let safe: Vec<_> = cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe).collect();
+    format!(
+        "{:?} {:?} {:?} {:?} {safe:?} {options:?}",
+        cell.robot, cell.wafer, cell.gravity, cell.play_budget
+    )
+}

@@ -1,0 +1,277 @@
+//! Trajectory bounds against motions: no point travels farther between two samples than its bound.
+
+#[path = "../../tests/common/mod.rs"]
+mod common;
+
+use common::{A, KINDS, kind};
+use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
+use jointplay_core::spatial::{Pose, Tilt};
+use jointplay_core::virtualization::{Kernel, SolveOptions, Solver};
+use nalgebra::{Point3, Rotation3, Vector3};
+
+use super::link_poses::Places;
+use super::motion_bound::{Gearing, Travel};
+use super::motion_bound_coefficients::{Levers, common};
+use super::object::Holder;
+use super::sample_times::Samples;
+use super::sampled_segment::Course;
+use super::scene::Scene;
+use crate::geometry::{Shape, Solids};
+use crate::program::{Path, Phase, Place, Step};
+use crate::robot::{AxisKind, PlatformModel, RODS};
+use crate::trajectory::{Sample, Trajectory, TrajectoryOptions, plan_trajectory, straight};
+use crate::wafer::{Droop, DroopRow};
+use crate::workcell::{Body, Carrier, Cell};
+
+/// Parts of an interval of which the path of a point is added up.
+const PARTS: u32 = 6;
+
+/// Numbers from 0 to 1.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(0x1405_7b7e_f767_814f);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn within(&mut self, least: f64, most: f64) -> f64 {
+        least + (most - least) * self.next()
+    }
+
+    fn vector(&mut self, size: f64) -> Vector3<f64> {
+        Vector3::from_fn(|_, _| self.within(-size, size))
+    }
+}
+
+fn droop(random: &mut Random, which: usize) -> Droop {
+    let row = |k: u32, random: &mut Random| DroopRow {
+        reach: 0.15 * f64::from(k),
+        empty_drop: random.within(-0.002, 0.004),
+        empty_slope: random.within(-0.004, 0.008),
+        loaded_drop: random.within(-0.002, 0.006),
+        loaded_slope: random.within(-0.004, 0.01),
+        load: 1.0,
+    };
+    match which % 3 {
+        0 => Droop::Cantilever {
+            stiffness: random.within(150.0, 1500.0),
+            mass_per_length: random.within(0.5, 3.0),
+        },
+        1 => Droop::Table { rows: (0..14).map(|k| row(k, random)).collect() },
+        _ => Droop::Rigid,
+    }
+}
+
+/// A robot of any kind and model, with a body on every link, and how far it may tilt.
+fn cell(random: &mut Random, round: usize) -> (Cell, f64) {
+    let lengths = [0.0; 3].map(|_| random.within(0.15, 0.3));
+    let mut robot = kind(round % KINDS, lengths);
+    let models = [Kernel::Planar, Kernel::Radial, Kernel::Polar, Kernel::Offset];
+    let solver = [Solver::ClosedForm, Solver::Newton][round / 4 % 2];
+    let options = SolveOptions { solver, ..SolveOptions::default() };
+    let model = PlatformModel { virtualization: models[round % 4], options };
+    let steep = if model.virtualization == Kernel::Planar { 0.9 } else { 0.15 };
+    let tilt_max = random.within(0.01, steep);
+    // A base that is not even, the more so the rounder.
+    let mut limbs = robot.gpr.limbs();
+    for limb in &mut limbs {
+        limb.base_point.x += random.within(-0.003, 0.003);
+        limb.base_point.y += random.within(-0.003, 0.003);
+        limb.socket_radius += random.within(-0.001, 0.001);
+    }
+    let limits = Limits { tilt_max, ..*robot.gpr.limits() };
+    robot.gpr = Gpr::new(limbs, limits, robot.gpr.working_height()).unwrap();
+    robot.model = model;
+    for arm in &mut robot.arms {
+        arm.droop = droop(random, round / 2);
+    }
+    let mut cell = common::cell(robot);
+    if round.is_multiple_of(3) {
+        cell.carried.clear();
+    }
+    let carriers = cell.robot.arms.iter().enumerate().flat_map(|(arm, described)| {
+        (0..described.joints.len()).map(move |link| Carrier::Link { arm, link })
+    });
+    let carriers: Vec<Carrier> = carriers.chain([Carrier::Platform]).collect();
+    for (k, carrier) in carriers.into_iter().enumerate() {
+        let turn = Rotation3::new(random.vector(2.0));
+        cell.bodies.push(Body {
+            name: format!("body {k}"),
+            carrier,
+            carrier_from_shape: Pose::from_parts(random.vector(0.25).into(), turn),
+            shape: Shape::Box { half: [0.0; 3].map(|_| random.within(0.01, 0.1)) },
+            station: None,
+        });
+    }
+    (cell, tilt_max)
+}
+
+fn positions(random: &mut Random, cell: &Cell, tilt_max: f64) -> Vec<f64> {
+    let axes = &cell.robot.axes;
+    let mut all: Vec<f64> =
+        axes.iter().map(|axis| random.within(0.9 * axis.min, 0.9 * axis.max)).collect();
+    let tilt = Tilt { yaw: random.within(-3.0, 3.0), pitch: random.within(0.0, tilt_max) };
+    let height = AxisHeight(random.within(0.45, 0.55));
+    all[..RODS].copy_from_slice(&cell.robot.gpr.inverse(tilt, height).unwrap());
+    all
+}
+
+fn motion(random: &mut Random, cell: &Cell, tilt_max: f64, round: usize) -> Trajectory {
+    let from = positions(random, cell, tilt_max);
+    let mut to = positions(random, cell, tilt_max);
+    // Rods, motors, or all; a little or far.
+    let share = [1.0, 0.1][round % 2];
+    for (axis, (from, to)) in from.iter().zip(&mut to).enumerate() {
+        let stays = [false, axis < RODS, axis >= RODS][round / 2 % 3];
+        *to = if stays { *from } else { from + share * (*to - from) };
+    }
+    let step = Step {
+        instruction: 0,
+        place: Place::default(),
+        phase: Phase::Move,
+        from,
+        to,
+        path: Path::PointToPoint,
+        speed: 1.0,
+        blend: 0.0,
+        line_speed: None,
+        loaded: cell.carried.clone(),
+        handover: None,
+        slot: None,
+    };
+    if round.is_multiple_of(5) {
+        straight(step)
+    } else {
+        plan_trajectory(cell, vec![step], &TrajectoryOptions::default()).unwrap()
+    }
+}
+
+#[test]
+fn no_point_travels_farther_than_its_bound() {
+    let mut random = Random(11);
+    let mut tightest = 0.0_f64;
+    let (mut intervals, mut steepest) = (0, 0.0_f64);
+    for round in 0..240 {
+        let (cell, tilt_max) = cell(&mut random, round);
+        let motion = motion(&mut random, &cell, tilt_max, round);
+        let mut solids = Solids::default();
+        solids.begin();
+        let scene = Scene::new(&cell, &mut solids);
+        let gearing = Gearing::new(&cell.robot);
+        let mut course = Course::default();
+        let samples = Samples::of(&motion, 0, 200.0);
+        course.take(&motion, (0, 0), &samples, &gearing);
+        let count = course.times().len();
+        if count < 2 {
+            continue;
+        }
+        // Corners of the bodies, and edges of the wafer, each on its carrier.
+        let points: Vec<(usize, Vector3<f64>)> = (0..scene.items.len())
+            .map(|item| {
+                let corner = cell.bodies.iter().find(|body| body.name == scene.items[item].name);
+                let point = match corner {
+                    Some(body) => {
+                        let Shape::Box { half } = body.shape else { unreachable!() };
+                        let corner =
+                            half.map(|half| if random.next() < 0.5 { half } else { -half });
+                        (body.carrier_from_shape * Point3::from(corner)).coords
+                    }
+                    None => {
+                        let angle = random.within(0.0, 6.3);
+                        Vector3::new(0.15 * angle.cos(), 0.15 * angle.sin(), 0.0)
+                    }
+                };
+                (item, point)
+            })
+            .collect();
+        for _ in 0..6 {
+            let from = (random.next() * (count - 1) as f64) as usize % (count - 1);
+            let to = (from + 1 + (random.next() * 5.0) as usize).min(count - 1);
+            let [start, end] = [from, to].map(|sample| course.times()[sample]);
+            let states = (0..=PARTS * (to - from) as u32).map(|part| {
+                let share = f64::from(part) / f64::from(PARTS * (to - from) as u32);
+                let mut sample = Sample::default();
+                motion.fill_in_step(0, start + share * (end - start), &mut sample);
+                scene.places(&sample.positions, Vec::new())
+            });
+            // A model that does not converge somewhere has no pose there, which the check reports.
+            let states: Result<Vec<_>, _> = states.collect();
+            let Ok(states) = states else { continue };
+            let moved = course.moved(&(from..to));
+            intervals += 1;
+            let turned: f64 =
+                states.windows(2).map(|two| (two[1].normal - two[0].normal).norm()).sum();
+            assert!(turned <= moved.lean * (1.0 + 1e-9) + 1e-12, "{round}: {turned}");
+            steepest = states.iter().map(|it| it.normal.z.acos()).fold(steepest, f64::max);
+            let world = |item: usize, point: &Vector3<f64>, state: &Places| {
+                let pose = scene.placed(item, state).base_from_carrier;
+                (pose * Point3::from(*point)).coords
+            };
+            let path = |at: &dyn Fn(&Places) -> Vector3<f64>| -> f64 {
+                states.windows(2).map(|two| (at(&two[1]) - at(&two[0])).norm()).sum()
+            };
+            for (item, point) in &points {
+                let one = &scene.items[*item];
+                let levers = Levers::new(&cell, one, one.solid.reach());
+                let bound = gearing.travel(&levers, &moved).total();
+                let travelled = path(&|state| world(*item, point, state));
+                assert!(
+                    travelled <= bound * (1.0 + 1e-9) + 1e-12,
+                    "{round}, {}: {travelled} above {bound}",
+                    scene.items[*item].name
+                );
+                tightest = tightest.max(travelled / bound.max(1e-12));
+                // Against what carries both alike.
+                for (other, with) in &points {
+                    let [one, two] = [*item, *other].map(|item| &scene.items[item]);
+                    if one.holder == two.holder {
+                        continue;
+                    }
+                    let carrier = common(&cell.robot, one, two);
+                    if carrier == Holder::World {
+                        continue;
+                    }
+                    let both = [one, two].map(|item| (&**item, item.solid.reach()));
+                    let levers = Levers::between(&cell, both, carrier);
+                    let Travel { arm, droop, hang, .. } = gearing.travel(&levers, &moved);
+                    let bound = arm + droop + hang;
+                    let travelled = path(&|state| {
+                        let apart = world(*other, with, state) - world(*item, point, state);
+                        scene.turned(carrier, state).inverse() * apart
+                    });
+                    assert!(
+                        travelled <= bound * (1.0 + 1e-9) + 1e-12,
+                        "{round}, {} and {}: {travelled} above {bound}",
+                        one.name,
+                        two.name
+                    );
+                }
+            }
+        }
+    }
+    assert!(intervals > 1000 && steepest > 0.5, "{intervals} {steepest}");
+    // The bounds are of some use.
+    assert!(tightest > 0.9, "{tightest}");
+}
+
+#[test]
+fn an_arm_over_its_own_joint_deflects_without_a_jump() {
+    let mut random = Random(5);
+    let (mut cell, _) = cell(&mut random, 0);
+    cell.robot = kind(3, [0.2; 3]);
+    cell.robot.arms[0].droop = droop(&mut random, 1);
+    let slide = cell.robot.axes.iter().position(|axis| axis.name == "R").unwrap();
+    assert_eq!(cell.robot.axes[slide].kind, AxisKind::Linear);
+    let mut at: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
+    let mut before: Option<Pose> = None;
+    for k in 0..4000 {
+        at[slide] = -0.45 + 1e-4 * f64::from(k);
+        let wafer = cell.wafer_pose(A, &at, true);
+        let Ok(wafer) = wafer else { continue };
+        if let Some(before) = before.replace(wafer) {
+            let turned = before.rotation.angle_to(&wafer.rotation);
+            assert!(turned < 1e-4, "{k}: {turned}");
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Shapes, colliders and distances between them.
+//!
+//! | file | contents |
+//! | --- | --- |
+//! | `shape` | shapes of collision objects |
+//! | `triangulate` | shapes as triangles, for display and export |
+//! | `interval` | intervals of coordinates, of which axis-aligned boxes are made |
+//! | `collider` | shapes as the collision library takes them, with bounding spheres |
+//! | `collider_cache` | colliders of the last check |
+//! | `distance` | minimum distance, separation along a direction, penetration depth |
+//!
+//! Nothing in this folder knows of cells.
+
+mod collider;
+mod collider_cache;
+mod distance;
+mod interval;
+mod shape;
+mod triangulate;
+
+pub(crate) use collider::{Placed, Solid};
+pub(crate) use collider_cache::Solids;
+pub(crate) use distance::{apart, between_balls, depth, distance, gap_along, outside};
+pub(crate) use interval::Span;
+pub use shape::Shape;
+pub use triangulate::Surface;

@@ -1,7 +1,0 @@
-//! The weld.
-
-use super::Factor;
-
-pub(super) fn factors() -> Vec<Factor> {
-    vec![]
-}

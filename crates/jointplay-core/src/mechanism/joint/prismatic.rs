@@ -1,7 +1,0 @@
-//! The slider: along z.
-
-use super::Factor;
-
-pub(super) fn factors() -> Vec<Factor> {
-    vec![Factor::slide(2)]
-}

@@ -1,7 +1,0 @@
-//! The ball.
-
-use super::Factor;
-
-pub(super) fn factors() -> Vec<Factor> {
-    vec![Factor::Ball]
-}

@@ -1,0 +1,444 @@
+//! The solver for positions.
+
+use std::f64::consts::TAU;
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use super::elimination::Elimination;
+use super::opening::{Closing, Meeting, TreeWalk, moved_by};
+use super::walk::{Frame, Part, Screw, Turned, Walk};
+use crate::Error;
+use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
+use crate::mechanism::joint::Factor;
+use crate::mechanism::kinematics::{Element, cayley, skew_part};
+use crate::mechanism::tree::spanning_tree;
+use crate::mechanism::{MechanismSystem, ReliefSolver, virtual_weights};
+use crate::spatial::rotation_vector;
+
+/// Scaled residual at which the iteration ends; the next step would only move round-off.
+const ROUND_OFF: f64 = 1e-13;
+/// Changes of the virtual joints below this, in characteristic lengths, are the end of the search for the least…
+const SETTLED: f64 = 1e-13;
+/// …and so are those below this that no longer shrink: round-off.
+const SETTLING: f64 = 1e-9;
+/// Longest step, in radians and characteristic lengths.
+const LONGEST_STEP: f64 = 0.5;
+const MAX_ITERATIONS: usize = 50;
+
+/// Closes the loops of a mechanism for commanded coordinates, again and again.
+///
+/// Everything that does not depend on the coordinates is laid out once; a solution allocates nothing.
+/// Loops are opened where most freedoms pass: a ball leaves three equations between two points, a hinge five between two axes, and its own coordinates follow.
+///
+/// One solver serves one thread; clone it for more.
+///
+/// # Numerics
+/// Newton's method with passive joints eliminated by Householder reflections and virtual joints by least norm.
+/// Redundant constraints do not stop it.
+/// It is meant for starts nearby, as along a path: steps are shortened, but there is no search; [`crate::mechanism::close`] and [`crate::mechanism::assemble`] find their way from farther.
+///
+/// # Source
+/// Own derivation, `docs/explanation/mechanisms.md`
+#[derive(Debug, Clone)]
+pub struct PositionSolver {
+    tree: Vec<TreeWalk>,
+    closings: Vec<Closing>,
+    balls: Vec<Ball>,
+    unknowns: Vec<Unknown>,
+    passive: usize,
+    length: f64,
+    // Room to work in.
+    start: Vec<f64>,
+    links: Vec<Frame>,
+    turns: Vec<Turned>,
+    /// How each ball is turned.
+    orientations: Vec<Matrix3<f64>>,
+    screws: Vec<Screw>,
+    relieved: Vec<f64>,
+    elimination: Elimination,
+}
+
+/// Loops closed for commanded coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Position {
+    /// Largest mismatch, in radians and characteristic lengths.
+    pub residual: f64,
+    /// Steps done.
+    pub iterations: usize,
+}
+
+/// How an iteration ended.
+struct Run {
+    residual: f64,
+    /// Whether virtual joints have come to rest.
+    settled: bool,
+    iterations: usize,
+    /// After how many steps it was best, and the residual there; infinite where there was none.
+    best: (usize, f64),
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Ball {
+    coordinate: usize,
+    /// Its first column, if it is in the tree and moves.
+    column: Option<usize>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Unknown {
+    coordinate: usize,
+    /// What one unit of it is: radians, characteristic lengths, or the metric of virtual joints.
+    unit: f64,
+}
+
+impl PositionSolver {
+    /// Lays out the solution for given commanded coordinates.
+    ///
+    /// # Arguments
+    /// * `system` – gives the mechanism, the characteristic length and the metric of the virtual joints
+    /// * `commanded` – indices of the coordinates that keep their values, among those of joints and virtual joints
+    ///
+    /// # Errors
+    /// [`Error::PartlyCommanded`] for one or two coordinates of a ball.
+    pub fn new(system: &MechanismSystem<'_>, commanded: &[usize]) -> Result<Self, Error> {
+        let kinematics = system.kinematics();
+        let (mechanism, chains) = (kinematics.mechanism(), kinematics.chains());
+        let dimensions = kinematics.dimensions();
+        let free = |k: usize| !commanded.contains(&k);
+        let joint_freedoms = mechanism.joint_freedoms();
+        // The motion of a joint at which a loop is best opened: a ball, else a hinge.
+        let opening = |j: usize| {
+            let elements = &chains[j].elements;
+            let own = |e: &Element| e.coordinate < joint_freedoms && free(e.coordinate);
+            let ball = elements.iter().position(|e| e.factor == Factor::Ball && own(e));
+            ball.or_else(|| elements.iter().position(|e| e.factor == Factor::turn(2) && own(e)))
+        };
+        let mut balls = Vec::new();
+        for element in chains.iter().flat_map(|chain| &chain.elements) {
+            if element.factor == Factor::Ball {
+                let k = element.coordinate;
+                if (k + 1..k + 3).any(|other| free(other) != free(k)) {
+                    return Err(Error::PartlyCommanded { coordinate: k });
+                }
+                balls.push(Ball { coordinate: k, column: None });
+            }
+        }
+        let freedoms_of = |j: usize| {
+            let of_joint = kinematics.coordinates_of(j).filter(|&k| free(k)).count();
+            // Opening at a ball spares six unknowns and equations in all, at a hinge two.
+            let spared =
+                opening(j).map_or(0, |e| 2 * chains[j].elements[e].factor.coordinates().len());
+            of_joint + spared
+        };
+        let branches = spanning_tree(mechanism, freedoms_of);
+        let mut in_tree = vec![false; chains.len()];
+        branches.iter().for_each(|&(j, _)| in_tree[j] = true);
+        let cuts: Vec<usize> = (0..chains.len()).filter(|&j| !in_tree[j]).collect();
+
+        let follows = |k: usize| {
+            let of_cut = |&j: &usize| {
+                opening(j).is_some_and(|e| {
+                    let element = &chains[j].elements[e];
+                    let count = element.factor.coordinates().len();
+                    (element.coordinate..element.coordinate + count).contains(&k)
+                })
+            };
+            cuts.iter().any(of_cut)
+        };
+        let length = system.characteristic_length();
+        let weights = virtual_weights(system);
+        let unknowns: Vec<Unknown> = (0..dimensions.len())
+            .filter(|&k| free(k) && !follows(k))
+            .map(|k| {
+                let unit = match (k.checked_sub(joint_freedoms), dimensions[k]) {
+                    (Some(m), _) => weights[m].sqrt().recip(),
+                    (None, Dimension::Angle) => 1.0,
+                    (None, Dimension::Length | Dimension::SquaredLength) => length,
+                };
+                Unknown { coordinate: k, unit }
+            })
+            .collect();
+        let column = |k: usize| unknowns.iter().position(|unknown| unknown.coordinate == k);
+        for ball in &mut balls {
+            ball.column = column(ball.coordinate);
+        }
+        let ball_at = |k: usize| {
+            balls.iter().position(|ball| ball.coordinate == k).expect("every ball is listed")
+        };
+        let mut turns = 0;
+        let mut walk =
+            |j: usize, part: Part| Walk::new(&chains[j], part, column, ball_at, &mut turns);
+
+        let tree: Vec<TreeWalk> = branches
+            .iter()
+            .map(|&(j, against)| {
+                let [first, second] = mechanism.joints()[j].links;
+                if against {
+                    TreeWalk { from: second, to: first, walk: walk(j, Part::Backward) }
+                } else {
+                    TreeWalk { from: first, to: second, walk: walk(j, Part::Forward) }
+                }
+            })
+            .collect();
+        let mut row = 0;
+        let closings: Vec<Closing> = cuts
+            .iter()
+            .map(|&j| {
+                // Both sides up to the motion that is left out; else the frames behind all motions.
+                let count = chains[j].elements.len();
+                let (before, from) = opening(j).map_or((count, count), |e| (e, e + 1));
+                let sides = [walk(j, Part::Before(before)), walk(j, Part::From(from))];
+                let meeting = opening(j).map_or(Meeting::Frames, |e| {
+                    let element = &chains[j].elements[e];
+                    match element.factor {
+                        Factor::Ball => Meeting::Points(ball_at(element.coordinate)),
+                        _ => Meeting::Axes(element.coordinate),
+                    }
+                });
+                let links = mechanism.joints()[j].links;
+                let first = row;
+                row += meeting.equations();
+                Closing {
+                    links,
+                    moved_by: moved_by(&tree, links, &sides),
+                    sides,
+                    meeting,
+                    row: first,
+                    frames: [Frame::BASE; 2],
+                }
+            })
+            .collect();
+        let passive = unknowns.iter().filter(|u| u.coordinate < joint_freedoms).count();
+        let virtuals = unknowns.len() - passive;
+        Ok(Self {
+            start: vec![0.0; dimensions.len()],
+            links: vec![Frame::BASE; mechanism.links().len()],
+            turns: vec![Turned::NONE; turns],
+            orientations: vec![Matrix3::identity(); balls.len()],
+            screws: vec![Screw::STILL; unknowns.len()],
+            relieved: vec![0.0; virtuals],
+            elimination: Elimination::new(row, passive, virtuals),
+            tree,
+            closings,
+            balls,
+            unknowns,
+            passive,
+            length,
+        })
+    }
+
+    /// Moves passive and virtual joints until all loops are closed.
+    ///
+    /// # Arguments
+    /// * `coordinates` – (f + M) commanded coordinates at their values, the others near; takes the solution, or the best iterate where there is none [m, rad]
+    /// * `solver` – which of the virtual displacements that close the loops; nothing to choose where there are no virtual joints
+    ///
+    /// # Errors
+    /// [`Error::WrongLength`], [`Error::NotFinite`], [`Error::NotReached`].
+    pub fn solve(
+        &mut self,
+        coordinates: &mut [f64],
+        solver: ReliefSolver,
+    ) -> Result<Position, Error> {
+        let what = "the coordinate vector";
+        if coordinates.len() != self.start.len() {
+            let (found, expected) = (coordinates.len(), self.start.len());
+            return Err(Error::WrongLength { what, found, expected });
+        }
+        for &value in coordinates.iter() {
+            crate::error::finite(what, value)?;
+        }
+        self.start.copy_from_slice(coordinates);
+        let run = self.iterate(coordinates, solver, MAX_ITERATIONS);
+        if run.residual <= CLOSURE_TOLERANCE && run.settled {
+            self.close_openings(coordinates);
+            return Ok(Position { residual: run.residual, iterations: run.iterations });
+        }
+        // Nothing was kept on the way, which would cost all those that converge: the way is gone again to its best.
+        coordinates.copy_from_slice(&self.start);
+        let (best, residual) = run.best;
+        if residual.is_finite() {
+            self.iterate(coordinates, solver, best);
+            self.close_openings(coordinates);
+        }
+        Err(Error::NotReached { residual, allowed: CLOSURE_TOLERANCE, iterations: run.iterations })
+    }
+
+    /// Newton's method, for so many steps at most; the same start goes the same way.
+    fn iterate(&mut self, coordinates: &mut [f64], solver: ReliefSolver, most: usize) -> Run {
+        self.turns.iter_mut().for_each(Turned::refresh);
+        for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
+            let k = ball.coordinate;
+            let vector = Vector3::new(coordinates[k], coordinates[k + 1], coordinates[k + 2]);
+            *turn = if vector == Vector3::zeros() {
+                Matrix3::identity()
+            } else {
+                Rotation3::new(vector).into_inner()
+            };
+        }
+        let least_norm = solver == ReliefSolver::LeastNorm && !self.relieved.is_empty();
+        let (mut before, mut moved_before) = (f64::INFINITY, f64::INFINITY);
+        let (mut settled, mut iterations) = (!least_norm, 0);
+        let mut best = (0, f64::INFINITY);
+        loop {
+            let residual = self.mismatch(coordinates);
+            // Of those that are closed the last: its virtual joints have settled most.
+            if residual <= best.1.max(CLOSURE_TOLERANCE) {
+                best = (iterations, residual);
+            }
+            let at_the_end =
+                residual <= ROUND_OFF || (residual <= CLOSURE_TOLERANCE && residual > 0.5 * before);
+            if (at_the_end && settled) || iterations == most || residual.is_nan() {
+                return Run { residual, settled, iterations, best };
+            }
+            // Newton's steps square the mismatch; by the last factor the next one still takes a share as large as the last step left.
+            // What is least depends on the derivatives here, so that they have to be fresh for it.
+            let with_last_factor = 2.0 * residual * residual / before;
+            if iterations == 0 || with_last_factor > ROUND_OFF || least_norm {
+                self.linearize();
+            }
+            iterations += 1;
+            before = residual;
+            let moved = self.step(coordinates, solver) / self.length;
+            settled = !least_norm
+                || moved <= SETTLED
+                || (moved <= SETTLING && moved > 0.5 * moved_before);
+            moved_before = moved;
+        }
+    }
+
+    /// Walks all joints; the largest mismatch, in radians and characteristic lengths.
+    fn mismatch(&mut self, coordinates: &[f64]) -> f64 {
+        for TreeWalk { from, to, walk } in &self.tree {
+            let mut frame = self.links[*from];
+            walk.follow(
+                &mut frame,
+                coordinates,
+                &self.orientations,
+                &mut self.turns,
+                &mut self.screws,
+            );
+            self.links[*to] = frame;
+        }
+        let mut largest = 0.0_f64;
+        for closing in &mut self.closings {
+            for side in 0..2 {
+                let mut frame = self.links[closing.links[side]];
+                closing.sides[side].follow(
+                    &mut frame,
+                    coordinates,
+                    &self.orientations,
+                    &mut self.turns,
+                    &mut self.screws,
+                );
+                closing.frames[side] = frame;
+            }
+            let [first, second] = &closing.frames;
+            let apart = (first.origin - second.origin) / self.length;
+            let entries = &mut self.elimination.right[closing.row..];
+            entries[..3].copy_from_slice((-apart).as_slice());
+            largest = larger(largest, apart.norm());
+            // Half turns leave no antisymmetric part behind, but are no closure: distances see them.
+            let off = match closing.meeting {
+                Meeting::Points(_) => continue,
+                Meeting::Axes(_) => {
+                    let z = first.rotation.column(2);
+                    entries[3] = -second.rotation.column(0).dot(&z);
+                    entries[4] = -second.rotation.column(1).dot(&z);
+                    (z - second.rotation.column(2)).norm()
+                }
+                Meeting::Frames => {
+                    let turned = skew_part(&(first.rotation * second.rotation.transpose()));
+                    entries[3..6].copy_from_slice((-turned).as_slice());
+                    (first.rotation - second.rotation).norm() / std::f64::consts::SQRT_2
+                }
+            };
+            largest = larger(largest, off);
+        }
+        largest
+    }
+
+    /// Factors the equations where [`Self::mismatch`] was.
+    fn linearize(&mut self) {
+        let m = self.elimination.rows();
+        self.elimination.matrix.fill(0.0);
+        for closing in &self.closings {
+            let [first_side, second_side] = &closing.frames;
+            let z: Vector3<f64> = first_side.rotation.column(2).into_owned();
+            // How the components of the first z along the second x and y change with a turn.
+            let across = [0, 1].map(|axis| z.cross(&second_side.rotation.column(axis)));
+            for &(column, sense, side) in &closing.moved_by {
+                let screw = &self.screws[column];
+                let scale = sense * self.unknowns[column].unit;
+                let first = column * m + closing.row;
+                let linear =
+                    screw.velocity_of(&closing.frames[side].origin) * (scale / self.length);
+                let entries = &mut self.elimination.matrix[first..];
+                entries[..3].copy_from_slice(linear.as_slice());
+                let angular = screw.angular * scale;
+                match closing.meeting {
+                    Meeting::Points(_) => {}
+                    Meeting::Axes(_) => {
+                        entries[3] = across[0].dot(&angular);
+                        entries[4] = across[1].dot(&angular);
+                    }
+                    Meeting::Frames => entries[3..6].copy_from_slice(angular.as_slice()),
+                }
+            }
+        }
+        self.elimination.factor();
+    }
+
+    /// One step from where [`Self::mismatch`] was, by the last factor; returns how far virtual joints moved in their metric.
+    fn step(&mut self, coordinates: &mut [f64], solver: ReliefSolver) -> f64 {
+        for (value, unknown) in self.relieved.iter_mut().zip(&self.unknowns[self.passive..]) {
+            *value = coordinates[unknown.coordinate] / unknown.unit;
+        }
+        self.elimination.solve(&self.relieved, solver);
+        let step = &mut self.elimination.step;
+        let size = step[..self.passive].iter().map(|value| value * value).sum::<f64>().sqrt();
+        if size > LONGEST_STEP {
+            step.iter_mut().for_each(|value| *value *= LONGEST_STEP / size);
+        }
+        for (unknown, value) in self.unknowns.iter().zip(step.iter()) {
+            coordinates[unknown.coordinate] += value * unknown.unit;
+        }
+        for (turn, ball) in self.orientations.iter_mut().zip(&self.balls) {
+            if let Some(column) = ball.column {
+                let by = Vector3::from_column_slice(&step[column..column + 3]);
+                *turn *= cayley(&by).matrix();
+            }
+        }
+        step[self.passive..].iter().map(|value| value * value).sum::<f64>().sqrt()
+    }
+
+    /// Coordinates of the hinges at which loops are open, and of all balls.
+    fn close_openings(&mut self, coordinates: &mut [f64]) {
+        for closing in &self.closings {
+            let [first, second] = &closing.frames;
+            match closing.meeting {
+                Meeting::Points(ball) => {
+                    self.orientations[ball] = first.rotation.transpose() * second.rotation;
+                }
+                Meeting::Axes(hinge) => {
+                    let x: Vector3<f64> = second.rotation.column(0).into_owned();
+                    let angle =
+                        first.rotation.column(1).dot(&x).atan2(first.rotation.column(0).dot(&x));
+                    // As many full turns as the start had.
+                    let turns = ((coordinates[hinge] - angle) / TAU).round();
+                    coordinates[hinge] = angle + turns * TAU;
+                }
+                Meeting::Frames => {}
+            }
+        }
+        for (turn, ball) in self.orientations.iter().zip(&self.balls) {
+            let vector = rotation_vector(&Rotation3::from_matrix_unchecked(*turn));
+            coordinates[ball.coordinate..ball.coordinate + 3].copy_from_slice(vector.as_slice());
+        }
+    }
+}
+
+/// The larger of two numbers, NaN if one is.
+fn larger(a: f64, b: f64) -> f64 {
+    if b > a || b.is_nan() { b } else { a }
+}

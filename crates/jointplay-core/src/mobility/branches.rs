@@ -1,0 +1,43 @@
+//! Dimensions of the branches of configurations that meet at a given one.
+
+use super::finite::FiniteMobility;
+use super::neighbours::neighbours;
+use super::search::Search;
+use crate::Error;
+use crate::constraint::{Configuration, System};
+
+/// Dimensions of the branches that meet at a configuration, as far as a search finds them: different ones, smallest first.
+///
+/// More than one make it a kinematotropic candidate: a mechanism that can change there how many freedoms it has.
+/// Each dimension is proven at a configuration of the branch; see [`finite_mobility`](super::finite_mobility) for the proof.
+///
+/// # Arguments
+/// * `at`, `found` – a configuration, and the result of [`finite_mobility`](super::finite_mobility) for it
+///
+/// # Errors
+/// Those of [`instantaneous_mobility`](super::instantaneous_mobility).
+///
+/// # Numerics
+/// A single dimension, without a search, where all motions of first order are finite; none where no finite motion is possible.
+/// Branches on which no start ends are missing; where the finite mobility is undecided, the largest dimension is its lower bound.
+/// Deterministic.
+pub fn branch_dimensions<S: System + ?Sized>(
+    system: &S,
+    at: &Configuration,
+    found: &FiniteMobility,
+) -> Result<Vec<usize>, Error> {
+    let first = &found.instantaneous;
+    let (Some(mobility), Some(second)) = (found.mobility, &found.second_order) else {
+        // Undecided: the search has been made with all its starts.
+        let searched = found.neighbours.as_ref().map(|searched| searched.dimensions.clone());
+        return Ok(searched.unwrap_or_else(|| found.mobility.into_iter().collect()));
+    };
+    if mobility == 0 {
+        return Ok(Vec::new());
+    }
+    let search = Search::new(system, at, first.characteristic_length);
+    let mut all = neighbours(&search, at, first, second, usize::MAX)?;
+    all.add(mobility);
+    all.dimensions.retain(|&dimension| dimension <= mobility);
+    Ok(all.dimensions)
+}

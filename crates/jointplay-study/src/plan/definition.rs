@@ -1,0 +1,111 @@
+//! What a study computes.
+
+use jointplay_core::gpr::Gpr;
+use jointplay_core::virtualization::{SolveOptions, Virtualization};
+
+use super::block::BLOCK;
+use super::built::{RodsFrom, Tolerances};
+use super::spread::Spread;
+use super::wanted::Wanted;
+use crate::Error;
+
+/// Two angles that say a tilt.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TiltForm {
+    /// Yaw γ, then pitch α.
+    YawPitch,
+    /// Angles about e_b1 and about e_b2, as machine controllers have them.
+    AboutXAndY,
+}
+
+/// The tilts of a plan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tilts {
+    /// What the two angles are.
+    pub form: TiltForm,
+    /// Yaw, or the angle about e_b1.
+    pub first: Spread,
+    /// Pitch, or the angle about e_b2.
+    pub second: Spread,
+}
+
+/// What a study computes.
+///
+/// Lists of values make a grid: every value with every other, the second angle running fastest, then the first, then the height.
+/// Each draw of what is random runs through the whole grid: sample i has draw ⌊i / g⌋ at place i mod g of a grid of g.
+#[derive(Clone)]
+pub struct Plan {
+    /// The robot as designed.
+    pub gpr: Gpr,
+    /// Where the platform plane crosses the base axis, as commanded [m].
+    pub height: Spread,
+    /// Tilts, as commanded [rad].
+    pub tilt: Tilts,
+    /// How dimensions of the robot differ from the design.
+    pub tolerances: Tolerances,
+    /// Whose dimensions the rods are computed from.
+    pub rods_from: RodsFrom,
+    /// How often what is random is drawn; 1 where nothing is.
+    pub draws: u64,
+    /// What the draws start from.
+    pub seed: u64,
+    /// The virtualizations, side by side.
+    pub models: Vec<&'static (dyn Virtualization + Sync)>,
+    /// How their virtual joints are found.
+    pub options: SolveOptions,
+    /// What is wanted of each sample, a column each.
+    pub wanted: Vec<Wanted>,
+}
+
+impl Plan {
+    /// Places of the grid.
+    ///
+    /// # Errors
+    /// [`Error::NoValues`] for an empty list, [`Error::TooManySamples`].
+    pub fn grid(&self) -> Result<u64, Error> {
+        let sizes = [&self.height, &self.tilt.first, &self.tilt.second].map(Spread::values);
+        if sizes.contains(&0) {
+            return Err(Error::NoValues);
+        }
+        sizes
+            .iter()
+            .try_fold(1_u64, |product, &size| product.checked_mul(size))
+            .ok_or_else(|| self.too_many())
+    }
+
+    /// Number of threads that the plan keeps busy: one for each block of samples.
+    ///
+    /// # Errors
+    /// As [`Self::grid`].
+    pub fn most_threads(&self) -> Result<usize, Error> {
+        let blocks = self.samples()?.div_ceil(BLOCK as u64);
+        let most = crate::parallel::MOST_THREADS;
+        Ok(usize::try_from(blocks).map_or(most, |blocks| blocks.clamp(1, most)))
+    }
+
+    /// Number of samples: places of the grid times draws.
+    ///
+    /// # Errors
+    /// As [`Self::grid`].
+    pub fn samples(&self) -> Result<u64, Error> {
+        // As many as a signed number of 64 bits counts, which is what tables have.
+        let samples = self.grid()?.checked_mul(self.draws);
+        samples.filter(|&samples| i64::try_from(samples).is_ok()).ok_or_else(|| self.too_many())
+    }
+
+    /// Whether anything is random.
+    #[must_use]
+    pub fn draws_anything(&self) -> bool {
+        let poses = [&self.height, &self.tilt.first, &self.tilt.second];
+        poses.into_iter().any(Spread::is_random) || self.tolerances.any()
+    }
+
+    fn too_many(&self) -> Error {
+        Error::TooManySamples {
+            heights: self.height.values(),
+            first: self.tilt.first.values(),
+            second: self.tilt.second.values(),
+            draws: self.draws,
+        }
+    }
+}

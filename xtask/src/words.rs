@@ -1,0 +1,211 @@
+//! `cargo xtask words`: do documents, help, messages, comments and identifiers use the field's terms?
+//!
+//! `xtask/words.toml` lists words to avoid with the terms to write instead, and the exceptions with their reasons.
+//! In Rust files comments, string literals and identifiers are read; in the studio's sources, TOML and Markdown every line.
+
+use crate::finding::{self, Finding};
+use crate::rust_source::{RustSource, words};
+use crate::tree::Tree;
+use serde::Deserialize;
+use std::path::Path;
+
+/// The list of words, from the top folder.
+const LIST: &str = "xtask/words.toml";
+
+/// Endings of the files that are read as plain text.
+const PLAIN: [&str; 7] = [".md", ".svelte", ".ts", ".mjs", ".toml", ".py", ".program"];
+
+/// Files that are not read: the list itself, and what programs wrote.
+const UNREAD: [&str; 4] = [LIST, "Cargo.lock", "REFERENCES.md", "crates/jointplay-studio/page/"];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct List {
+    rule: Vec<Rule>,
+    #[serde(default)]
+    exception: Vec<Exception>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Rule {
+    /// Words and phrases of prose, separated by `|`.
+    word: String,
+    /// Parts of identifiers, separated by `|`.
+    #[serde(default)]
+    name: String,
+    /// What to write instead.
+    write: String,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Exception {
+    /// File, or the start of its path.
+    file: String,
+    /// Text of the line.
+    text: String,
+    /// Why it may stay.
+    #[expect(dead_code, reason = "for readers of the list")]
+    reason: String,
+}
+
+/// Checks the repository at `root` and prints each word to avoid; true if there is none.
+pub(crate) fn run(root: &Path) -> bool {
+    let checked = Tree::load(root).map_err(|error| error.to_string()).and_then(|tree| check(&tree));
+    match checked {
+        Ok(findings) => finding::report("words", findings),
+        Err(error) => {
+            eprintln!("words: {error}");
+            false
+        }
+    }
+}
+
+/// One finding for each word to avoid.
+fn check(tree: &Tree) -> Result<Vec<Finding>, String> {
+    let list: List = toml::from_str(tree.text(LIST).unwrap_or("rule = []"))
+        .map_err(|error| format!("{LIST}: {error}"))?;
+    let mut findings = Vec::new();
+    for (path, text) in tree.texts() {
+        if UNREAD.iter().any(|unread| path.starts_with(unread)) {
+            continue;
+        }
+        if path.ends_with(".rs") {
+            let source = RustSource::new(text);
+            list.find(path, text, &source.prose(), true, &mut findings);
+            list.find_names(path, text, &source.code, &mut findings);
+        } else if PLAIN.iter().any(|ending| path.ends_with(ending)) {
+            // `let` begins a declaration there.
+            list.find(path, text, text, path.ends_with(".md"), &mut findings);
+        }
+    }
+    Ok(findings)
+}
+
+impl List {
+    /// Finds words of prose; `let` only where it is no keyword.
+    fn find(
+        &self,
+        path: &str,
+        text: &str,
+        prose: &str,
+        with_let: bool,
+        findings: &mut Vec<Finding>,
+    ) {
+        for (i, (line, whole)) in prose.lines().zip(text.lines()).enumerate() {
+            let lower = line.to_lowercase();
+            for rule in &self.rule {
+                let found = rule
+                    .word
+                    .split('|')
+                    .find(|word| (with_let || *word != "let") && holds(&lower, word));
+                if let Some(word) = found.filter(|_| !self.allows(path, whole)) {
+                    findings.push(Finding::new(
+                        path,
+                        i + 1,
+                        format!("\"{}\": write {}", word.trim(), rule.write),
+                    ));
+                }
+            }
+        }
+    }
+
+    /// Finds parts of identifiers.
+    fn find_names(&self, path: &str, text: &str, code: &str, findings: &mut Vec<Finding>) {
+        for (i, (line, whole)) in code.lines().zip(text.lines()).enumerate() {
+            for (_, name) in words(line) {
+                let parts = parts(name);
+                let found = self.rule.iter().find(|rule| {
+                    rule.name
+                        .split('|')
+                        .filter(|avoid| !avoid.is_empty())
+                        .any(|avoid| parts.iter().any(|part| part == avoid))
+                });
+                if let Some(rule) = found.filter(|_| !self.allows(path, whole)) {
+                    findings.push(Finding::new(
+                        path,
+                        i + 1,
+                        format!("`{name}`: write {}", rule.write),
+                    ));
+                }
+            }
+        }
+    }
+
+    fn allows(&self, path: &str, line: &str) -> bool {
+        self.exception
+            .iter()
+            .any(|exception| path.starts_with(&exception.file) && line.contains(&exception.text))
+    }
+}
+
+/// Whether a line holds the word between other letters than its own kind.
+fn holds(line: &str, word: &str) -> bool {
+    line.match_indices(word).any(|(at, _)| {
+        let before = line[..at].chars().next_back();
+        let after = line[at + word.len()..].chars().next();
+        let joins =
+            |c: Option<char>| c.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == '-');
+        !joins(before) && !joins(after)
+    }) && !(word == "as well" && line.contains("as well as"))
+}
+
+/// Lower-case parts of an identifier, in snake case or camel case.
+fn parts(name: &str) -> Vec<String> {
+    let mut parts: Vec<String> = vec![String::new()];
+    let mut before = ' ';
+    for c in name.chars() {
+        if c == '_' || c.is_uppercase() && before.is_lowercase() {
+            parts.push(String::new());
+        }
+        if let Some(part) = parts.last_mut().filter(|_| c != '_') {
+            part.extend(c.to_lowercase());
+        }
+        before = c;
+    }
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RULES: &str = "[[rule]]\nword = \"is told|told|let|as well\"\nname = \"told\"\nwrite = \"report\"\n\
+                         [[exception]]\nfile = \"a.rs\"\ntext = \"Told by\"\nreason = \"a name\"\n";
+
+    fn found(path: &str, text: &str) -> Vec<String> {
+        let findings = check(&Tree::of(&[(LIST, RULES), (path, text)])).unwrap();
+        findings.into_iter().map(|f| format!("{}: {}", f.line, f.message)).collect()
+    }
+
+    #[test]
+    fn comments_strings_and_names_are_read() {
+        assert_eq!(
+            found("a.rs", "// It is told.\nlet limitTold = 1;\nf(\"told\");\nx.limit_told();"),
+            [
+                "1: \"is told\": write report",
+                "3: \"told\": write report",
+                "2: `limitTold`: write report",
+                "4: `limit_told`: write report",
+            ]
+        );
+    }
+
+    #[test]
+    fn other_words_keywords_and_exceptions_are_not() {
+        assert_eq!(
+            found("a.rs", "let untold = 1; // retold, told-off, as well as\n// Told by X"),
+            <[&str; 0]>::default()
+        );
+        assert_eq!(found("a.ts", "let x = 1"), <[&str; 0]>::default());
+        assert_eq!(found("a.md", "let it be as well"), ["1: \"let\": write report"]);
+    }
+
+    #[test]
+    fn the_list_has_a_reason_for_each_exception() {
+        let broken =
+            "[[rule]]\nword = \"a\"\nwrite = \"b\"\n[[exception]]\nfile = \"c\"\ntext = \"d\"\n";
+        assert!(check(&Tree::of(&[(LIST, broken)])).unwrap_err().contains("reason"));
+    }
+}
