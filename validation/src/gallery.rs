@@ -63,8 +63,9 @@ pub fn picture(file: &MechanismFile) -> Result<MechanismPicture<'_>, jointplay::
 /// None but those of writing into memory.
 pub fn page() -> Result<String, Box<dyn Error>> {
     let mechanisms = mechanisms();
-    let mut page =
-        format!("{HEAD}\n| name | mechanism | f | rank | Kutzbach | instantaneous | finite | redundancy |\n");
+    let mut page = format!(
+        "{HEAD}\n| name | mechanism | f | rank | Kutzbach | instantaneous | finite | redundancy |\n"
+    );
     page.push_str("| --- | --- | --- | --- | --- | --- | --- | --- |\n");
     for (entry, file) in &mechanisms {
         let (name, what) = (entry.name, file.mechanism.name());

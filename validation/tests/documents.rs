@@ -49,7 +49,11 @@ fn every_test_that_a_document_names_exists() {
     let tests = tests();
     assert!(tests.len() > 40, "{tests:?}");
     let mut count = 0;
-    for document in ["docs/explanation/kinematics.md", "docs/explanation/errata.md", "docs/explanation/paper-to-code.md"] {
+    for document in [
+        "docs/explanation/kinematics.md",
+        "docs/explanation/errata.md",
+        "docs/explanation/paper-to-code.md",
+    ] {
         for name in named(&read(document)) {
             assert!(tests.contains(&name), "{document} names `{name}`, which is no test");
             count += 1;

@@ -539,12 +539,12 @@ fn links_that_do_not_fit_are_a_no() {
 }
 
 #[test]
-fn a_closure_that_did_not_converge_is_never_within_a_tolerance() {
+fn a_closure_that_drifts_is_never_within_a_tolerance() {
     // Held this way the sliders of the 3-PRS platform run away: at 11 m their mismatch is below 1e-2 of its size.
     let at = "S2[0]=-0.238227703255103,R3=0.0792213199342808,S3[1]=0.2066036079337891,R1=0.0494851612098681,S3[0]=-0.27009488146112187,S2[2]=0.2832733133870829";
     let run = Desk::new().run(&format!("assemble 3-prs --at {at} --tolerance 1e-2"));
     assert_eq!((run.code, run.stdout.as_str()), (1, ""), "{}", run.stderr);
-    assert!(run.stderr.contains("did not converge in 200 iterations"), "{}", run.stderr);
+    assert!(run.stderr.contains("links moved apart"), "{}", run.stderr);
 }
 
 #[test]

@@ -122,7 +122,7 @@ fn interrupted_and_taken_up(table: &str, signal: &str) {
     let output = child.wait_with_output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(130), "{stderr}");
-    assert!(stderr.contains("of 400000 samples are done"), "{stderr}");
+    assert!(stderr.contains("of 400000 samples are in"), "{stderr}");
     assert!(stderr.contains("--resume"), "{stderr}");
     assert!(!desk.file(table).exists());
     let part = std::fs::read(desk.file(&format!("{table}.part"))).unwrap();
@@ -137,7 +137,7 @@ fn interrupted_and_taken_up(table: &str, signal: &str) {
     }
     let again = desk.run(&format!("study s.toml --out {table}"));
     assert_eq!(again.code, 2);
-    assert!(again.stderr.contains("--resume goes on with it"), "{}", again.stderr);
+    assert!(again.stderr.contains("use --resume to continue it"), "{}", again.stderr);
     finish(&desk, table, &expected);
 }
 
@@ -172,7 +172,7 @@ fn a_full_disk_costs_nothing_that_was_done() {
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{stderr}");
     assert!(stderr.contains("cannot write t.csv.part"), "{stderr}");
-    assert!(stderr.contains("--resume goes on"), "{stderr}");
+    assert!(stderr.contains("with --resume continues"), "{stderr}");
     let part = std::fs::read(desk.file("t.csv.part")).unwrap();
     assert!(expected.0.starts_with(&part) && part.ends_with(b"\n"));
     assert!(marked(&desk, "t.csv") > 0);

@@ -15,6 +15,8 @@ use crate::random::Random;
 const MAX_ITERATIONS: usize = 200;
 /// Assembled configurations nearer than this, in radians and characteristic lengths, are one branch.
 const SAME_BRANCH: f64 = 1e-4;
+/// A correction at its limit of iterations that enlarged the mechanism by more than this factor drifts: its residual falls because lengths grow.
+const LARGEST_GROWTH: f64 = 2.0;
 /// Branches listed at most.
 const MAX_BRANCHES: usize = 16;
 
@@ -66,19 +68,24 @@ pub fn assemble(
         .map(|(joint, size)| (mechanism.joints()[joint].name.clone(), size))
         .collect();
     loops.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // As a system at that configuration will have it, whose own middle and length may differ from the guess's.
-    let as_seen_there = |closure: Closure| {
+    // The residual of a system at the closure itself, whose reference point and characteristic length differ from the guess's.
+    let at_closure = |closure: Closure| {
         let there = MechanismSystem::new(mechanism, closure.coordinates.clone())?;
-        Ok::<_, Error>(Closure { residual: there.mismatch(&there.at_home()), ..closure })
+        let growth = there.characteristic_length() / system.characteristic_length();
+        let drifts = closure.iterations >= MAX_ITERATIONS && growth > LARGEST_GROWTH;
+        let residual = there.mismatch(&there.at_home());
+        Ok::<_, Error>((Closure { residual, ..closure }, drifts))
     };
-    let (best, near_guess) = (as_seen_there(best)?, as_seen_there(near_guess)?);
+    let ((best, best_drifts), (near_guess, near_guess_drifts)) =
+        (at_closure(best)?, at_closure(near_guess)?);
     Err(Error::NotAssembled(Box::new(Unassembled {
         best,
         near_guess,
         loops,
         branches,
         starts,
-        max_iterations: MAX_ITERATIONS,
+        best_drifts,
+        near_guess_drifts,
     })))
 }
 

@@ -19,14 +19,16 @@ pub struct Unassembled {
     pub branches: Vec<Closure>,
     /// Number of other starts tried.
     pub starts: usize,
-    /// Largest number of iterations of each correction.
-    pub max_iterations: usize,
+    /// Whether the correction that led to `best` did not converge while links moved apart.
+    pub best_drifts: bool,
+    /// Whether the correction from the guess did not converge while links moved apart.
+    pub near_guess_drifts: bool,
 }
 
 impl Unassembled {
     /// The closure to accept within a tolerance of the dimensions: the one near the guess, or the best one if no start closes exactly; `None` if every mismatch is larger.
     ///
-    /// A closure whose correction did not converge is never accepted: its mismatch can fall below any tolerance because links drift away without limit.
+    /// A closure that drifts is never accepted: its mismatch falls below any tolerance because links move apart without limit.
     ///
     /// # Arguments
     /// * `tolerance` – largest accepted mismatch, in radians and characteristic lengths
@@ -34,21 +36,15 @@ impl Unassembled {
     pub fn within(&self, tolerance: f64) -> Option<&Closure> {
         // Where other starts close exactly it was the guess that failed, and they may be far from what was meant.
         let other = self.branches.is_empty().then_some(&self.best);
-        let closures = [Some(&self.near_guess), other];
-        let accepted =
-            |closure: &&Closure| self.has_converged(closure) && closure.residual <= tolerance;
-        closures.into_iter().flatten().find(accepted)
+        let near_guess = (!self.near_guess_drifts).then_some(&self.near_guess);
+        let closures = [near_guess, other.filter(|_| !self.best_drifts)];
+        closures.into_iter().flatten().find(|closure| closure.residual <= tolerance)
     }
 
     /// The closure that misses by so little that dimensions may only be rounded.
     #[must_use]
     pub fn near_miss(&self) -> Option<&Closure> {
         self.within(NEARLY_CLOSED)
-    }
-
-    /// Whether a correction ended before its limit of iterations.
-    fn has_converged(&self, closure: &Closure) -> bool {
-        closure.iterations < self.max_iterations
     }
 
     fn message(&self) -> String {
@@ -61,17 +57,17 @@ impl Unassembled {
         let worst = self.loops.first().map_or(String::new(), |(joint, size)| {
             format!("; the loop closed by joint {joint:?} stays open by {size:.3e}")
         });
-        let diverged = if self.has_converged(&self.near_guess) {
-            String::new()
-        } else {
+        let drifts = if self.near_guess_drifts {
             format!(
-                "; from the guess the correction did not converge in {} iterations",
-                self.max_iterations
+                "; from the guess the correction did not converge in {} iterations, and the links moved apart",
+                self.near_guess.iterations
             )
+        } else {
+            String::new()
         };
         if self.branches.is_empty() {
             format!(
-                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{near_miss}{diverged}",
+                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{near_miss}{drifts}",
                 self.best.residual, self.starts
             )
         } else {
