@@ -15,8 +15,12 @@ use crate::random::Random;
 const MAX_ITERATIONS: usize = 200;
 /// Assembled configurations nearer than this, in radians and characteristic lengths, are one branch.
 const SAME_BRANCH: f64 = 1e-4;
-/// A correction at its limit of iterations that enlarged the mechanism by more than this factor drifts: its residual falls because lengths grow.
-const LARGEST_GROWTH: f64 = 2.0;
+/// A correction that reaches its limit of iterations and moved a slide farther than this drifts [characteristic lengths].
+///
+/// Twice the range of the other starts: closures of a mechanism are of its own size.
+const DRIFT: f64 = 2.0 * START_RANGE;
+/// Largest displacement of a slide in the other starts [characteristic lengths].
+const START_RANGE: f64 = 2.0;
 /// Branches listed at most.
 const MAX_BRANCHES: usize = 16;
 
@@ -71,8 +75,12 @@ pub fn assemble(
     // The residual of a system at the closure itself, whose reference point and characteristic length differ from the guess's.
     let at_closure = |closure: Closure| {
         let there = MechanismSystem::new(mechanism, closure.coordinates.clone())?;
-        let growth = there.characteristic_length() / system.characteristic_length();
-        let drifts = closure.iterations >= MAX_ITERATIONS && growth > LARGEST_GROWTH;
+        let moved = &closure.coordinates - start;
+        let dimensions = system.kinematics().dimensions();
+        let slides = moved.iter().zip(dimensions).filter(|(_, unit)| **unit != Dimension::Angle);
+        let farthest = slides.map(|(by, _)| by.abs()).fold(0.0, f64::max);
+        let drifts = closure.iterations >= MAX_ITERATIONS
+            && farthest > DRIFT * system.characteristic_length();
         let residual = there.mismatch(&there.at_home());
         Ok::<_, Error>((Closure { residual, ..closure }, drifts))
     };
@@ -132,7 +140,7 @@ fn search(
             by[k] = random.next()
                 * match system.kinematics().dimensions()[k] {
                     Dimension::Angle => std::f64::consts::PI,
-                    _ => 2.0 * system.characteristic_length(),
+                    _ => START_RANGE * system.characteristic_length(),
                 };
         }
         let found = close(&system.moved(&by)?, free, MAX_ITERATIONS)?;
