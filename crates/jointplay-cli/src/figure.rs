@@ -14,7 +14,7 @@ pub(crate) const FIGURE_REFINEMENT: u32 = 10;
 /// The file of a figure.
 #[derive(Args)]
 pub(crate) struct FigureArgs {
-    /// Write the figure into this file, which ends in .svg or .png
+    /// Write the figure into this file; the name must end in .svg or .png
     #[arg(long, value_name = "FILE")]
     figure: Option<PathBuf>,
     #[command(flatten)]
@@ -29,7 +29,7 @@ pub(crate) enum Format {
 }
 
 impl FigureArgs {
-    /// The file and its format, where a figure is asked for.
+    /// The file of the figure and its format; `None` without --figure.
     pub(crate) fn target(&self) -> Result<Option<(&Path, Format)>, Failure> {
         let Some(path) = &self.figure else { return Ok(None) };
         let ending = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
@@ -40,9 +40,9 @@ impl FigureArgs {
         }
     }
 
-    /// Draws the figure and writes it, where one is asked for; the path of what was written.
+    /// Draws and writes the figure; its path, or `None` without --figure.
     ///
-    /// It is called after the answer is printed, which no failure to write may hide.
+    /// Called after the answer is printed, so that a failure to write cannot hide it.
     pub(crate) fn write(
         &self,
         draw: impl FnOnce(Format) -> Result<Vec<u8>, plot::Error>,

@@ -83,6 +83,20 @@ impl Rectangle {
     }
 }
 
+/// Parameter in [0, 1] along the segment from `p` to `q` at which the segment from `r` to `s` crosses it; `None` without a crossing.
+pub(crate) fn crossing(p: Spot, q: Spot, r: Spot, s: Spot) -> Option<f64> {
+    let (d, e) = ((q.0 - p.0, q.1 - p.1), (s.0 - r.0, s.1 - r.1));
+    let determinant = d.0 * e.1 - d.1 * e.0;
+    let size = d.0.hypot(d.1) * e.0.hypot(e.1);
+    if determinant.abs() <= 1e-9 * size {
+        return None;
+    }
+    let f = (r.0 - p.0, r.1 - p.1);
+    let t = (f.0 * e.1 - f.1 * e.0) / determinant;
+    let u = (f.0 * d.1 - f.1 * d.0) / determinant;
+    ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)).then_some(t)
+}
+
 /// The strokes of a curve through `spots`, where `None` is a gap; a stroke of one spot is a point between gaps.
 pub(crate) fn strokes(
     spots: impl IntoIterator<Item = Option<Spot>>,

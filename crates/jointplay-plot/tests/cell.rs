@@ -13,7 +13,7 @@ use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, leaning};
 use jointplay_plot::Error;
-use jointplay_plot::cell::{Gantt, Span, SpanKind, Taught, TopView, Track};
+use jointplay_plot::cell::{EffectorPath, Gantt, Interval, IntervalKind, Taught, TopView};
 use nalgebra::Vector3;
 use resvg::usvg::{Group, Node, Options, Tree, roxmltree::Document};
 
@@ -160,10 +160,10 @@ fn a_cell_from_above() {
         let angle = 0.01 * f64::from(k);
         [0.5 * angle.cos(), 0.5 * angle.sin()]
     });
-    view.tracks.push(Track { effector: ID, reach: [0.3, 0.6], points: points.collect() });
+    view.paths.push(EffectorPath { effector: ID, reach: [0.3, 0.6], points: points.collect() });
     assert!(!view.to_svg().unwrap().contains(">wall</text>"));
-    view.wrong.push([0.3, 0.4]);
-    view.broken.extend(["wall", "door", "hand"].map(str::to_owned));
+    view.violations.push([0.3, 0.4]);
+    view.violating.extend(["wall", "door", "hand"].map(str::to_owned));
     let svg = view.to_svg().unwrap();
     let expected = [
         "wall",
@@ -191,7 +191,7 @@ fn a_cell_that_is_too_large_is_refused() {
     cell.stations[0].base_from_station = Pose::translation(1e9, 0.0, 0.0);
     cell.stations[1].base_from_station = Pose::translation(0.0, f64::NAN, 0.0);
     let mut view = TopView::new(&cell);
-    view.tracks.push(Track { effector: ID, reach: [0.0, f64::INFINITY], points: vec![] });
+    view.paths.push(EffectorPath { effector: ID, reach: [0.0, f64::INFINITY], points: vec![] });
     assert!(matches!(view.to_svg(), Err(Error::Extent { .. })));
 }
 
@@ -256,15 +256,15 @@ fn labels(text: &str) -> Vec<String> {
 }
 
 fn gantt(duration: f64) -> Gantt {
-    let span = |from: f64, to: f64, kind| Span { from, to, kind };
+    let span = |from: f64, to: f64, kind| Interval { from, to, kind };
     Gantt {
         axes: vec!["q1".to_owned(), "T".to_owned()],
-        spans: vec![
-            span(0.0, 0.5 * duration, SpanKind::Instruction(labels("GET port SLOT 1 WITH A"))),
-            span(0.5 * duration, duration, SpanKind::Instruction(labels("PUT aligner"))),
-            span(0.0, 0.4 * duration, SpanKind::Empty(1)),
-            span(0.5 * duration, duration, SpanKind::Loaded(0)),
-            span(0.6 * duration, 0.6 * duration, SpanKind::Wrong),
+        intervals: vec![
+            span(0.0, 0.5 * duration, IntervalKind::Instruction(labels("GET port SLOT 1 WITH A"))),
+            span(0.5 * duration, duration, IntervalKind::Instruction(labels("PUT aligner"))),
+            span(0.0, 0.4 * duration, IntervalKind::Empty(1)),
+            span(0.5 * duration, duration, IntervalKind::Loaded(0)),
+            span(0.6 * duration, 0.6 * duration, IntervalKind::Violation),
         ],
         duration,
         title: "axes".to_owned(),
@@ -275,7 +275,7 @@ fn gantt(duration: f64) -> Gantt {
 #[test]
 fn axes_over_time() {
     let expected =
-        ["axes", "q1", "T", "violations", "GET port SLOT 1 WITH A", "moves empty", "violation"];
+        ["axes", "q1", "T", "violations", "GET port SLOT 1 WITH A", "moving without wafer", "violation"];
     check(&gantt(8.0).to_svg().unwrap(), &expected);
 }
 

@@ -44,9 +44,9 @@ impl Completions {
     }
 }
 
-/// Prints the candidates and ends the process, where a completion script asks for them.
-pub(crate) fn answer_shell() {
-    CompleteEnv::with_factory(|| with_names(crate::usage::command())).var(VARIABLE).complete();
+/// Prints the candidates and ends the process, if a completion script asks for them.
+pub(crate) fn answer_shell(definition: fn() -> Command) {
+    CompleteEnv::with_factory(|| with_names(definition())).var(VARIABLE).complete();
 }
 
 /// The names that complete an argument, in addition to files.

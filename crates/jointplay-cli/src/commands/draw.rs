@@ -1,4 +1,4 @@
-//! `jointplay draw`: a picture of a mechanism.
+//! `jointplay draw`: pictures of mechanisms.
 
 use std::path::PathBuf;
 
@@ -17,14 +17,14 @@ use crate::source::STANDARD;
 
 /// Width of a PNG figure [px].
 const PNG_WIDTH: u32 = 1800;
-/// Play is shown larger by this much at most: a nanometre as a metre.
+/// Largest play scale: a nanometre drawn as a metre.
 const LARGEST_FACTOR: f64 = 1e9;
 
-/// Draw a mechanism: its links, its joints by kind, what is actuated, its virtual joints
+/// Draw a mechanism: links, joints by kind, actuators, virtual joints
 ///
-/// The picture is written into the file that --figure names; without it, as SVG on standard output.
-/// The mechanism is closed from the guesses of its file.
-/// It is seen from where its joints stand apart best, a planar one nearly square on.
+/// Use --figure to write the picture into a file; without it, SVG is printed on standard output.
+/// The loops are closed from the initial guess in the file.
+/// The default view separates the joints best; a planar mechanism is seen almost along its normal.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -38,16 +38,16 @@ pub(crate) struct Draw {
     file: PathBuf,
     #[command(flatten)]
     set: SetArgs,
-    /// Joint coordinates that are to have these values, in the units of the file
+    /// Commanded joint coordinates, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
     at: Vec<Assignment>,
-    /// Show the links faintly where they are once these joints are driven to these values
+    /// Also draw the links faintly with these joints driven to these values
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
     ghost: Vec<Assignment>,
-    /// Show the play that the configuration takes larger by this factor; all joints stay where they truly are
+    /// Play scale: draw the displacement of the virtual joints larger by this factor; joints keep their positions
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exaggerate: Option<f64>,
-    /// From where it is seen: azimuth and elevation of the eye in degrees, z being up
+    /// Direction to the viewer: azimuth and elevation in degrees, with z up
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
     view: Option<View>,
     #[command(flatten)]
@@ -66,10 +66,10 @@ enum Drawn {
 
 fn view(text: &str) -> Result<View, String> {
     let (azimuth, elevation) =
-        text.split_once(',').ok_or_else(|| format!("{text:?} is not AZIMUTH,ELEVATION"))?;
+        text.split_once(',').ok_or_else(|| format!("invalid view {text:?}: expected AZIMUTH,ELEVATION"))?;
     let (azimuth, elevation) = (finite(azimuth)?, finite(elevation)?);
     if elevation.abs() > 90.0 {
-        return Err(format!("an elevation of {}° is not between -90° and 90°", number(elevation)));
+        return Err(format!("elevation must be from -90° to 90°, got {}°", number(elevation)));
     }
     let azimuth = (azimuth % 360.0).to_radians();
     Ok(View { azimuth, elevation: elevation.to_radians() })
@@ -81,7 +81,7 @@ fn factor(text: &str) -> Result<f64, String> {
         Ok(factor)
     } else {
         Err(format!(
-            "play is shown larger by a factor from 1 to {LARGEST_FACTOR:e}, not {}",
+            "the play scale must be from 1 to {LARGEST_FACTOR:e}, got {}",
             number(factor)
         ))
     }
@@ -93,7 +93,7 @@ impl Draw {
         let input = Input::read(&self.file, &self.set.set)?;
         let posed = input.posed(&input.commands(&self.at)?)?;
         if self.exaggerate.is_some() && posed.relief.is_none() {
-            let text = "--exaggerate: this configuration takes no play that could be shown larger; say one with --at that closes by the file's virtual joints only";
+            let text = "--exaggerate: the virtual joints are not displaced in this configuration; use --at to command one that needs them";
             return Err(Failure::Usage(text.to_owned()));
         }
         let mut picture = MechanismPicture::new(&input.file.mechanism, posed.closed.coordinates);

@@ -1,4 +1,4 @@
-//! `jointplay forward`: from rods to pose.
+//! `jointplay forward`: forward kinematics, from rod lengths to the platform pose.
 
 use clap::Args;
 use jointplay::format::report;
@@ -7,7 +7,7 @@ use super::pose_text;
 use crate::arguments::{AnswerArgs, ModelArgs, RodArgs};
 use crate::failure::Failure;
 
-/// Where the platform is for given rods
+/// Compute the platform pose for given rod lengths (forward kinematics)
 #[derive(Args)]
 #[command(after_help = "\
 Examples:

@@ -1,4 +1,4 @@
-//! `jointplay import`: models of other programs as mechanism files.
+//! `jointplay import`: conversion of MJCF, SDF and URDF models.
 
 use std::path::{Path, PathBuf};
 
@@ -16,22 +16,23 @@ use crate::output::FormatArgs;
 use crate::source::{Kind, STANDARD, Source};
 use crate::{folder, output};
 
-/// Take over a model of MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF) as a mechanism file
+/// Convert a MuJoCo (MJCF), Gazebo (SDF) or ROS (URDF) model into a mechanism file
 ///
-/// What has no place in a mechanism is listed as ignored; what would change the mechanism if it were ignored is an error.
+/// Elements without a counterpart in a mechanism, such as masses and shapes, are listed as ignored.
+/// Elements that would change the mechanism if ignored are errors.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   jointplay import robot.urdf
   jointplay import robot.urdf --loops loops.toml --output robot.toml")]
 pub(crate) struct Import {
-    /// Model file; its root element tells which kind it is
+    /// Model file; the format is detected from its root element
     #[arg(value_name = "MODEL")]
     model: PathBuf,
-    /// Joints that close loops, for URDF, which can write trees only
+    /// File of joints that close loops, for URDF, which describes trees only
     #[arg(long, value_name = "FILE")]
     loops: Option<PathBuf>,
-    /// The mechanism file to write; without it, standard output
+    /// Mechanism file to write [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]
@@ -59,7 +60,7 @@ impl Import {
         if !import::is_model(&source.text) {
             let label = &source.label;
             return Err(Failure::Usage(format!(
-                "{label} is no model: models are XML files, of MuJoCo, Gazebo or ROS"
+                "{label} is not a model: models are XML files of MuJoCo, Gazebo or ROS"
             )));
         }
         let Imported { mechanism, dialect, ignored } = imported(&source)?;

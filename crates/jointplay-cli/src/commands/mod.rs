@@ -1,4 +1,4 @@
-//! One file a command: what its flags are, what it asks the library, how it tells the answer.
+//! One file per command: its flags, its calls of the library, and its answer as text.
 
 mod assemble;
 mod catalogue;
@@ -51,7 +51,11 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    /// Runs the command.
+    ///
+    /// # Arguments
+    /// * `definition` – the whole command line, for the manual
+    pub(crate) fn run(&self, definition: fn() -> clap::Command) -> Result<(), Failure> {
         match self {
             Self::Simulate(command) => command.run(),
             Self::Study(command) => command.run(),
@@ -70,7 +74,7 @@ impl Command {
             Self::Import(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
-            Self::Manual(command) => command.run(),
+            Self::Manual(command) => command.run(definition()),
         }
     }
 

@@ -1,4 +1,4 @@
-//! `jointplay simulate`: the paper's studies, as data and figures.
+//! `jointplay simulate`: data and figures of the paper's studies.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -25,9 +25,9 @@ use crate::progress::Progress;
 
 /// Run the paper's studies and write data and figures
 ///
-/// Runs a raster over yaw and pitch under each virtualization, every pose from the nominal virtual joints.
-/// Without flags these are the paper's studies VI.A (polar) and VI.B (offset), with radial and planar beside them.
-/// The raster goes past the robot's tilt limit on purpose, as the paper does.
+/// Computes a raster over tilt direction (yaw) and tilt angle (pitch) under each virtualization; every pose is solved from the nominal virtual joints.
+/// By default these are the paper's studies VI.A (polar) and VI.B (offset), and the same for radial and planar.
+/// As in the paper, the raster exceeds the robot's tilt limit.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -35,10 +35,10 @@ Examples:
   jointplay simulate --yaw-step-deg 1 --virtualization polar,planar --out fine-study
   jointplay simulate --pitch-deg -1.5:1.5:0.1 --order serpentine --metric radius")]
 pub(crate) struct Simulate {
-    /// Virtualizations, with commas between them
+    /// Virtualizations, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]
     virtualization: Vec<VirtualizationChoice>,
-    /// How the virtual displacements are found
+    /// Solver for the virtual joints
     #[arg(long, value_enum, default_value = "newton")]
     solver: SolverName,
     #[command(flatten)]
@@ -49,7 +49,7 @@ pub(crate) struct Simulate {
     /// Pitch range of each yaw
     #[arg(long, value_name = "FROM:TO:STEP", default_value = "-2:2:0.2", value_parser = pitches)]
     pitch_deg: Steps,
-    /// Axis height; without it, the robot's working height
+    /// Axis height [default: the robot's working height]
     #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
     /// Order of the samples
@@ -73,7 +73,7 @@ pub(crate) struct Simulate {
 enum VirtualizationChoice {
     /// all four
     All,
-    /// three radial slides
+    /// three radial displacements
     Radial,
     /// the paper's V.A
     Polar,
@@ -87,7 +87,7 @@ enum VirtualizationChoice {
 enum OrderName {
     /// every yaw from the first pitch to the last, as in the paper
     Raster,
-    /// every other yaw backwards, continuous in time
+    /// every other yaw from the last pitch to the first, continuous in time
     Serpentine,
 }
 
@@ -100,15 +100,15 @@ enum TableFormat {
     Parquet,
 }
 
-/// Name of the file that holds the results of a run, and lists the files that it wrote.
+/// File with the results of a run and the list of its files.
 const SUMMARY: &str = "summary.json";
-/// Name of the file that explains the others.
+/// File that explains the others.
 const README: &str = "README.md";
-/// What a summary of ours says that it is from.
+/// Value of `command` in summaries of this program.
 const COMMAND: &str = "jointplay simulate";
-/// The most poses that a study may have: every one is kept in memory, for each virtualization.
+/// Largest number of poses of a study: all are kept in memory, for each virtualization.
 const MOST_POSES: usize = 500_000;
-/// Width of the figures' PNG [px]: 180 mm at 250 dots an inch.
+/// Width of PNG figures [px]: 180 mm at 250 dots per inch.
 const PNG_WIDTH: u32 = 1800;
 
 /// One virtualization's study.
@@ -145,7 +145,7 @@ impl Simulate {
             files.push((format!("{name}.svg"), figure.to_svg().map_err(failed)?.into_bytes()));
             files.push((format!("{name}.png"), figure.to_png(PNG_WIDTH).map_err(failed)?));
         }
-        // First in line: whatever follows it is known as ours, even if this run is killed.
+        // Written first: it identifies the other files as results of this program, even if the run is killed.
         let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
         names.insert(0, SUMMARY.to_owned());
         names.push(README.to_owned());
@@ -198,7 +198,7 @@ impl Simulate {
         })
     }
 
-    /// The virtualizations asked for, each once, in their usual order.
+    /// The selected virtualizations, each once, in the order of the list.
     fn virtualizations(&self) -> Vec<VirtualizationName> {
         use VirtualizationChoice as Choice;
         let all = [
@@ -273,7 +273,7 @@ impl Simulate {
 
 /// The figures of all studies: Figs. 5 to 11 by the paper's numbers, the other virtualizations by name.
 ///
-/// Rods and sides are the same under every virtualization, and are drawn once.
+/// Rods and sides do not depend on the virtualization; they are drawn once.
 fn figures(studies: &[Study]) -> Vec<(String, Figure)> {
     type Part = fn(&Study) -> &Samples;
     let parts: [(Part, &str); 2] =
@@ -295,7 +295,7 @@ fn figures(studies: &[Study]) -> Vec<(String, Figure)> {
     figures
 }
 
-/// Name of a figure: with the paper's number where the paper has it.
+/// Name of a figure, with its number in the paper if it has one.
 fn figure_stem(virtualization: &str, part: &str) -> String {
     let number = match (virtualization, part) {
         ("polar", "linear") => "fig06-",
@@ -307,7 +307,7 @@ fn figure_stem(virtualization: &str, part: &str) -> String {
     format!("{number}{virtualization}-{part}")
 }
 
-/// What the summary in a folder says that the last run wrote there; nothing without a summary of ours.
+/// Files of the last run, as listed in the summary of its folder; none without a summary of this program.
 fn own_files(folder: &Path) -> BTreeSet<String> {
     let text = std::fs::read_to_string(folder.join(SUMMARY)).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();

@@ -20,7 +20,7 @@ impl Studio {
         let mut output = BufReader::new(child.stdout.take().unwrap());
         let mut line = String::new();
         output.read_line(&mut line).unwrap();
-        let address = line.trim().strip_prefix("the studio is at http://").unwrap_or_else(|| {
+        let address = line.trim().strip_prefix("studio: http://").unwrap_or_else(|| {
             let mut error = String::new();
             child.stderr.take().unwrap().read_to_string(&mut error).unwrap();
             panic!("{line}{error}")

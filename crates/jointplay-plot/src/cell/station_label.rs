@@ -43,14 +43,14 @@ pub(super) fn place(
     let half = 0.5 * width(text, TICK) + 2.0;
     let (x, y) = station.center;
     let vertical = station.radius + GAP + 0.5 * HEIGHT;
-    let beside = station.radius + GAP + half;
+    let sideways = station.radius + GAP + half;
     let outward = if below { 1.0 } else { -1.0 };
     let candidates = [
         (x, y + outward * vertical),
         (x - half - GAP, y + outward * vertical),
         (x + half + GAP, y + outward * vertical),
-        (x - beside, y),
-        (x + beside, y),
+        (x - sideways, y),
+        (x + sideways, y),
         (x, y - outward * vertical),
     ];
     let room = |(x, y): Spot| {
@@ -84,7 +84,7 @@ mod tests {
     const STATION: Circle = Circle { center: (200.0, 300.0), radius: 40.0 };
 
     #[test]
-    fn a_label_is_below_its_station_where_nothing_is_in_the_way() {
+    fn a_label_without_obstacles_is_below_its_station() {
         let at = place("PM1", STATION, true, &mut Obstacles::default(), &FRAME);
         assert!((at.0 - 200.0).abs() < 1e-9 && at.1 > 340.0, "{at:?}");
     }

@@ -1,4 +1,4 @@
-//! A cell from above.
+//! The top view of a cell.
 
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::workcell::{Carrier, Cell, ZoneRule};
@@ -6,19 +6,19 @@ use jointplay_cell::workcell::{Carrier, Cell, ZoneRule};
 use super::effector_colour;
 use super::outline::outline;
 use super::station_label::{Circle, Obstacles, place};
-use crate::draw::RIM;
-use crate::mechanism::bar;
 use crate::path::Rectangle;
-use crate::svg::{Anchor, INK, Svg, element, path_data, px};
+use crate::scale_bar::scale_bar;
+use crate::svg::{Anchor, INK, RIM, Svg, element, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
-/// Room about the cell, for names [px].
+/// Margin around the cell, for labels [px].
 const MARGIN: f64 = 40.0;
-/// Room for a line of the legend, and for axes and scale [px].
+/// Height of a line of the legend [px].
 const ROW: f64 = 20.0;
+/// Height of the axes and the scale [px].
 const FOOT: f64 = 56.0;
-/// Greatest height of the cell, in widths of the page.
+/// Largest height of the cell, as a share of the page width.
 const HIGH: f64 = 1.0;
 /// Length of the axes [px].
 const AXES: f64 = 26.0;
@@ -26,41 +26,41 @@ const AXES: f64 = 26.0;
 const FORBIDDEN: &str = " fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
 const ALLOWED: &str = " fill=\"#009e73\" fill-opacity=\"0.05\" stroke=\"#009e73\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
 const BODY: &str = " fill=\"#d9d9d6\" stroke=\"#8c8c8c\" stroke-width=\"1\"";
-const BROKEN: &str =
+const VIOLATING: &str =
     " fill=\"#d55e00\" fill-opacity=\"0.25\" stroke=\"#d55e00\" stroke-width=\"2\"";
 const STATION: &str =
     " fill=\"#ffffff\" fill-opacity=\"0.8\" stroke=\"#222222\" stroke-width=\"1.4\"";
 const ROBOT: &str = " fill=\"#ececec\" stroke=\"#5c5c5c\" stroke-width=\"1.2\"";
 
-/// An effector with what it reaches and where it goes.
+/// The reach of an effector and the path of its wafer centre.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Track {
-    /// Which effector.
+pub struct EffectorPath {
+    /// The effector.
     pub effector: EffectorId,
     /// Least and greatest distance of its wafer centre from the base axis [m].
     pub reach: [f64; 2],
-    /// Way of its wafer centre in the base frame [m].
+    /// Path of its wafer centre in the base frame [m].
     pub points: Vec<[f64; 2]>,
 }
 
-/// A cell from above: robot, reach, stations, bodies, zones, and ways of wafer centres.
+/// The top view of a cell: robot, reach, stations, bodies, zones, and paths of wafer centres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TopView<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Its effectors.
-    pub tracks: Vec<Track>,
-    /// Places to be marked as wrong, in the base frame [m].
-    pub wrong: Vec<[f64; 2]>,
-    /// Names of bodies and zones that stand still and that something is wrong with.
-    pub broken: Vec<String>,
+    /// Reaches and paths of its effectors.
+    pub paths: Vec<EffectorPath>,
+    /// Positions of violations in the base frame [m].
+    pub violations: Vec<[f64; 2]>,
+    /// Names of fixed bodies and zones involved in violations.
+    pub violating: Vec<String>,
     /// Title above the picture; empty for none.
     pub title: String,
     /// Width in pixels.
     pub width: f64,
 }
 
-/// From metres to places on the page.
+/// The projection from the base frame onto the page.
 struct Camera {
     scale: f64,
     middle: (f64, f64),
@@ -77,8 +77,8 @@ impl<'a> TopView<'a> {
     #[must_use]
     pub fn new(cell: &'a Cell) -> Self {
         let title = cell.name.clone();
-        let (tracks, wrong, broken) = (Vec::new(), Vec::new(), Vec::new());
-        Self { cell, tracks, wrong, broken, title, width: 720.0 }
+        let (paths, violations, violating) = (Vec::new(), Vec::new(), Vec::new());
+        Self { cell, paths, violations, violating, title, width: 720.0 }
     }
 
     /// The picture as SVG with real text, on white.
@@ -113,11 +113,11 @@ impl<'a> TopView<'a> {
         self.robot(&mut svg, &camera);
         self.zones(&mut svg, &camera);
         self.stations(&mut svg, &camera);
-        self.ways(&mut svg, &camera);
-        self.named(&mut svg, &camera);
+        self.effector_paths(&mut svg, &camera);
+        self.violating_bodies(&mut svg, &camera);
         let frame = Rectangle { x: 2.0, y: top, w: self.width - 4.0, h: bottom - top };
         self.station_labels(&mut svg, &camera, &frame);
-        for &at in &self.wrong {
+        for &at in &self.violations {
             let (x, y) = camera.at(at);
             let data = format!("M{} {}l9 9m0 -9l-9 9", px(x - 4.5), px(y - 4.5));
             svg.path(
@@ -126,7 +126,7 @@ impl<'a> TopView<'a> {
             );
         }
         axes(&mut svg, (MARGIN, bottom + 34.0));
-        bar(&mut svg, 1.0 / scale, (self.width - MARGIN, bottom + 34.0), 0.2 * self.width);
+        scale_bar(&mut svg, 1.0 / scale, (self.width - MARGIN, bottom + 34.0), 0.2 * self.width);
         for (row, entries) in legend.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "a count of lines")]
             let y = bottom + FOOT + (row as f64 + 0.3) * ROW;
@@ -143,9 +143,9 @@ impl<'a> TopView<'a> {
         png::paint(&self.to_svg()?, width_px)
     }
 
-    /// Corners of what is shown [m].
+    /// Corners of the visible part of the base plane [m].
     fn extent(&self) -> Result<([f64; 2], [f64; 2]), Error> {
-        let reach = self.tracks.iter().map(|track| track.reach[1]).fold(self.platform(), f64::max);
+        let reach = self.paths.iter().map(|path| path.reach[1]).fold(self.platform(), f64::max);
         let mut points = vec![[-reach, -reach], [reach, reach]];
         let half = 0.5 * self.cell.wafer.diameter;
         for station in &self.cell.stations {
@@ -158,7 +158,7 @@ impl<'a> TopView<'a> {
         for zone in &self.cell.zones {
             points.extend(outline(&zone.shape, &zone.base_from_shape));
         }
-        points.extend(self.tracks.iter().flat_map(|track| track.points.iter().copied()));
+        points.extend(self.paths.iter().flat_map(|path| path.points.iter().copied()));
         let (mut low, mut high) = ([f64::MAX; 2], [f64::MIN; 2]);
         for point in points {
             low = [low[0].min(point[0]), low[1].min(point[1])];
@@ -197,20 +197,20 @@ impl<'a> TopView<'a> {
         }
     }
 
-    /// Outlines of bodies and zones that something is wrong with, by name.
-    fn broken(&self) -> impl Iterator<Item = (&str, Vec<[f64; 2]>)> {
+    /// Names and outlines of bodies and zones involved in violations.
+    fn outlines_in_violation(&self) -> impl Iterator<Item = (&str, Vec<[f64; 2]>)> {
         let still = self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World);
         let bodies = still.map(|body| (&body.name, &body.shape, &body.carrier_from_shape));
         let zones = self.cell.zones.iter();
         let zones = zones.map(|zone| (&zone.name, &zone.shape, &zone.base_from_shape));
-        let all = bodies.chain(zones).filter(|(name, ..)| self.broken.contains(name));
+        let all = bodies.chain(zones).filter(|(name, ..)| self.violating.contains(name));
         all.map(|(name, shape, pose)| (name.as_str(), outline(shape, pose)))
     }
 
-    /// What something is wrong with, and its name.
-    fn named(&self, svg: &mut Svg, camera: &Camera) {
-        for (name, outline) in self.broken() {
-            svg.path(&polygon(camera, &outline), BROKEN);
+    /// Bodies and zones involved in violations, with their names.
+    fn violating_bodies(&self, svg: &mut Svg, camera: &Camera) {
+        for (name, outline) in self.outlines_in_violation() {
+            svg.path(&polygon(camera, &outline), VIOLATING);
             let mean = |k: usize| {
                 #[expect(clippy::cast_precision_loss, reason = "a count of corners")]
                 let count = outline.len() as f64;
@@ -231,44 +231,44 @@ impl<'a> TopView<'a> {
         }
     }
 
-    fn ways(&self, svg: &mut Svg, camera: &Camera) {
-        for (k, track) in self.tracks.iter().enumerate() {
-            for reach in track.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
-                svg.path(&circle(camera, [0.0; 2], reach), &self.reach_look(k));
+    fn effector_paths(&self, svg: &mut Svg, camera: &Camera) {
+        for (k, path) in self.paths.iter().enumerate() {
+            for reach in path.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
+                svg.path(&circle(camera, [0.0; 2], reach), &self.reach_style(k));
             }
-            // Points that would fall on each other on the page are left out.
-            let mut way: Vec<(f64, f64)> = Vec::new();
-            for at in track.points.iter().map(|&point| camera.at(point)) {
-                if way.last().is_none_or(|last| (last.0 - at.0).hypot(last.1 - at.1) > 0.4) {
-                    way.push(at);
+            // Points that coincide on the page are omitted.
+            let mut line: Vec<(f64, f64)> = Vec::new();
+            for at in path.points.iter().map(|&point| camera.at(point)) {
+                if line.last().is_none_or(|last| (last.0 - at.0).hypot(last.1 - at.1) > 0.4) {
+                    line.push(at);
                 }
             }
-            if way.len() > 1 {
-                svg.path(&path_data(&way), &self.way_look(k));
+            if line.len() > 1 {
+                svg.path(&path_data(&line), &self.path_style(k));
             }
         }
     }
 
-    /// How the path of an effector is drawn: the first the widest, so that it shows on both sides of another that lies on it.
-    fn way_look(&self, k: usize) -> String {
+    /// Style of the path of an effector: the first is the widest, so that coincident paths remain visible.
+    fn path_style(&self, k: usize) -> String {
         let colour = effector_colour(k).hex();
         #[expect(clippy::cast_precision_loss, reason = "a count of effectors")]
-        let wide = 1.4 + 2.6 * (self.tracks.len() - 1 - k).min(3) as f64;
+        let wide = 1.4 + 2.6 * (self.paths.len() - 1 - k).min(3) as f64;
         format!(" stroke=\"{colour}\" stroke-width=\"{wide}\" stroke-linejoin=\"round\"")
     }
 
-    /// How its reach is drawn: dashes in the gaps of the others, so that equal reaches show beside each other.
-    fn reach_look(&self, k: usize) -> String {
+    /// Style of the reach of an effector: its dashes fill the gaps of the others, so that equal reaches remain visible.
+    fn reach_style(&self, k: usize) -> String {
         let colour = effector_colour(k).hex();
         #[expect(clippy::cast_precision_loss, reason = "a count of effectors")]
-        let [count, place] = [self.tracks.len().max(1) as f64, k as f64];
+        let [count, place] = [self.paths.len().max(1) as f64, k as f64];
         let (gap, offset) = (7.0 * count - 4.0, -7.0 * place);
         format!(
             " stroke=\"{colour}\" stroke-width=\"1.2\" stroke-dasharray=\"4 {gap}\" stroke-dashoffset=\"{offset}\""
         )
     }
 
-    /// Stations as wafers.
+    /// Stations, as outlines of a wafer.
     fn stations(&self, svg: &mut Svg, camera: &Camera) {
         for station in &self.cell.stations {
             let place = center(station.slot_frame(1).translation.vector);
@@ -285,14 +285,14 @@ impl<'a> TopView<'a> {
             radius,
         };
         let reaches = self
-            .tracks
+            .paths
             .iter()
-            .flat_map(|track| track.reach)
+            .flat_map(|path| path.reach)
             .map(|reach| Circle { center: camera.at([0.0; 2]), radius: reach * camera.scale });
         let paths = self
-            .tracks
+            .paths
             .iter()
-            .map(|track| track.points.iter().map(|&point| camera.at(point)).collect::<Vec<_>>());
+            .map(|path| path.points.iter().map(|&point| camera.at(point)).collect::<Vec<_>>());
         let mut obstacles = Obstacles {
             circles: places.map(outline).chain(reaches).collect(),
             paths: paths.collect(),
@@ -324,15 +324,15 @@ impl<'a> TopView<'a> {
         }
     }
 
-    /// What colours mean, in rows that fit the page: a drawn sign and a text each.
+    /// The legend in rows that fit the page: a symbol and a text for each entry.
     fn legend_rows(&self) -> Vec<Vec<(String, String)>> {
         let mut entries: Vec<(String, String)> = Vec::new();
-        for (k, track) in self.tracks.iter().enumerate() {
+        for (k, path) in self.paths.iter().enumerate() {
             let name =
-                &self.cell.robot.arms[track.effector.arm].effectors[track.effector.effector].name;
-            let [way, reach] = [self.way_look(k), self.reach_look(k)];
-            entries.push((element("M0 0h20", &way), format!("wafer centre of {name}")));
-            entries.push((element("M0 0h20", &reach), format!("reach of {name}")));
+                &self.cell.robot.arms[path.effector.arm].effectors[path.effector.effector].name;
+            let [path_style, reach_style] = [self.path_style(k), self.reach_style(k)];
+            entries.push((element("M0 0h20", &path_style), format!("wafer centre of {name}")));
+            entries.push((element("M0 0h20", &reach_style), format!("reach of {name}")));
         }
         if !self.cell.stations.is_empty() {
             let arrow = element("M0 0h14", &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""))
@@ -343,18 +343,18 @@ impl<'a> TopView<'a> {
         entries.push((rod, "rod".to_owned()));
         let swatch = |look: &str| element("M0 -5h20v10h-20z", look);
         if self.cell.zones.iter().any(|zone| zone.rule == ZoneRule::KeepOut) {
-            entries.push((swatch(FORBIDDEN), "keep out".to_owned()));
+            entries.push((swatch(FORBIDDEN), "keep-out zone".to_owned()));
         }
         if self.cell.zones.iter().any(|zone| zone.rule == ZoneRule::Safe) {
-            entries.push((swatch(ALLOWED), "safe".to_owned()));
+            entries.push((swatch(ALLOWED), "safe zone".to_owned()));
         }
         if self.cell.bodies.iter().any(|body| body.carrier == Carrier::World) {
             entries.push((swatch(BODY), "body".to_owned()));
         }
-        if self.broken().next().is_some() {
-            entries.push((swatch(BROKEN), "in a violation".to_owned()));
+        if self.outlines_in_violation().next().is_some() {
+            entries.push((swatch(VIOLATING), "in violation".to_owned()));
         }
-        if !self.wrong.is_empty() {
+        if !self.violations.is_empty() {
             let look = format!(" stroke=\"{}\" stroke-width=\"2.4\"", Colour::VERMILLION.hex());
             entries.push((element("M5 -4.5l9 9m0 -9l-9 9", &look), "violation".to_owned()));
         }
@@ -389,7 +389,7 @@ impl<'a> TopView<'a> {
     }
 }
 
-/// Width of a legend entry with the gap behind it [px].
+/// Width of a legend entry with the gap after it [px].
 fn entry_width(text: &str) -> f64 {
     26.0 + width(text, TICK) + 16.0
 }

@@ -1,12 +1,12 @@
-//! Names of joints, set where they hide least.
+//! Placement of joint names.
 
 use jointplay_core::mechanism::JointKind;
 
-use super::paint::Camera;
+use super::camera::Camera;
 use super::scene::Scene;
 use crate::text::{HALF_CAPITAL, TICK, width};
 
-/// Joints from whose number on only the actuated ones are named.
+/// Number of joints from which only actuated ones are named.
 const MANY: usize = 16;
 
 /// A name on the page.
@@ -77,7 +77,7 @@ pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Ve
     names
 }
 
-/// How far the picture of a joint reaches, in radii.
+/// Extent of the drawing of a joint, in radii.
 fn reach(kind: JointKind) -> f64 {
     match kind {
         JointKind::Prismatic | JointKind::Cylindrical => 2.0,
@@ -87,7 +87,7 @@ fn reach(kind: JointKind) -> f64 {
     }
 }
 
-/// The room beside a spot that shares least with what is there.
+/// The free rectangle next to a position with the least overlap.
 fn best(text: &str, spot: (f64, f64), reach: f64, taken: &[Room], page: (f64, f64, f64)) -> Room {
     let (w, h) = (width(text, TICK), 1.1 * TICK);
     let (right, top, bottom) = page;

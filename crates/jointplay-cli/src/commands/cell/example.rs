@@ -1,4 +1,4 @@
-//! `jointplay cell example`: the example's files, to start from.
+//! `jointplay cell example`: the files of the example.
 
 use std::path::PathBuf;
 
@@ -11,14 +11,14 @@ use crate::failure::Failure;
 use crate::folder::{self, ForceArgs};
 use crate::output::FormatArgs;
 
-/// Write the example cell and its program, to start from
+/// Write the example cell and its program as templates
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   jointplay cell example
   jointplay cell example --out other-cell")]
 pub(super) struct ExampleCommand {
-    /// Folder for the two files, made if missing
+    /// Folder for the two files; created if missing
     #[arg(short, long, value_name = "FOLDER", default_value = "example-cell")]
     out: PathBuf,
     #[command(flatten)]

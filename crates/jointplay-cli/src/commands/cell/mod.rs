@@ -1,4 +1,4 @@
-//! `jointplay cell`: a robot with arms among stations, and what a program makes it do.
+//! `jointplay cell`: work cells and their programs.
 
 mod check;
 mod example;
@@ -15,9 +15,9 @@ use clap::{Args, Subcommand};
 use crate::failure::Failure;
 use crate::output::FormatArgs;
 
-/// Work cells: check programs of robots with arms, run them, export their motion, teach stations
+/// Check, run and export programs of work cells; teach stations
 ///
-/// Without files, all of these take the example that comes along: a dual-arm robot between two load ports, an aligner and a process station.
+/// Without files, the commands use the included example: a dual-arm robot with two load ports, an aligner and a process station.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:

@@ -1,4 +1,4 @@
-//! Where the table of a study goes: a file, or standard output.
+//! The destination of the table of a study: a file, or standard output.
 
 use std::io::Write as _;
 use std::path::Path;

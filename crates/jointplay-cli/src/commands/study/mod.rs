@@ -4,7 +4,7 @@
 //! | --- | --- |
 //! | `command.rs` | the flags, and the run from file to table |
 //! | `source.rs` | the study file and the robot that it names |
-//! | `destination.rs` | where the table goes: a file, or standard output |
+//! | `destination.rs` | the destination of the table: a file, or standard output |
 //! | `part_file.rs` | an incomplete table on the disk, and the marker for resuming it |
 //! | `estimate.rs` | expected size and duration |
 //! | `text.rs` | the summary as text |
