@@ -12,7 +12,7 @@ use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility};
 use jointplay::nalgebra::{Rotation2, Vector2};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{
-    Motion, Platform, Sockets, SolveOptions, VirtualJoint, Virtualization,
+    Platform, Sockets, SolveOptions, VirtualJoint, VirtualJointKind, Virtualization,
 };
 
 /// Socket k slides by s_k in the direction β_k + slant.
@@ -34,9 +34,9 @@ impl Virtualization for Slanted {
 
     fn joints(&self) -> &[VirtualJoint] {
         static SLIDES: [VirtualJoint; 3] = [
-            VirtualJoint { symbol: "s", limb: 0, motion: Motion::Linear },
-            VirtualJoint { symbol: "s", limb: 1, motion: Motion::Linear },
-            VirtualJoint { symbol: "s", limb: 2, motion: Motion::Linear },
+            VirtualJoint { symbol: "s", limb: 0, motion: VirtualJointKind::Linear },
+            VirtualJoint { symbol: "s", limb: 1, motion: VirtualJointKind::Linear },
+            VirtualJoint { symbol: "s", limb: 2, motion: VirtualJointKind::Linear },
         ];
         &SLIDES
     }

@@ -4,7 +4,7 @@
 
 use jointplay::format::mechanism::parse;
 use jointplay::mechanism::{
-    Class, Drive, MechanismSystem, assemble, drive, guess, self_stresses, suggest,
+    Drive, MechanismSystem, MobilityClass, assemble, drive, guess, self_stresses, suggest,
 };
 use jointplay::mobility::{RANK_THRESHOLD, finite_mobility};
 use jointplay::nalgebra::DVector;
@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let closed = assemble(&mechanism, &guess(&mechanism), &[], 10)?;
         let system = MechanismSystem::new(&mechanism, closed.coordinates)?;
         let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD)?;
-        println!("{what}: {}", Class::of(&found).words());
+        println!("{what}: {}", MobilityClass::classify(&found).description());
         for stress in self_stresses(&system, &found.instantaneous)? {
             println!("  carried twice: {}", stress.words);
         }

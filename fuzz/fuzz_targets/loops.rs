@@ -4,7 +4,8 @@
 
 use std::sync::LazyLock;
 
-use jointplay::format::{import, mechanism};
+use jointplay::format::mechanism;
+use jointplay::interop::import;
 use jointplay::mechanism::Mechanism;
 use libfuzzer_sys::fuzz_target;
 

@@ -2,7 +2,8 @@
 
 #![no_main]
 
-use jointplay::format::{import, mechanism};
+use jointplay::format::mechanism;
+use jointplay::interop::import;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|text: &str| {

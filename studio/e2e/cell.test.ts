@@ -35,7 +35,7 @@ afterEach(() => {
   expect(heard.splice(0)).toEqual([]);
 });
 
-const verdict = (want: string) => until(`verdict ${want}`, async () => (await page.getByTestId('verdict').getAttribute('data-verdict')) === want);
+const checkResult = (want: string) => until(`check result ${want}`, async () => (await page.getByTestId('check-result').getAttribute('data-state')) === want);
 const now = async () => Number(await page.getByTestId('cell-now').getAttribute('data-time'));
 
 /** Puts other text into an editor, as typing does. */
@@ -47,14 +47,14 @@ async function write(kind: 'program' | 'cell', text: string): Promise<void> {
 }
 
 test('the cell is seen, with its parts by name, and its program is safe to run', async () => {
-  await verdict('sound');
-  await until('the cell is drawn', () => page.evaluate(() => (window.jointplay.measure.cell?.parts().length ?? 0) > 0 && window.jointplay.measure.cellPictures > 0));
-  const parts = await page.evaluate(() => window.jointplay.measure.cell!.parts());
+  await checkResult('sound');
+  await until('the cell is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellPictures > 0));
+  const parts = await page.evaluate(() => window.jointplay.probe.cell!.parts());
   for (const name of ['wall', 'optics', 'blade-A', 'LP1-left']) expect(parts).toContain(name);
 });
 
 test('the program runs by the keyboard, by the slider and by its steps', async () => {
-  await page.getByTestId('verdict').click();
+  await page.getByTestId('check-result').click();
   await page.keyboard.press(' ');
   await until('it plays', async () => (await now()) > 0.5);
   await page.keyboard.press(' ');
@@ -76,16 +76,16 @@ test('the program runs by the keyboard, by the slider and by its steps', async (
 
 test('mistakes are told in the line where they are', async () => {
   await write('program', 'HOME\nGET LP9 SLOT 1 WITH A\n');
-  await verdict('refused');
+  await checkResult('refused');
   await page.getByTestId('problems').filter({ hasText: 'line 2, column 5' }).filter({ hasText: 'LP9' }).waitFor();
   await page.getByTestId('text-program').locator('.cm-lintRange-error', { hasText: 'LP9' }).waitFor();
   await write('program', PROGRAM);
-  await verdict('sound');
+  await checkResult('sound');
 });
 
 test('a wall in the way is a violation: in the list, at its moment, in the line, in the picture', async () => {
   await write('cell', CELL.replace('position_mm = [100.0, -600.0, 500.0]', 'position_mm = [-330.0, 330.0, 500.0]'));
-  await verdict('broken');
+  await checkResult('broken');
   const first = page.getByTestId('violations').getByRole('button').first();
   expect(await first.textContent()).toContain('wall');
   await first.click();
@@ -93,23 +93,23 @@ test('a wall in the way is a violation: in the list, at its moment, in the line,
   await page.getByTestId('text-program').locator('.cm-lintRange-warning').first().waitFor();
   await page.keyboard.press('Escape');
   await page.getByRole('button', { name: 'Undo' }).click();
-  await verdict('sound');
+  await checkResult('sound');
 });
 
 test('a station leans too far, is mended, and the file keeps its comments', async () => {
   await page.locator('summary', { hasText: 'LP1' }).click();
   await page.getByTestId('station-LP1-pitch').fill('2');
   await page.getByTestId('station-LP1-pitch').press('Enter');
-  await verdict('refused');
+  await checkResult('refused');
   await page.getByTestId('problems').filter({ hasText: 'LP1' }).filter({ hasText: 'tilts 2.000°' }).waitFor();
   await page.getByTestId('problems').getByRole('button').first().click();
   await page.getByTestId('text-cell').locator('.cm-lintRange-error').first().waitFor();
   await page.getByRole('button', { name: 'Undo' }).click();
-  await verdict('sound');
+  await checkResult('sound');
   await page.getByTestId('station-LP1-x').fill('-494');
   await page.getByTestId('station-LP1-x').press('Enter');
   await until('it can be kept', () => page.getByTestId('save').isEnabled());
-  await verdict('sound');
+  await checkResult('sound');
   await page.getByTestId('save').click();
   await until('it is kept', () => page.getByTestId('save').isDisabled());
   const kept = readFileSync(join(folder, 'mine.toml'), 'utf8');
@@ -124,7 +124,7 @@ async function asked(question: object): Promise<{ axes: { name: string; position
   return answer.json() as never;
 }
 const value = async (name: string) => Number(await page.getByTestId(`field-jog-${name}`).inputValue());
-const origin = (name: string) => page.evaluate((of) => window.jointplay.measure.cell!.origin(of)!, name);
+const origin = (name: string) => page.evaluate((of) => window.jointplay.probe.cell!.origin(of)!, name);
 
 test('moved by hand, axis by axis: it follows in the picture, and limits stop it and say so', async () => {
   await page.getByTestId('cell-time').fill('0');
@@ -213,12 +213,12 @@ test('a station is taught where the wafer is, and by points of its plane, and un
   }
   for (let k = 0; k < 4; k += 1) await undo.click();
   await until('no point is left', async () => (await page.getByTestId('points-ALIGN').count()) === 0);
-  await verdict('sound');
+  await checkResult('sound');
   expect(await text()).toBe(kept);
   await page.getByTestId('jog-release').click();
 });
 
-const grip = (freedom: string) => page.evaluate((of) => window.jointplay.measure.cell!.grip(of as never), freedom);
+const grip = (freedom: string) => page.evaluate((of) => window.jointplay.probe.cell!.grip(of as never), freedom);
 const choose = async (name: string) => {
   await page.getByRole('tab', { name: 'Parts' }).click();
   await page.getByTestId('parts').getByRole('button', { name: new RegExp(`^${name}`) }).click();
@@ -246,7 +246,7 @@ test('a station is dragged by the handles of its freedoms, in one step of undo',
   await until('it is planned anew', async () => (await page.getByTestId('planned').textContent())!.startsWith('Planned') && (await z()) > 601);
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('one step takes it back', async () => (await z()) === 600);
-  await verdict('sound');
+  await checkResult('sound');
 });
 
 test('what lies in a station goes with it while it is dragged, and is there when it is planned anew', async () => {
@@ -265,7 +265,7 @@ test('what lies in a station goes with it while it is dragged, and is there when
     for (const by of off(shown)) [0, 0, moved].forEach((value, i) => expect(by[i]).toBeCloseTo(value, 6));
     expect(await origin('wall'), 'what is not of the station stays').toEqual(wall);
   });
-  await verdict('sound');
+  await checkResult('sound');
   // Single precision is what the file of the picture has.
   await until('the server says the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -277,7 +277,7 @@ test('what lies in a station goes with it while it is dragged, and is there when
     // The slot on top goes far as the station leans about its lowest.
     expect(Math.hypot(...off(shown)[2]!)).toBeGreaterThan(0.2);
   });
-  await verdict('sound');
+  await checkResult('sound');
   await until('the server says the same', async () => (await places()).every((place, k) => place.every((value, i) => Math.abs(value - shown[k]![i]!) < 1e-6)));
   await page.getByRole('button', { name: 'Undo' }).click();
   await until('it is back', async () => off(await places()).every((by) => by.every((value) => Math.abs(value) < 1e-3)));
@@ -288,12 +288,12 @@ test('a station placed by its first and last slot is moved and leans with both, 
   const text = CELL.replace('position_mm = [-495.0, -495.0, 500.0]', drift).replace('tilt = { yaw_deg = 100.0, pitch_deg = 0.8 }\n', '');
   await write('cell', text);
   await until('it is planned so', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) > 0);
-  await verdict('sound');
+  await checkResult('sound');
   await choose('LP2');
   for (const freedom of ['x', 'y', 'height', 'yaw', 'about_x', 'about_y']) await until(`it has ${freedom}`, async () => (await grip(freedom)) !== null);
   await drag('height', 14);
   const kept = async () => {
-    await verdict('sound');
+    await checkResult('sound');
     await page.getByTestId('save').click();
     await until('it is kept', () => page.getByTestId('save').isDisabled());
     const [, first, last] = /drift = \{ first_mm = \[(.*?)\], last_mm = \[(.*?)\] \} # as measured/.exec(readFileSync(join(folder, 'mine.toml'), 'utf8'))!;
@@ -313,7 +313,7 @@ test('a station placed by its first and last slot is moved and leans with both, 
   expect(long(turned!)).toBeCloseTo(long(last!), 6);
   for (let k = 0; k < 3; k += 1) await page.getByRole('button', { name: 'Undo' }).click();
   await until('it is as drawn', async () => (await page.getByText('LP2', { exact: false }).filter({ hasText: 'drift' }).count()) === 0);
-  await verdict('sound');
+  await checkResult('sound');
   await page.getByTestId('save').click();
 });
 
@@ -321,11 +321,11 @@ test('parts are found by name, marked in the picture, and told', async () => {
   await page.getByRole('tab', { name: 'Parts' }).click();
   await page.getByTestId('parts').getByText('Bodies').click();
   await page.getByTestId('parts').getByRole('button', { name: 'blade-A' }).click();
-  await until('it is marked', async () => (await page.evaluate(() => window.jointplay.measure.cell!.marked())).includes('blade-A'));
+  await until('it is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.marked())).includes('blade-A'));
   expect(await page.getByTestId('properties').textContent()).toContain('300.00 mm × 220.00 mm × 3.00 mm');
   await page.getByTestId('parts').getByText('Arm lower').click();
   await page.getByTestId('parts').getByRole('button', { name: 'lower whole arm' }).click();
-  await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.measure.cell!.marked())).includes('blade-B'));
+  await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.marked())).includes('blade-B'));
   await page.getByRole('tab', { name: 'Program' }).click();
 });
 
@@ -372,14 +372,14 @@ test('files that changed on the disk are not replaced unasked', async () => {
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
   await page.getByRole('button', { name: 'Overwrite' }).click();
   await until('mine is kept', async () => readFileSync(path, 'utf8').includes('-492'));
-  await verdict('sound');
+  await checkResult('sound');
 });
 
 test('the robot is beside it', async () => {
   await page.getByRole('button', { name: 'Robot', exact: true }).first().click();
-  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.measure.pictures > 0));
+  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.pictures > 0));
   await page.getByRole('button', { name: 'Cell', exact: true }).click();
-  await verdict('sound');
+  await checkResult('sound');
 });
 
 test('a cell that cannot be read is opened, told in its line, and mended', async () => {
@@ -397,8 +397,8 @@ test('a cell that cannot be read is opened, told in its line, and mended', async
     await second.getByTestId('text-cell').locator('.cm-content').click();
     await second.keyboard.press('Control+a');
     await second.keyboard.insertText(CELL);
-    await until('it is sound', async () => (await second.getByTestId('verdict').getAttribute('data-verdict')) === 'sound');
-    await until('it is drawn', () => second.evaluate(() => (window.jointplay.measure.cell?.parts().length ?? 0) > 0));
+    await until('it is sound', async () => (await second.getByTestId('check-result').getAttribute('data-state')) === 'sound');
+    await until('it is drawn', () => second.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0));
     await second.getByTestId('save').click();
     await until('it is kept', () => second.getByTestId('save').isDisabled());
     expect(readFileSync(join(folder, 'steep.toml'), 'utf8')).toBe(CELL);

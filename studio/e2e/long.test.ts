@@ -84,7 +84,7 @@ for (const [name, change, program] of ROBOTS)
   });
 
 const planned = async (page: Page) => (await page.getByTestId('planned').textContent())!.startsWith('Planned');
-const sound = async (page: Page) => (await page.getByTestId('verdict').getAttribute('data-verdict')) === 'sound';
+const sound = async (page: Page) => (await page.getByTestId('check-result').getAttribute('data-state')) === 'sound';
 
 test('a long program is shown with its result; typing one line sends what changed', async () => {
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' })).newPage();
@@ -98,10 +98,10 @@ test('a long program is shown with its result; typing one line sends what change
   });
   await page.goto(server.address);
   await until('it is sound', () => sound(page));
-  await until('it is drawn', () => page.evaluate(() => (window.jointplay.measure.cell?.parts().length ?? 0) > 0 && window.jointplay.measure.cellPictures > 0));
+  await until('it is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellPictures > 0));
   await until('all of it is there', async () => (await planned(page)) && (await page.getByTestId('fetching').count()) === 0);
   // A moment far into it.
-  const link = () => page.evaluate(() => window.jointplay.measure.cell!.origin('upper link 4'));
+  const link = () => page.evaluate(() => window.jointplay.probe.cell!.origin('upper link 4'));
   const home = await link();
   const middle = Number(await page.getByTestId('cell-time').getAttribute('max')) / 2 + 3;
   await page.getByTestId('cell-time').fill(String(middle));
@@ -135,7 +135,7 @@ test('while a part of the motion is fetched, the page says so', async () => {
   await page.route('**/cell/windows/*', (route) => void (held ? waiting.push(route) : route.continue()));
   await page.getByTestId('cell-time').fill('4321');
   await page.getByTestId('fetching').filter({ hasText: 'Loading' }).waitFor();
-  const link = () => page.evaluate(() => window.jointplay.measure.cell!.origin('upper link 4'));
+  const link = () => page.evaluate(() => window.jointplay.probe.cell!.origin('upper link 4'));
   const shown = await link();
   expect(await page.getByTestId('cell-step').textContent(), 'no step is named').toBe('');
   await until('it is asked for', async () => waiting.length > 0);

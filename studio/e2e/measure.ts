@@ -41,19 +41,19 @@ test('the robot alone', async () => {
   await new Promise((wait) => setTimeout(wait, 2000));
 
   const steps = await page.evaluate(async () => {
-    const { measure } = window.jointplay;
+    const { probe } = window.jointplay;
     const slider = document.querySelector<HTMLInputElement>('[data-testid=slider-pitch]')!;
     const found: { total: number; server: number; page: number }[] = [];
     for (let i = 0; i < 120; i++) {
       performance.clearResourceTimings();
-      const before = measure.pose;
+      const before = probe.pose;
       const start = performance.now();
       slider.value = String(0.2 + (i % 60) * 0.02);
       slider.dispatchEvent(new Event('input', { bubbles: true }));
-      while (measure.pose === before) await new Promise((next) => requestAnimationFrame(next));
-      const total = measure.drawnAt - start;
+      while (probe.pose === before) await new Promise((next) => requestAnimationFrame(next));
+      const total = probe.drawnAt - start;
       const [request] = performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/pose')) as PerformanceResourceTiming[];
-      found.push({ total, page: measure.took_ms, server: request ? request.responseEnd - request.requestStart : NaN });
+      found.push({ total, page: probe.took_ms, server: request ? request.responseEnd - request.requestStart : NaN });
     }
     return found.slice(20);
   });
@@ -72,9 +72,9 @@ test('the robot alone', async () => {
   await page.getByLabel('Speed').selectOption('2');
   const play = await page.evaluate(async () => {
     document.querySelector<HTMLElement>('[data-testid=play]')!.click();
-    const { measure } = window.jointplay;
+    const { probe } = window.jointplay;
     const start = performance.now();
-    const from = measure.pictures;
+    const from = probe.pictures;
     let frames = 0;
     while (performance.now() - start < 5000) {
       frames += 1;
@@ -83,7 +83,7 @@ test('the robot alone', async () => {
     document.querySelector<HTMLElement>('[data-testid=play]')!.click();
     const end = performance.now();
     const seconds = (end - start) / 1000;
-    const pictures = (measure.pictures - from) / seconds;
+    const pictures = (probe.pictures - from) / seconds;
     // A browser without a graphics card still draws what it was told before: frames come at their pace again once it is done.
     let last = end;
     for (let calm = 0; calm < 5; ) {
@@ -166,7 +166,7 @@ test('the example cell in a browser', async () => {
     until('the cell as it moves', () =>
       page.evaluate((seen) => {
         const shown = document.querySelector('[data-testid=planned]')?.textContent?.startsWith('Planned in');
-        return Boolean(shown) && window.jointplay.measure.cellPictures > seen;
+        return Boolean(shown) && window.jointplay.probe.cellPictures > seen;
       }, pictures),
     );
   await calm();
@@ -174,26 +174,26 @@ test('the example cell in a browser', async () => {
     await page.locator('summary', { hasText: station }).click();
     const found: { server: number; total: number }[] = [];
     for (let i = 0; i < 9; i++) {
-      const drawn = await page.evaluate(() => window.jointplay.measure.cellPictures);
+      const drawn = await page.evaluate(() => window.jointplay.probe.cellPictures);
       found.push(
         await page.evaluate(async (name) => {
-          const { measure } = window.jointplay;
+          const { probe } = window.jointplay;
           const input = document.querySelector<HTMLInputElement>(`[data-testid=station-${name}-x]`)!;
-          const before = measure.verdicts;
+          const before = probe.checks;
           performance.clearResourceTimings();
           const start = performance.now();
           input.value = String(Number(input.value) + 0.01);
           input.dispatchEvent(new Event('change', { bubbles: true }));
-          while (measure.verdicts === before) await new Promise((next) => setTimeout(next, 1));
+          while (probe.checks === before) await new Promise((next) => setTimeout(next, 1));
           const [plan] = performance.getEntriesByType('resource').filter(({ name }) => name.endsWith('/plan')) as PerformanceResourceTiming[];
-          return { total: measure.judgedAt - start, server: plan ? plan.responseEnd - plan.requestStart : NaN };
+          return { total: probe.checkShownAt - start, server: plan ? plan.responseEnd - plan.requestStart : NaN };
         }, station),
       );
       await calm(drawn);
       // The browser may still be drawing what the page has told it.
       await new Promise((wait) => setTimeout(wait, 2000));
     }
-    say(`${station} moved by a number typed, to the verdict`, range(found.slice(1).map(({ total }) => total)));
+    say(`${station} moved by a number typed, to the check result`, range(found.slice(1).map(({ total }) => total)));
     say('of it the plan and its answer', range(found.slice(1).map(({ server }) => server)));
   }
   await browser.close();

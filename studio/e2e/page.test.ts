@@ -40,7 +40,7 @@ async function open(hash = USUAL): Promise<void> {
       }),
     `${hash}&n=${links}`,
   );
-  await drawn(page, 'window.jointplay.measure.settled');
+  await drawn(page, 'window.jointplay.probe.settled');
 }
 
 const field = (name: string) => page.getByTestId(`field-${name}`);
@@ -141,7 +141,7 @@ test('the page opens within the limit of tilt, and at the limit the robot moves 
     await fresh.keyboard.press('k');
     // Toward x by as much as the circle of the limit allows, and off y.
     await drawn(fresh, 'pose.tilt.about_x_rad > 1.7e-3 && Math.abs(pose.tilt.pitch_rad - 1.5 * Math.PI / 180) < 1e-7');
-    const tilt = await fresh.evaluate(() => window.jointplay.measure.pose!.tilt);
+    const tilt = await fresh.evaluate(() => window.jointplay.probe.pose!.tilt);
     expect(tilt.about_x_rad / tilt.about_y_rad).toBeCloseTo(0.1 / 1.5, 4);
     await fresh.keyboard.press('i');
     await drawn(fresh, 'Math.abs(pose.tilt.about_x_rad) < 1e-5');
@@ -221,7 +221,7 @@ test('panels are folded, resized and moved, and stay so', async () => {
   expect(await panels('right')).toEqual(usual);
   expect(await page.locator('aside.left').count()).toBe(0);
   // By the keyboard: one place down, and to the other side.
-  await page.getByTestId('grip-move').focus();
+  await page.getByTestId('grip-pose').focus();
   await page.keyboard.press('ArrowDown');
   expect((await panels('right')).slice(0, 2)).toEqual(['Virtualization', 'Pose']);
   await page.keyboard.press('ArrowUp');
@@ -230,8 +230,8 @@ test('panels are folded, resized and moved, and stay so', async () => {
   await page.keyboard.press('ArrowLeft');
   expect(await panels('left')).toEqual(['Mobility']);
   // By the pointer: dragged over the panel at the left.
-  await page.getByTestId('grip-models').scrollIntoViewIfNeeded();
-  const grip = (await page.getByTestId('grip-models').boundingBox())!;
+  await page.getByTestId('grip-virtualization').scrollIntoViewIfNeeded();
+  const grip = (await page.getByTestId('grip-virtualization').boundingBox())!;
   const over = (await page.getByTestId('grip-mobility').boundingBox())!;
   await page.mouse.move(grip.x + 5, grip.y + 5);
   await page.mouse.down();

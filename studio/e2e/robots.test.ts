@@ -106,7 +106,7 @@ function glb(size: [number, number, number]): Buffer {
   return Buffer.concat([head, chunks]);
 }
 
-const shown = (page: Page) => page.evaluate(() => window.jointplay.measure.shapes);
+const shown = (page: Page) => page.evaluate(() => window.jointplay.probe.shapes);
 
 test('shapes of the robot file are drawn in their size', async () => {
   writeFileSync(join(folder, 'base.stl'), stl([320, 260, 30]));
@@ -150,13 +150,13 @@ test('a link made with another robot says so, and what is kept of one is not giv
     link = new URL(page.url()).hash;
     await page.reload();
     await drawn(page, 'Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9');
-    expect(await page.getByTestId('stranger').count()).toBe(0);
+    expect(await page.getByTestId('foreignRobot').count()).toBe(0);
   });
   await at(robot({}, other), async (page, address) => {
     await page.goto(address + link);
-    await page.getByTestId('stranger').filter({ hasText: 'another robot, “GPR of the paper”' }).waitFor();
+    await page.getByTestId('foreignRobot').filter({ hasText: 'another robot, “GPR of the paper”' }).waitFor();
     await drawn(page, 'Math.abs(pose.tilt.pitch_rad - Math.PI / 180) < 1e-9');
     await page.getByRole('button', { name: 'Dismiss the note about the link' }).click();
-    expect(await page.getByTestId('stranger').count()).toBe(0);
+    expect(await page.getByTestId('foreignRobot').count()).toBe(0);
   });
 });

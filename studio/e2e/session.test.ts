@@ -36,7 +36,7 @@ beforeEach(async () => {
   page = await visit(browser);
   heard = complaints(page);
   await page.goto(server.address);
-  await verdict('sound');
+  await checkResult('sound');
 });
 afterEach(async () => {
   // The browser itself notes requests that found nobody.
@@ -44,8 +44,8 @@ afterEach(async () => {
   await page.context().close();
 });
 
-const shown = () => page.getByTestId('verdict').getAttribute('data-verdict');
-const verdict = (want: string) => until(`check result ${want}`, async () => (await shown()) === want);
+const shown = () => page.getByTestId('check-result').getAttribute('data-state');
+const checkResult = (want: string) => until(`check result ${want}`, async () => (await shown()) === want);
 const editor = () => page.getByTestId('text-program').locator('.cm-content');
 const text = () => editor().innerText();
 
@@ -71,8 +71,8 @@ async function hold(): Promise<() => Promise<void>> {
 
 /** The result is shown as outdated wherever it is shown. */
 async function outdated(): Promise<void> {
-  await verdict('outdated');
-  expect(await page.getByTestId('verdict').innerText()).toContain('Outdated');
+  await checkResult('outdated');
+  expect(await page.getByTestId('check-result').innerText()).toContain('Outdated');
   expect(await page.getByText('Safe to run').count()).toBe(0);
   expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('true');
   expect(await page.getByTestId('outdated').isVisible()).toBe(true);
@@ -80,7 +80,7 @@ async function outdated(): Promise<void> {
 }
 /** And valid again. */
 async function valid(): Promise<void> {
-  await verdict('sound');
+  await checkResult('sound');
   expect(await page.getByTestId('gantt').getAttribute('data-outdated')).toBe('false');
   expect(await page.getByTestId('outdated').count()).toBe(0);
   expect(await page.title()).toMatch(/^Safe to run/);
@@ -118,10 +118,10 @@ test('from the first digit of a number typed the result is outdated, and while i
   await until('the number is in the text', async () => (await page.getByTestId('save').isEnabled()));
   await outdated();
   await held();
-  await verdict('broken');
+  await checkResult('broken');
   expect(await page.title()).toMatch(/^\d+ violations \(unsaved\)/);
   // Parts in collision lose their colour with the result.
-  const colour = () => page.evaluate(() => window.jointplay.measure.cell!.brokenColour());
+  const colour = () => page.evaluate(() => window.jointplay.probe.cell!.brokenColour());
   const red = await colour();
   const last = await hold();
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -135,7 +135,7 @@ test('from the first digit of a number typed the result is outdated, and while i
 test('while a station is dragged the result is outdated', async () => {
   await page.getByRole('tab', { name: 'Parts' }).click();
   await page.getByTestId('parts').getByRole('button', { name: /^ALIGN/ }).click();
-  const grip = () => page.evaluate(() => window.jointplay.measure.cell!.grip('height' as never));
+  const grip = () => page.evaluate(() => window.jointplay.probe.cell!.grip('height' as never));
   await until('there is a handle', async () => (await grip()) !== null);
   // Its size and the picture come to rest before it is taken hold of.
   await until('all is drawn', async () => (await page.getByTestId('planned').innerText()).startsWith('Planned'));
@@ -171,7 +171,7 @@ test('without its server the page shows the result as outdated, saves nothing, s
   await outdated();
   expect(readFileSync(programFile(), 'utf8')).toBe(PROGRAM);
   server = await serve(server.port, ['--cell', file()]);
-  await verdict('sound');
+  await checkResult('sound');
   await page.getByTestId('disconnected').waitFor({ state: 'hidden' });
   await page.getByTestId('save').click();
   await until('it is saved', async () => readFileSync(programFile(), 'utf8') === `${PROGRAM}# while away\n`);
@@ -183,9 +183,9 @@ test('without its server the page shows the result as outdated, saves nothing, s
 test('edits, undo and the open text survive a look at the robot', async () => {
   await append('# one\n');
   await until('it can be undone', () => page.getByRole('button', { name: 'Undo' }).isEnabled());
-  await verdict('sound');
+  await checkResult('sound');
   await page.getByRole('button', { name: 'Robot', exact: true }).click();
-  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.measure.pictures > 0));
+  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.pictures > 0));
   expect(await page.title()).toBe('jointplay studio');
   let fetched = 0;
   page.on('request', (request) => void (fetched += Number(/\/cell(\/plan|\/motion.glb)?$/.test(request.url()))));
@@ -194,13 +194,13 @@ test('edits, undo and the open text survive a look at the robot', async () => {
   expect(await text()).toContain('# one');
   expect(await shown()).toBe('sound');
   expect(await page.getByTestId('save').isEnabled()).toBe(true);
-  await until('it is drawn', () => page.evaluate(() => (window.jointplay.measure.cell?.parts().length ?? 0) > 0));
+  await until('it is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0));
   expect(fetched, 'what is there is not fetched again').toBe(0);
   // The editor is a new one, and undoes what was typed into the old one all the same.
   await editor().click();
   await page.keyboard.press('Control+z');
   await until('it is undone', async () => !(await text()).includes('# one'));
-  await verdict('sound');
+  await checkResult('sound');
   expect(await page.getByTestId('save').isDisabled()).toBe(true);
 });
 
@@ -211,7 +211,7 @@ test('closing with unsaved changes asks, and a reload restores them', async () =
     void dialog.accept();
   });
   await page.reload();
-  await verdict('sound');
+  await checkResult('sound');
   expect(asked, 'nothing unsaved, nothing asked').toEqual([]);
   await append('# draft\n');
   // At once: the text has not rested yet.
@@ -219,7 +219,7 @@ test('closing with unsaved changes asks, and a reload restores them', async () =
   expect(asked).toEqual(['beforeunload']);
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
   expect(await text()).toContain('# draft');
-  await verdict('sound');
+  await checkResult('sound');
   expect(await page.title()).toContain('(unsaved)');
   await page.getByRole('button', { name: 'Discard' }).click();
   await until('the text is the file’s', async () => !(await text()).includes('# draft'));
@@ -230,7 +230,7 @@ test('closing with unsaved changes asks, and a reload restores them', async () =
   await until('it is saved', () => page.getByTestId('save').isDisabled());
   asked.length = 0;
   await page.reload();
-  await verdict('sound');
+  await checkResult('sound');
   expect(asked).toEqual([]);
   expect(await page.getByTestId('draft').count()).toBe(0);
   expect(await text()).toContain('# draft');
@@ -239,25 +239,25 @@ test('closing with unsaved changes asks, and a reload restores them', async () =
 test('a draft of files that have changed since is offered, not taken', async () => {
   page.on('dialog', (dialog) => void dialog.accept());
   await append('# mine\n');
-  await verdict('sound');
+  await checkResult('sound');
   writeFileSync(programFile(), `${PROGRAM}# theirs\n`);
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
   expect(await text()).toContain('# theirs');
   await append('# more\n');
-  await verdict('sound');
+  await checkResult('sound');
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'were restored' }).waitFor();
   expect(await text()).toContain('# more');
   await page.getByRole('button', { name: 'Discard' }).click();
-  await verdict('sound');
+  await checkResult('sound');
   expect(await text()).not.toContain('# mine');
 });
 
 test('the draft of another version is restored on request, and undo goes back', async () => {
   page.on('dialog', (dialog) => void dialog.accept());
   await append('# mine\n');
-  await verdict('sound');
+  await checkResult('sound');
   writeFileSync(programFile(), `${PROGRAM}# theirs\n`);
   await page.reload();
   await page.getByTestId('draft').filter({ hasText: 'another version of the files' }).waitFor();
@@ -279,7 +279,7 @@ test('Ctrl+S saves in the editor and in a number field', async () => {
 });
 
 test('the list of keys is that of the view', async () => {
-  await page.getByTestId('verdict').click();
+  await page.getByTestId('check-result').click();
   await page.keyboard.press('?');
   await page.getByRole('heading', { name: 'Keyboard shortcuts, cell view' }).waitFor();
   const dialog = page.locator('dialog[open]');

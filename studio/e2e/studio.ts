@@ -98,7 +98,7 @@ export function complaints(page: Page): string[] {
 
 /** Waits until the page has drawn a pose for which something holds, said in JavaScript about `pose`. */
 export async function drawn(page: Page, holds = 'true'): Promise<void> {
-  const asked = `(() => { const pose = window.jointplay?.measure?.pose; return Boolean(pose && (${holds})); })()`;
+  const asked = `(() => { const pose = window.jointplay?.probe?.pose; return Boolean(pose && (${holds})); })()`;
   await until(holds, () => page.evaluate(asked) as Promise<boolean>);
 }
 

@@ -1,5 +1,5 @@
-import { readyGraphics } from './scene/graphics';
+import { prepareContext } from './scene/webgl';
 
 const page = import('./page');
-readyGraphics();
+prepareContext();
 await page;

@@ -1,6 +1,6 @@
 //! Poses of the paper's robot, by degrees and at its working height.
 
-use jointplay::gpr::{AxisHeight, Forward, Gpr};
+use jointplay::gpr::{AxisHeight, Gpr, PlatformPose};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
@@ -38,7 +38,7 @@ pub fn pose(
     metric: Metric,
     yaw_deg: f64,
     pitch_deg: f64,
-) -> Forward {
+) -> PlatformPose {
     let gpr = Gpr::paper().without_limit_checks();
     let rods = gpr.inverse(tilt(yaw_deg, pitch_deg), HEIGHT).expect("a pitch below 90°");
     gpr.forward(rods, virtualization, &options(solver, metric)).expect("a pose near level")

@@ -3,7 +3,7 @@
 //! Rod k is a cantilever of length q_k, so that its tip resists a sideways displacement with the stiffness 3EI/q_k³.
 //! All rods have the same EI, so that only the ratios 1/q_k³ matter.
 
-use jointplay::spatial::leaning;
+use jointplay::spatial::tilt_rotation;
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation3, Vector2, Vector3};
 
 /// Where O_p comes to lie.
@@ -31,7 +31,7 @@ pub fn weighted_fit(
     let total: f64 = stiffness.iter().sum();
     let from = (0..3).fold(Vector2::zeros(), |sum, k| sum + sockets[k] * (stiffness[k] / total));
     let onto = (0..3).fold(Vector3::zeros(), |sum, k| sum + balls[k] * (stiffness[k] / total));
-    let lean = leaning(normal);
+    let lean = tilt_rotation(normal);
     let (mut cosine, mut sine) = (0.0, 0.0);
     for k in 0..3 {
         let target = (lean.inverse() * (balls[k] - onto)).xy();
@@ -103,5 +103,5 @@ fn stand(
         (z, x, y) = (found[0], found[1], found[2]);
     }
     let normal = Vector3::new(x, y, (1.0 - x * x - y * y).sqrt());
-    (leaning(&normal) * turn, Vector3::new(unknowns[0], unknowns[1], z))
+    (tilt_rotation(&normal) * turn, Vector3::new(unknowns[0], unknowns[1], z))
 }

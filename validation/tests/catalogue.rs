@@ -70,7 +70,7 @@ fn mobility_of_every_mechanism() {
         for (what, ours, in_file) in ours {
             let program = row.text(what).parse::<usize>().ok();
             if ours != in_file || ours != program {
-                wrong.push(format!("{name}: {what} {ours:?}, file {in_file:?}, program {program:?}; {:?} {} {} {:?}", first.singular_values.as_slice(), found.lower_bound, found.upper_bound, found.neighbours));
+                wrong.push(format!("{name}: {what} {ours:?}, file {in_file:?}, program {program:?}; {:?} {} {} {:?}", first.singular_values.as_slice(), found.lower_bound, found.upper_bound, found.nearby));
             }
         }
         if expected.kutzbach != Some(counted) {

@@ -7,7 +7,7 @@ use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, instantaneous_mobility};
 use jointplay::sensitivity::sensitivity;
 use jointplay::spatial::Tilt;
-use jointplay::virtualization::{Motion, Planar, SolveOptions};
+use jointplay::virtualization::{Planar, SolveOptions, VirtualJointKind};
 use jointplay_validation::{Row, golden, golden_robots};
 
 fn near(what: &str, found: f64, expected: f64, tolerance: f64, row: &Row) {
@@ -55,8 +55,8 @@ fn poses_of_every_model_and_solver() {
         assert_eq!(expected.len(), pose.solution.virtual_joints.len());
         for (m, joint) in row.virtualization().joints().iter().enumerate() {
             let (scale, tolerance) = match joint.motion {
-                Motion::Linear => (1e-3, 1e-13),
-                Motion::Angular => (1.0, 1e-10),
+                VirtualJointKind::Linear => (1e-3, 1e-13),
+                VirtualJointKind::Angular => (1.0, 1e-10),
             };
             near(X[m], pose.solution.virtual_joints[m], expected[m] * scale, tolerance, row);
         }
@@ -109,8 +109,8 @@ fn singular_values_of_the_sensitivity() {
             .collect();
         let in_si = |(x, joint): (f64, &jointplay::virtualization::VirtualJoint)| match joint.motion
         {
-            Motion::Linear => x * 1e-3,
-            Motion::Angular => x,
+            VirtualJointKind::Linear => x * 1e-3,
+            VirtualJointKind::Angular => x,
         };
         let virtual_joints: Vec<f64> =
             row.numbers(&X).into_iter().zip(virtualization.joints()).map(in_si).collect();

@@ -11,7 +11,7 @@ use jointplay::format::catalogue;
 use jointplay::format::cell::robot;
 use jointplay::format::units::m_from_mm;
 use jointplay::nalgebra::Vector3;
-use jointplay::spatial::{Pose, leaning};
+use jointplay::spatial::{Pose, tilt_rotation};
 use jointplay_validation::{Row, golden};
 
 /// Of positions [m] and of entries of rotation matrices.
@@ -92,7 +92,7 @@ fn the_inverse_finds_the_positions_that_pinocchio_was_given() {
             let column =
                 |names: [&str; 3]| Vector3::from(names.map(|name| row.number(name).unwrap()));
             let normal = column(["r13", "r23", "r33"]);
-            let x = leaning(&normal).inverse() * column(["r11", "r21", "r31"]);
+            let x = tilt_rotation(&normal).inverse() * column(["r11", "r21", "r31"]);
             let center = column(["x", "y", "z"]) * 1e-3;
             let target = WaferTarget { center, normal, heading: Some(x.y.atan2(x.x)) };
             let found = robot.inverse(id, &target, positions).unwrap();

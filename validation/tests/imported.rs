@@ -7,8 +7,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use jointplay::format::import;
 use jointplay::format::mechanism;
+use jointplay::interop::import;
 use jointplay::mechanism::{Kinematics, Mechanism};
 use jointplay::nalgebra::DVector;
 use jointplay::spatial::Pose;

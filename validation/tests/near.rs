@@ -7,7 +7,7 @@ use jointplay::format::catalogue::{self, Entry};
 use jointplay::format::mechanism::parse_with;
 use jointplay::mechanism::{Mechanism, MechanismSystem, assemble, guess};
 use jointplay::mobility::{
-    ClosedThere, NearMobility, RANK_THRESHOLD, finite_mobility, kutzbach_mobility, near_mobility,
+    ForcedClosure, NearMobility, RANK_THRESHOLD, finite_mobility, kutzbach_mobility, near_mobility,
 };
 use jointplay::nalgebra::{DVector, Rotation3, Translation3, Vector3};
 use jointplay::spatial::Pose;
@@ -87,7 +87,7 @@ fn untrue_mechanisms_move_within_a_tolerance() {
                 let system = MechanismSystem::new(&untrue, closed(&untrue, tolerance)).unwrap();
                 let at = system.at_home();
                 let near = near_mobility(&system, &at, tolerance).unwrap();
-                let forced = ClosedThere::new(&system, &at);
+                let forced = ForcedClosure::new(&system, &at);
                 let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();
                 if (near.mobility, real) != (mobility, counted) {
                     wrong.push(format!(
@@ -120,7 +120,7 @@ fn near_text(text: &str, set: &[(&str, f64)], tolerance: f64) -> (f64, usize, Ne
     let mechanism = parse_with(text, &set).unwrap().mechanism;
     let system = MechanismSystem::new(&mechanism, closed(&mechanism, tolerance)).unwrap();
     let at = system.at_home();
-    let forced = ClosedThere::new(&system, &at);
+    let forced = ForcedClosure::new(&system, &at);
     let real = finite_mobility(&forced, &at, RANK_THRESHOLD).unwrap().mobility.unwrap();
     (system.mismatch(&at), real, near_mobility(&system, &at, tolerance).unwrap())
 }

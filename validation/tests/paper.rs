@@ -10,7 +10,7 @@ use jointplay::mobility::{
 };
 use jointplay::sensitivity::sensitivity;
 use jointplay::virtualization::{
-    Metric, Motion, Offset, Planar, Polar, Radial, Solver, Virtualization,
+    Metric, Offset, Planar, Polar, Radial, Solver, VirtualJointKind, Virtualization,
 };
 use jointplay_validation::cases::{HEIGHT, MODELS, RADIUS, options, pose, tilt, yaws_deg};
 
@@ -96,8 +96,8 @@ fn singular_values_of_phi_by_x(model: &dyn Virtualization, yaw: f64, pitch: f64)
     let mut matrix = system.virtual_jacobian(&system.configuration(&found));
     for (mut column, joint) in matrix.column_iter_mut().zip(model.joints()) {
         column *= match joint.motion {
-            Motion::Linear => 1e3,
-            Motion::Angular => 1e6,
+            VirtualJointKind::Linear => 1e3,
+            VirtualJointKind::Angular => 1e6,
         };
     }
     let values = svd(&matrix).expect("finite").singular_values;

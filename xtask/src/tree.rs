@@ -1,15 +1,11 @@
-//! The repository's files: those git tracks, and the new ones it does not ignore.
+//! The repository's files, without those that `.gitignore` names.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
-use std::process::Command;
 use std::{fs, io};
 
 /// Largest size a file of the repository may have \[byte\]; larger ones are not read as text either.
 pub(crate) const MAX_SIZE: u64 = 1_000_000;
-
-/// Folders left out when git cannot say what is ignored.
-const IGNORED_FOLDERS: [&str; 3] = [".git", "target", "node_modules"];
 
 /// A file of the repository.
 pub(crate) struct File {
@@ -33,17 +29,19 @@ impl Tree {
     /// If a folder or file cannot be read.
     pub(crate) fn load(root: &Path) -> io::Result<Self> {
         let mut files = BTreeMap::new();
-        let paths = match paths_from_git(root) {
-            Some(paths) => paths,
-            None => paths_from_disk(root)?,
-        };
-        for path in paths {
-            let on_disk = root.join(&path);
-            // A tracked file may be deleted and not yet committed; a submodule is a folder.
-            let Ok(metadata) = fs::symlink_metadata(&on_disk) else { continue };
+        let walk = ignore::WalkBuilder::new(root)
+            .hidden(false)
+            .require_git(false)
+            .filter_entry(|entry| entry.file_name() != ".git")
+            .build();
+        for entry in walk {
+            let on_disk = entry.map_err(io::Error::other)?.into_path();
+            let metadata = fs::symlink_metadata(&on_disk)?;
             if metadata.is_dir() {
                 continue;
             }
+            let inside = on_disk.strip_prefix(root).map_err(io::Error::other)?;
+            let path = inside.to_string_lossy().replace('\\', "/");
             let size = metadata.len();
             let readable = metadata.is_file() && size <= MAX_SIZE;
             let text = if readable { String::from_utf8(fs::read(&on_disk)?).ok() } else { None };
@@ -91,47 +89,12 @@ impl Tree {
         self.entries.iter().map(String::as_str)
     }
 
-    /// Whether `path` is a folder.
-    pub(crate) fn is_folder(&self, path: &str) -> bool {
-        self.entries.contains(path) && !self.files.contains_key(path)
-    }
-
     /// A tree that exists only in a test.
     #[cfg(test)]
     pub(crate) fn of(texts: &[(&str, &str)]) -> Self {
         let file = |text: &str| File { size: text.len() as u64, text: Some(text.to_owned()) };
         Self::new(texts.iter().map(|(path, text)| ((*path).to_owned(), file(text))).collect())
     }
-}
-
-/// Tracked and new files, or `None` where there is no git or no repository.
-fn paths_from_git(root: &Path) -> Option<Vec<String>> {
-    let arguments = ["ls-files", "-z", "--cached", "--others", "--exclude-standard"];
-    let output = Command::new("git").args(arguments).current_dir(root).output().ok()?;
-    if !output.status.success() {
-        return None;
-    }
-    let names = String::from_utf8_lossy(&output.stdout).into_owned();
-    Some(names.split_terminator('\0').map(str::to_owned).collect())
-}
-
-/// All files below `root`, without [`IGNORED_FOLDERS`].
-fn paths_from_disk(root: &Path) -> io::Result<Vec<String>> {
-    let mut paths = Vec::new();
-    let mut folders = vec![String::new()];
-    while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(root.join(&folder))? {
-            let entry = entry?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let path = if folder.is_empty() { name.clone() } else { format!("{folder}/{name}") };
-            if !entry.file_type()?.is_dir() {
-                paths.push(path);
-            } else if !IGNORED_FOLDERS.contains(&name.as_str()) {
-                folders.push(path);
-            }
-        }
-    }
-    Ok(paths)
 }
 
 #[cfg(test)]
@@ -147,25 +110,23 @@ mod tests {
         for path in ["b", "a/c.rs", "a/b/", "d"] {
             assert!(!tree.contains(path), "{path}");
         }
-        assert!(tree.is_folder("a/b"));
-        assert!(!tree.is_folder("d.md"));
     }
 
     #[test]
-    fn a_folder_without_git_is_read_from_disk() {
+    fn ignored_files_are_left_unread() {
         let root = std::env::temp_dir().join(format!("xtask-tree-{}", std::process::id()));
         fs::create_dir_all(root.join("src")).unwrap();
         fs::create_dir_all(root.join("target")).unwrap();
+        fs::write(root.join(".gitignore"), "/target\n").unwrap();
         fs::write(root.join("src/a.rs"), "fn a() {}\n").unwrap();
         fs::write(root.join("src/picture.png"), [0x89, 0xff]).unwrap();
         fs::write(root.join("target/made.rs"), "").unwrap();
-        let paths = paths_from_disk(&root).unwrap();
         let tree = Tree::load(&root).unwrap();
         fs::remove_dir_all(&root).unwrap();
 
-        assert_eq!(paths.len(), 2);
         assert_eq!(tree.text("src/a.rs"), Some("fn a() {}\n"));
-        assert!(tree.contains("src/picture.png"));
+        assert!(tree.contains("src/picture.png") && tree.contains(".gitignore"));
         assert_eq!(tree.text("src/picture.png"), None);
+        assert!(!tree.contains("target"));
     }
 }

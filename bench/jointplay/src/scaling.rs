@@ -3,7 +3,9 @@
 use std::time::{Duration, Instant};
 
 use jointplay::Error;
-use jointplay::mechanism::{Drive, Mechanism, MechanismSystem, Motion, SparseSystem, drive, guess};
+use jointplay::mechanism::{
+    Drive, DrivenMotion, Mechanism, MechanismSystem, SparseSystem, drive, guess,
+};
 use jointplay::mobility::{RANK_THRESHOLD, finite_mobility};
 use serde_json::{Value, json};
 
@@ -35,7 +37,7 @@ pub(crate) fn scaling(family: &str, loops: usize) -> Option<Value> {
     let dense = |work: &dyn Fn() -> Result<Option<usize>, Error>| {
         if loops > MOST_DENSE { Value::Null } else { timed(work) }
     };
-    let arrived = |motion: Motion| motion.stopped.is_none().then_some(motion.waypoints.len());
+    let arrived = |motion: DrivenMotion| motion.stopped.is_none().then_some(motion.waypoints.len());
     Some(json!({
         "family": family,
         "loops": mechanism.loops(),

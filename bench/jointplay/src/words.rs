@@ -6,7 +6,7 @@ use jointplay::constraint::System as _;
 use jointplay::format::{catalogue, mechanism as file};
 use jointplay::gpr::AxisHeight;
 use jointplay::mechanism::{
-    Commanded, Kinematics, Mechanism, MechanismSystem, ReliefSolver, assemble, guess, relieve,
+    CommandedJoints, Kinematics, Mechanism, MechanismSystem, ReliefSolver, assemble, guess, relieve,
 };
 use jointplay::mobility::{RANK_THRESHOLD, finite_mobility, kutzbach_mobility};
 use jointplay::nalgebra::{DVector, Translation3};
@@ -111,7 +111,7 @@ fn fitted(rods: [f64; 3]) -> Result<(Mechanism, DVector<f64>), Box<dyn std::erro
     home.rows_mut(0, 3).copy_from_slice(&rods);
     let start = MechanismSystem::new(&relieved, home)?;
     let at_home = MechanismSystem::new(&relieved, DVector::zeros(start.home().len()))?;
-    let commanded = Commanded::new(&at_home, &gpr::RODS)?;
+    let commanded = CommandedJoints::new(&at_home, &gpr::RODS)?;
     let relief = relieve(&start, &commanded, ReliefSolver::LeastNorm)?;
     let mut joints = relieved.joints().to_vec();
     for (virtual_joint, slide) in relieved.virtual_joints().iter().zip(&relief.virtual_joints) {

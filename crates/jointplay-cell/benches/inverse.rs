@@ -16,7 +16,7 @@ use common::kind;
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use jointplay_cell::robot::{EffectorId, HybridRobot, WaferTarget};
 use jointplay_core::gpr::AxisHeight;
-use jointplay_core::spatial::{Tilt, leaning};
+use jointplay_core::spatial::{Tilt, tilt_rotation};
 use nalgebra::Vector3;
 
 const POSES: u32 = 1000;
@@ -48,7 +48,7 @@ fn cases(robot: &HybridRobot, with_heading: bool) -> Vec<(Vec<f64>, WaferTarget)
             }
             let pose = robot.effector_pose(&positions, A).unwrap();
             let normal = pose.rotation * Vector3::z();
-            let x = leaning(&normal).inverse() * (pose.rotation * Vector3::x());
+            let x = tilt_rotation(&normal).inverse() * (pose.rotation * Vector3::x());
             let heading = with_heading.then(|| x.y.atan2(x.x));
             let target = WaferTarget { center: pose.translation.vector, normal, heading };
             // From beside the target.

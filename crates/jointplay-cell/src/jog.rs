@@ -1,7 +1,7 @@
 //! The robot moved by hand: as far as its limits let it go, and what stops it there.
 
 use jointplay_core::gpr::AxisHeight;
-use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use nalgebra::{Rotation3, Unit, Vector3};
 
 use crate::CellError;
@@ -83,7 +83,7 @@ impl View {
         let out = out.unwrap_or_else(|| self.frame.rotation * Vector3::y());
         let within = about(turn) * out * (self.out.norm() + radial);
         let ahead = about(yaw) * (self.frame.rotation * Vector3::y());
-        let level = leaning(&normal).inverse() * ahead;
+        let level = tilt_rotation(&normal).inverse() * ahead;
         WaferTarget {
             center: self.axis + within + self.normal * height,
             normal,
@@ -109,7 +109,7 @@ impl Cell {
             *position = position.clamp(axis.min, axis.max);
         }
         let rods = |all: &[f64]| [all[0], all[1], all[2]];
-        positions[..RODS].copy_from_slice(&robot.gpr.last_within_limits(&rods(from), &rods(to)));
+        positions[..RODS].copy_from_slice(&robot.gpr.clamp_to_limits(&rods(from), &rods(to)));
         let stopped = (!broken.is_empty()).then_some(Stopped::Limits(broken));
         Ok(Jogged { positions, stopped })
     }

@@ -18,7 +18,7 @@ use jointplay_cell::wafer::{Droop, DroopRow};
 use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
 use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
-use jointplay_core::virtualization::{Kernel, SolveOptions, Solver};
+use jointplay_core::virtualization::{BuiltIn, SolveOptions, Solver};
 use nalgebra::{Rotation3, Translation3, Vector3};
 
 const T: usize = 3;
@@ -125,7 +125,7 @@ fn every_limit_of_an_axis_has_its_message() {
 
 #[test]
 fn tilt_play_and_droop_have_their_messages() {
-    let leaning = |cell: &mut Cell| {
+    let tilted_program = |cell: &mut Cell| {
         let rods = cell.robot.gpr.inverse(Tilt { yaw: 0.4, pitch: 0.02 }, AxisHeight(0.5)).unwrap();
         let mut from = rods.to_vec();
         from.extend([0.0, 0.9]);
@@ -134,7 +134,7 @@ fn tilt_play_and_droop_have_their_messages() {
         plan_trajectory(cell, vec![step(0, &from, &to)], &TrajectoryOptions::default()).unwrap()
     };
     let mut tilted = cell();
-    let motion = leaning(&mut tilted);
+    let motion = tilted_program(&mut tilted);
     assert_eq!(check(&tilted, &motion, &CheckOptions::default()).verdict, Verdict::Sound);
     let gpr = tilted.robot.gpr.clone();
     let limits = Limits { tilt_max: 0.015, ..*gpr.limits() };
@@ -160,7 +160,7 @@ fn tilt_play_and_droop_have_their_messages() {
 #[test]
 fn a_platform_that_cannot_be_placed_has_its_message() {
     let hasty = SolveOptions { solver: Solver::Newton, max_iterations: 0, ..Default::default() };
-    let model = PlatformModel { virtualization: Kernel::Polar, options: hasty };
+    let model = PlatformModel { virtualization: BuiltIn::Polar, options: hasty };
     let says = "platform: the newton iteration did not converge in 0 steps: the sides are";
     let report = breaks(|cell| cell.robot.model = model, Kind::Platform, says);
     // All the time, in both instructions, and nothing else is known meanwhile.

@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use jointplay_cell::robot::WaferTarget;
 use jointplay_cell::wafer::{Droop, DroopRow, Unreachable};
 use jointplay_cell::workcell::Cell;
-use jointplay_core::spatial::{Tilt, leaning};
+use jointplay_core::spatial::{Tilt, tilt_rotation};
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -108,13 +108,13 @@ fn a_heading_is_kept_where_the_arm_has_the_freedom() {
     let near = [0.5, 0.5, 0.5, 0.3, -0.9, 0.4];
     let pose = cell.robot.effector_pose(&near, A).unwrap();
     let normal = Tilt { yaw: 0.7, pitch: 0.01 }.normal();
-    let along = leaning(&normal).inverse() * (pose.rotation * Vector3::x());
+    let along = tilt_rotation(&normal).inverse() * (pose.rotation * Vector3::x());
     let heading = along.y.atan2(along.x);
     let target = WaferTarget { center: pose.translation.vector, normal, heading: Some(heading) };
     let reached = cell.reach(A, &target, true, &near).unwrap();
     assert!(reached.deflection.drop > 1e-5, "{reached:?}");
     let found = cell.wafer_pose(A, &reached.positions, true).unwrap();
-    let found = leaning(&normal).inverse() * (found.rotation * Vector3::x());
+    let found = tilt_rotation(&normal).inverse() * (found.rotation * Vector3::x());
     assert!((found.y.atan2(found.x) - heading).abs() < 1e-12);
 }
 

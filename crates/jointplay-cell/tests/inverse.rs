@@ -13,8 +13,8 @@ use jointplay_cell::robot::{
 };
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::linalg::svd;
-use jointplay_core::spatial::{Pose, Tilt, leaning, rotation_vector};
-use jointplay_core::virtualization::Kernel;
+use jointplay_core::spatial::{Pose, Tilt, rotation_vector, tilt_rotation};
+use jointplay_core::virtualization::BuiltIn;
 use nalgebra::{DMatrix, Vector3};
 use proptest::prelude::*;
 
@@ -23,7 +23,7 @@ const FOUR_LINKS: usize = 9;
 
 fn target_of(pose: &Pose, with_heading: bool) -> WaferTarget {
     let normal = pose.rotation * Vector3::z();
-    let x = leaning(&normal).inverse() * (pose.rotation * Vector3::x());
+    let x = tilt_rotation(&normal).inverse() * (pose.rotation * Vector3::x());
     WaferTarget {
         center: pose.translation.vector,
         normal,
@@ -49,7 +49,8 @@ fn tilt() -> impl Strategy<Value = Tilt> {
 }
 
 fn model(number: usize) -> PlatformModel {
-    let virtualization = [Kernel::Planar, Kernel::Radial, Kernel::Polar, Kernel::Offset][number];
+    let virtualization =
+        [BuiltIn::Planar, BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Offset][number];
     PlatformModel { virtualization, ..PlatformModel::default() }
 }
 

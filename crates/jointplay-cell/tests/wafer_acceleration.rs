@@ -10,7 +10,7 @@ use jointplay_cell::robot::{AxesMotion, AxisKind, EffectorId, FrameMotion, Platf
 use jointplay_cell::wafer::{Droop, DroopRow, Unreachable};
 use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt};
-use jointplay_core::virtualization::Kernel;
+use jointplay_core::virtualization::BuiltIn;
 use nalgebra::Vector3;
 use proptest::prelude::*;
 
@@ -57,7 +57,7 @@ proptest! {
         even in any::<bool>(),
     ) {
         let mut robot = kind(number, lengths);
-        let kernel = if polar { Kernel::Polar } else { Kernel::Planar };
+        let kernel = if polar { BuiltIn::Polar } else { BuiltIn::Planar };
         robot.model = PlatformModel { virtualization: kernel, ..robot.model };
         for arm in &mut robot.arms {
             arm.droop = match droop {

@@ -251,9 +251,9 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
 /// An integer within bounds.
 pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Result<N, String> {
     let value = text.trim().parse().ok().filter(|value| (least..=most).contains(value));
-    value
-        .and_then(|value| N::try_from(value).ok())
-        .ok_or_else(|| format!("invalid value {text:?}: expected an integer from {least} to {most}"))
+    value.and_then(|value| N::try_from(value).ok()).ok_or_else(|| {
+        format!("invalid value {text:?}: expected an integer from {least} to {most}")
+    })
 }
 
 /// A yaw in radians; full turns are removed before the conversion, where they are exact.
@@ -297,9 +297,9 @@ pub(crate) fn pitches(text: &str) -> Result<Steps, String> {
 
 pub(crate) fn rods(text: &str) -> Result<Rods, String> {
     let values = text.split(',').map(length).collect::<Result<Vec<f64>, String>>()?;
-    let rods: [f64; 3] = values.try_into().map_err(|values: Vec<f64>| {
-        format!("expected 3 rod lengths, got {}", values.len())
-    })?;
+    let rods: [f64; 3] = values
+        .try_into()
+        .map_err(|values: Vec<f64>| format!("expected 3 rod lengths, got {}", values.len()))?;
     Ok(Rods(rods.map(m_from_mm)))
 }
 

@@ -9,8 +9,8 @@ use jointplay::format::coordinates;
 use jointplay::format::explain::{explain, explain_limit};
 use jointplay::format::number::{counted, number};
 use jointplay::format::place;
-use jointplay::format::report;
 use jointplay::gpr::BrokenLimit;
+use jointplay::report;
 use jointplay::virtualization::Solver;
 use jointplay::{plot, study};
 
@@ -80,7 +80,7 @@ pub(crate) enum Failure {
     #[error("cannot write the table as Parquet; use CSV")]
     Parquet,
     #[error(transparent)]
-    Export(#[from] jointplay::format::export::Error),
+    Export(#[from] jointplay::interop::export::Error),
     #[error(transparent)]
     Cell(#[from] jointplay::cell::CellError),
     #[error("cannot draw {figure}: {source}")]

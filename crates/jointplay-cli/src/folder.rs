@@ -187,8 +187,8 @@ impl From<std::io::Error> for Contents {
     }
 }
 
-impl From<jointplay::format::export::Error> for Contents {
-    fn from(error: jointplay::format::export::Error) -> Self {
+impl From<jointplay::interop::export::Error> for Contents {
+    fn from(error: jointplay::interop::export::Error) -> Self {
         Self::Other(error.into())
     }
 }

@@ -4,18 +4,18 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::format::coordinates::Coordinates;
-use jointplay::format::import::{self, Imported};
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
 use jointplay::format::number::number;
-use jointplay::format::report;
 use jointplay::format::units::m_from_mm;
+use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Closure, Commanded, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble, branches,
-    guess, relieve,
+    Closure, CommandedJoints, MechanismSystem, Relief, ReliefSolver, SparseSystem, assemble,
+    branches, guess, relieve,
 };
 use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
+use jointplay::report;
 use jointplay::{Error, format};
 
 use crate::arguments::finite;
@@ -36,8 +36,9 @@ pub(crate) struct Assignment {
 }
 
 pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
-    let (name, value) =
-        text.rsplit_once('=').ok_or_else(|| format!("invalid value {text:?}: expected NAME=VALUE"))?;
+    let (name, value) = text
+        .rsplit_once('=')
+        .ok_or_else(|| format!("invalid value {text:?}: expected NAME=VALUE"))?;
     Ok(Assignment { name: name.trim().to_owned(), value: finite(value)? })
 }
 
@@ -265,7 +266,7 @@ impl Input {
         let mechanism = &self.file.mechanism;
         let home = MechanismSystem::new(mechanism, self.assembled(&[])?.coordinates)?;
         let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
-        let commanded = Commanded::new(&home, &coordinates)?;
+        let commanded = CommandedJoints::new(&home, &coordinates)?;
         let start = commanded.start(values, mechanism.virtual_joints().len());
         let system = MechanismSystem::new(mechanism, start)?;
         relieve(&system, &commanded, ReliefSolver::LeastNorm).map_err(|error| {

@@ -5,7 +5,7 @@ use std::io::Write as _;
 
 use clap::{Args, ValueEnum};
 use jointplay::format::number::rounded;
-use jointplay::format::report::{LimitReport, VirtualJointGroups};
+use jointplay::report::{LimitReport, VirtualJointGroups};
 use serde::Serialize;
 
 use crate::console;

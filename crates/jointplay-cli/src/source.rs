@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use jointplay::format::cell::robot::KIND as ARMS;
-use jointplay::format::{catalogue, import, mechanism, place};
+use jointplay::format::{catalogue, mechanism, place};
+use jointplay::interop::import;
 
 use crate::console;
 use crate::failure::Failure;

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use jointplay_core::Error;
-use jointplay_core::bulk::{Column, Quantity, Status, Tally};
-use jointplay_core::gpr::{AxisHeight, Forward, Gpr, Limb, Limits};
+use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts};
+use jointplay_core::gpr::{AxisHeight, Gpr, Limb, Limits, PlatformPose};
 use jointplay_core::mobility::RANK_THRESHOLD;
 use jointplay_core::nalgebra::Vector2;
 use jointplay_core::sensitivity::sensitivity;
@@ -68,14 +68,14 @@ fn forward_many(
     let tally = gpr
         .forward_many([column(0), column(1), column(2)], model, options, &mut status, &mut wanted)
         .unwrap();
-    assert_eq!(tally, Tally::of(&status));
+    assert_eq!(tally, StatusCounts::of(&status));
     (columns, status)
 }
 
 /// What the scalar kernel says, and how far the bulk kernel may be from it.
 fn expected(
     gpr: &Gpr,
-    pose: &Forward,
+    pose: &PlatformPose,
     model: &dyn Virtualization,
     quantity: Quantity,
 ) -> (f64, f64) {
@@ -121,7 +121,7 @@ fn pose_after(
     model: &dyn Virtualization,
     options: &SolveOptions,
     iterations: f64,
-) -> Result<Forward, Error> {
+) -> Result<PlatformPose, Error> {
     let pose = gpr.forward(rods, model, options)?;
     let share = match (pose.solution.iterations as f64).total_cmp(&iterations) {
         std::cmp::Ordering::Equal => return Ok(pose),

@@ -3,7 +3,7 @@
 
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::gpr::{
-    AxisHeight, CenterHeight, Forward, Gpr, GprSystem, Limb, Limits, ball_sides,
+    AxisHeight, CenterHeight, Gpr, GprSystem, Limb, Limits, PlatformPose, ball_sides,
 };
 use jointplay_core::mobility::{
     InstantaneousMobility, RANK_THRESHOLD, augmented_mobility, finite_mobility,
@@ -12,7 +12,8 @@ use jointplay_core::mobility::{
 use jointplay_core::sensitivity::sensitivity;
 use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{
-    Metric, Motion, Planar, Polar, Radial, Sockets, SolveOptions, Solver, Virtualization, built_in,
+    Metric, Planar, Polar, Radial, Sockets, SolveOptions, Solver, VirtualJointKind, Virtualization,
+    built_in,
 };
 use nalgebra::{DMatrix, DVector, Matrix3, Rotation2, Vector2, Vector3};
 use proptest::prelude::*;
@@ -78,7 +79,7 @@ impl Case {
         built_in()[self.model]
     }
 
-    fn pose(&self, gpr: &Gpr) -> Forward {
+    fn pose(&self, gpr: &Gpr) -> PlatformPose {
         let rods = gpr.inverse(self.tilt, AxisHeight(self.height)).unwrap();
         gpr.forward(rods, self.model(), &self.options).unwrap()
     }
@@ -163,12 +164,12 @@ fn all_near(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
 }
 
 /// Weighted norm of a displacement from the nominal X, in the metric of the solution.
-fn displacement(gpr: &Gpr, model: &dyn Virtualization, pose: &Forward) -> f64 {
+fn displacement(gpr: &Gpr, model: &dyn Virtualization, pose: &PlatformPose) -> f64 {
     from_nominal(gpr, model, pose).norm()
 }
 
 /// X − X_0, angles times ρ.
-fn from_nominal(gpr: &Gpr, model: &dyn Virtualization, pose: &Forward) -> DVector<f64> {
+fn from_nominal(gpr: &Gpr, model: &dyn Virtualization, pose: &PlatformPose) -> DVector<f64> {
     let x = &pose.solution.virtual_joints;
     let mut nominal = *x;
     model.nominal(gpr.platform(), &mut nominal);
@@ -185,7 +186,7 @@ fn difference(f: impl Fn(f64) -> DVector<f64>, step: f64) -> DVector<f64> {
 
 fn first_order<V: Virtualization + ?Sized>(
     system: &GprSystem<'_, V>,
-    pose: &Forward,
+    pose: &PlatformPose,
 ) -> InstantaneousMobility {
     instantaneous_mobility(system, &system.configuration(pose), RANK_THRESHOLD).unwrap()
 }
@@ -260,7 +261,7 @@ proptest! {
         }
         let by_joints = system.virtual_jacobian(&at);
         for (m, joint) in model.joints().iter().enumerate() {
-            let step = if joint.motion == Motion::Linear { 1e-5 } else { 1e-4 };
+            let step = if joint.motion == VirtualJointKind::Linear { 1e-5 } else { 1e-4 };
             let found = difference(|step| residual(None, Some(m), step), step);
             prop_assert!((found - by_joints.column(m)).amax() < 1e-8);
         }
@@ -415,7 +416,7 @@ proptest! {
             near("side", other.sides[k] / factor, one.sides[k], 1e-14);
         }
         for (m, joint) in case.model().joints().iter().enumerate() {
-            let unit = if joint.motion == Motion::Linear { factor } else { 1.0 };
+            let unit = if joint.motion == VirtualJointKind::Linear { factor } else { 1.0 };
             let found = other.solution.virtual_joints[m] / unit;
             near("X", found, one.solution.virtual_joints[m], angle_tolerance(&case, m / 3));
         }
@@ -428,7 +429,7 @@ proptest! {
         let (values, scaled_values) = (before.singular_values, after.singular_values);
         all_near("singular values", scaled_values.as_slice(), values.as_slice(), 1e-13);
 
-        let sigma = |system: &GprSystem<'_, dyn Virtualization>, pose: &Forward| {
+        let sigma = |system: &GprSystem<'_, dyn Virtualization>, pose: &PlatformPose| {
             let rho = pose.solution.characteristic_length;
             sensitivity(system, &system.configuration(pose), rho, RANK_THRESHOLD).unwrap()
         };

@@ -2,8 +2,8 @@
 #![expect(clippy::unwrap_used, reason = "a test says what it expects")]
 
 use jointplay_core::mechanism::{
-    Joint, JointKind, Mechanism, MechanismMobility, MechanismSystem, Play, SparseSystem,
-    mechanism_mobility,
+    Joint, JointKind, LinearAndAngular, Mechanism, MechanismMobility, MechanismSystem,
+    SparseSystem, mechanism_mobility,
 };
 use jointplay_core::mobility::{InstantaneousMobility, RANK_THRESHOLD, instantaneous_mobility};
 use jointplay_core::nalgebra::{DVector, Rotation3, Translation3, Vector3};
@@ -71,7 +71,7 @@ fn same(a: &InstantaneousMobility, b: &InstantaneousMobility) -> Result<(), Test
     let off = (&a.singular_values - &b.singular_values).amax();
     let largest = a.singular_values.iter().copied().fold(1.0, f64::max);
     prop_assert!(off < 1e-11 * largest, "{off}");
-    if a.smallest_counted().is_none_or(|least| least > 1e-9) {
+    if a.smallest_nonzero().is_none_or(|least| least > 1e-9) {
         prop_assert_eq!(a.rank, b.rank);
     }
     Ok(())
@@ -86,7 +86,7 @@ fn finite(links: usize, joints: Vec<Joint>) -> MechanismMobility {
 
 /// Whether no singular value is near the threshold.
 fn clear(found: &MechanismMobility) -> bool {
-    found.finite.instantaneous.smallest_counted().is_none_or(|least| least > 1e-6)
+    found.finite.instantaneous.smallest_nonzero().is_none_or(|least| least > 1e-6)
 }
 
 proptest! {
@@ -169,7 +169,7 @@ proptest! {
         let mechanism = Mechanism::new("random", names(links), joints).unwrap();
         let home = DVector::zeros(mechanism.joint_freedoms());
         let sparse = SparseSystem::new(&mechanism, home).unwrap().mobility(RANK_THRESHOLD).unwrap();
-        if first.smallest_counted().is_none_or(|least| least > 1e-9) {
+        if first.smallest_nonzero().is_none_or(|least| least > 1e-9) {
             let counts = (first.mobility, first.rank, first.redundancy);
             prop_assert_eq!((sparse.mobility, sparse.rank, sparse.redundancy), counts);
         }
@@ -242,8 +242,8 @@ fn joint(name: &str, kind: JointKind, links: [usize; 2], frame: Pose) -> Joint {
         actuated: false,
         guess: Vec::new(),
         limits: Vec::new(),
-        clearance: Play::default(),
-        stiffness: Play::default(),
+        clearance: LinearAndAngular::default(),
+        stiffness: LinearAndAngular::default(),
     }
 }
 

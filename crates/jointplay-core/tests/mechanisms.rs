@@ -6,9 +6,9 @@ mod robot;
 use jointplay_core::Error;
 use jointplay_core::constraint::{Configuration, System};
 use jointplay_core::mechanism::{
-    Carrier, Class, Commanded, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
-    PositionSolver, ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble, branches, close,
-    drive, exaggerated, guess, link_motion, relieve, self_stresses, suggest,
+    Carrier, CommandedJoints, Drive, Joint, JointKind, Kinematics, Mechanism, MechanismSystem,
+    MobilityClass, PositionSolver, ReliefSolver, Stop, VirtualJoint, VirtualMotion, assemble,
+    branches, close, drive, exaggerate_play, guess, link_motion, relieve, self_stresses, suggest,
 };
 use jointplay_core::mobility::{
     RANK_THRESHOLD, augmented_mobility, finite_mobility, instantaneous_mobility,
@@ -373,7 +373,7 @@ fn both_ways_agree_on_the_robot() {
             (0..3).for_each(|k| start[4 * k] = rods[k]);
             let system = MechanismSystem::new(&mechanism, start).unwrap();
             let at_home = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
-            let commanded = Commanded::new(&at_home, &[0, 4, 8]).unwrap();
+            let commanded = CommandedJoints::new(&at_home, &[0, 4, 8]).unwrap();
             let found = relieve(&system, &commanded, ReliefSolver::LeastNorm).unwrap();
             let context = format!("{} {length} {yaw} {pitch}", model.name());
             // The fast solver, which opens the loops elsewhere, finds the same.
@@ -467,7 +467,7 @@ fn redundancy_in_words() {
     let mechanism = four_bar();
     let system = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
     let found = finite_mobility(&system, &system.at_home(), RANK_THRESHOLD).unwrap();
-    assert_eq!(Class::of(&found), Class::OverconstrainedMovable);
+    assert_eq!(MobilityClass::classify(&found), MobilityClass::OverconstrainedMovable);
     let stresses = self_stresses(&system, &found.instantaneous).unwrap();
     let mut words: Vec<&str> = stresses.iter().map(|stress| stress.words.as_str()).collect();
     words.sort_unstable();
@@ -507,11 +507,11 @@ fn exaggerated_play_grows_from_the_truth() {
         (0..3).for_each(|k| start[4 * k] = [0.505, 0.5, 0.498][k]);
         let system = MechanismSystem::new(&mechanism, start).unwrap();
         let at_home = MechanismSystem::new(&mechanism, home(&mechanism)).unwrap();
-        let commanded = Commanded::new(&at_home, &[0, 4, 8]).unwrap();
+        let commanded = CommandedJoints::new(&at_home, &[0, 4, 8]).unwrap();
         let found = relieve(&system, &commanded, ReliefSolver::LeastNorm).unwrap();
         let links = system.kinematics().link_poses(&found.coordinates).unwrap();
         let apart = |factor: f64| -> Vec<f64> {
-            let shown = exaggerated(&mechanism, &found.coordinates, factor).unwrap();
+            let shown = exaggerate_play(&mechanism, &found.coordinates, factor).unwrap();
             assert_eq!(shown.factor, factor);
             for (j, joint) in mechanism.joints().iter().enumerate() {
                 for side in 0..2 {
@@ -535,6 +535,6 @@ fn exaggerated_play_grows_from_the_truth() {
                 assert!((large - factor * small).abs() < 0.05 * factor * small + 1e-14);
             }
         }
-        assert!(exaggerated(&mechanism, &found.coordinates, f64::NAN).is_err());
+        assert!(exaggerate_play(&mechanism, &found.coordinates, f64::NAN).is_err());
     }
 }

@@ -73,7 +73,7 @@ fn check(drawing: Drawing, first: usize, finite: usize, branches: &[usize]) {
         (found.finite.instantaneous.mobility, bounds, found.branch_dimensions.as_deref()),
         (first, (finite, finite), Some(branches).filter(|_| finite < first)),
         "{:?}",
-        found.finite.neighbours
+        found.finite.nearby
     );
 }
 

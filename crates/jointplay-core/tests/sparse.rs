@@ -68,7 +68,7 @@ fn what_cannot_move_at_all() {
     let system = SparseSystem::new(&still, guess(&still)).unwrap();
     // Nowhere to go is no obstacle.
     let mut told = Vec::new();
-    let motion = system.drive_watched(&[], &[], 3, &mut |done| told.push(done)).unwrap();
+    let motion = system.drive_with_progress(&[], &[], 3, &mut |done| told.push(done)).unwrap();
     assert_eq!((motion.waypoints.len(), motion.stopped), (4, None));
     assert_eq!(told, [1, 2, 3]);
     // Of the base alone there is no mechanism, so that no system has to be ready for it.
@@ -88,8 +88,8 @@ fn a_thousand_loops() {
     assert_eq!((row.mobility, row.redundancy, row.finite), (1, 3000, Some(1)));
     for found in [lift, row] {
         // What counts as zero and what does not are far from the threshold.
-        assert!(found.largest_uncounted.unwrap() < 0.3 * found.threshold);
-        assert!(found.smallest_counted.unwrap() > 1e4 * found.threshold);
+        assert!(found.largest_zero.unwrap() < 0.3 * found.threshold);
+        assert!(found.smallest_nonzero.unwrap() > 1e4 * found.threshold);
     }
 }
 

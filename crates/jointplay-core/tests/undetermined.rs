@@ -5,7 +5,7 @@ mod robot;
 
 use jointplay_core::constraint::System as _;
 use jointplay_core::mechanism::{
-    Commanded, Drive, JointKind, Mechanism, MechanismSystem, Relief, ReliefSolver, assemble,
+    CommandedJoints, Drive, JointKind, Mechanism, MechanismSystem, Relief, ReliefSolver, assemble,
     drive_relieved, relieve, suggest,
 };
 use jointplay_core::mobility::{near_mobility, near_tolerances};
@@ -18,7 +18,7 @@ const RODS: [usize; 3] = [0, 4, 8];
 
 fn relieved(mechanism: &Mechanism, coordinates: &[usize], values: &[f64]) -> Relief {
     let at_home = MechanismSystem::new(mechanism, home(mechanism)).unwrap();
-    let commanded = Commanded::new(&at_home, coordinates).unwrap();
+    let commanded = CommandedJoints::new(&at_home, coordinates).unwrap();
     let start = commanded.start(values.iter().copied(), mechanism.virtual_joints().len());
     let system = MechanismSystem::new(mechanism, start).unwrap();
     relieve(&system, &commanded, ReliefSolver::LeastNorm).unwrap()

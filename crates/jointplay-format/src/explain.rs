@@ -101,7 +101,7 @@ pub fn explain_limit(limit: &BrokenLimit) -> String {
 }
 
 /// A number to six decimals, or with all its digits where six would round it back into its limits.
-pub(crate) fn beyond(value: f64, min: f64, max: f64) -> String {
+pub fn beyond(value: f64, min: f64, max: f64) -> String {
     if value.abs() >= 1e7 {
         return number(value);
     }

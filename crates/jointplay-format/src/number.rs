@@ -52,7 +52,7 @@ pub fn counted(count: usize, noun: &str) -> String {
 }
 
 /// A number of entries: `1 entry`, `2 entries`.
-pub(crate) fn entries(count: usize) -> String {
+pub fn entries(count: usize) -> String {
     if count == 1 { "1 entry".to_owned() } else { format!("{count} entries") }
 }
 

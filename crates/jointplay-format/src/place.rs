@@ -28,7 +28,8 @@ pub struct Place {
 
 impl Place {
     /// The place of a span of bytes; the first line of it, where it has several.
-    pub(crate) fn of(text: &str, span: Range<usize>) -> Self {
+    #[must_use]
+    pub fn of(text: &str, span: Range<usize>) -> Self {
         let start = text.floor_char_boundary(span.start);
         let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
         let line = text[line_start..].lines().next().unwrap_or_default();
@@ -53,7 +54,9 @@ pub struct Error<P> {
 }
 
 impl<P> Error<P> {
-    pub(crate) fn at(text: &str, span: Range<usize>, problem: P) -> Self {
+    /// A problem at a span of bytes of a text.
+    #[must_use]
+    pub fn at(text: &str, span: Range<usize>, problem: P) -> Self {
         Self { place: Place::of(text, span), problem: Box::new(problem) }
     }
 }
@@ -105,7 +108,7 @@ pub enum Form {
 }
 
 /// Reads TOML into the tables of a file.
-pub(crate) fn read<T: DeserializeOwned, P: From<Form>>(text: &str) -> Result<T, Error<P>> {
+pub fn read<T: DeserializeOwned, P: From<Form>>(text: &str) -> Result<T, Error<P>> {
     toml::from_str(text).map_err(|error| {
         let span = error.span().unwrap_or(0..0);
         let form = form(error.message(), text.get(span.clone()).unwrap_or_default());
@@ -201,7 +204,8 @@ pub(crate) fn shortened(text: &str) -> String {
 }
 
 /// The known name most like this one, if any is like it at all.
-pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
+#[must_use]
+pub fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Option<String> {
     known
         .map(|candidate| (strsim::jaro_winkler(name, candidate), candidate))
         .filter(|(likeness, _)| *likeness > 0.7)
@@ -210,7 +214,8 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
 }
 
 /// ` (did you mean …?)`, or nothing.
-pub(crate) fn suggestion(nearest: &Option<String>) -> String {
+#[must_use]
+pub fn suggestion(nearest: &Option<String>) -> String {
     nearest.as_ref().map_or_else(String::new, |name| format!(" (did you mean `{name}`?)"))
 }
 
@@ -222,7 +227,8 @@ pub fn not_known(what: &str, found: &str, known: &[String]) -> String {
 }
 
 /// Names in one line; the first of them, where there are very many.
-pub(crate) fn listed(names: &[String]) -> String {
+#[must_use]
+pub fn listed(names: &[String]) -> String {
     match names.len() {
         0 => "none".to_owned(),
         count if count <= MOST_LISTED => names.join(", "),

@@ -106,7 +106,7 @@ impl Unit {
 }
 
 /// Moves the decimal point of the shortest decimal that stands for `value`.
-pub(crate) fn shift(value: f64, places: i32) -> f64 {
+pub fn shift(value: f64, places: i32) -> f64 {
     if !value.is_finite() {
         // NaN and the infinities have no decimals to move.
         return value;

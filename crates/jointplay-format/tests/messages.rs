@@ -2,8 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a failing test may panic")]
 
-use jointplay_format::export::dialect::{DIALECTS, Dialect};
-use jointplay_format::{catalogue, cell, import, mechanism, robot, study};
+use jointplay_format::{catalogue, cell, mechanism, robot, study};
 
 /// A reader: the message that it answers with, if it refuses the text.
 type Read = fn(&str) -> Option<String>;
@@ -25,11 +24,8 @@ fn files() -> Vec<(&'static str, String, Read)> {
         ("cell", cell::EXAMPLE.to_owned(), |text| {
             cell::read(text, &mut |_| Err("no files".to_owned())).err().map(all)
         }),
-        ("dialect", DIALECTS[0].text.to_owned(), |text| {
-            Dialect::parse(text).err().map(|error| error.to_string())
-        }),
         ("loops", LOOPS.to_owned(), |text| {
-            let chain = import::parse(CHAIN).unwrap().mechanism;
+            let chain = mechanism::parse(CHAIN).unwrap().mechanism;
             mechanism::with_loops(&chain, text).err().map(|error| error.to_string())
         }),
     ];
@@ -37,11 +33,23 @@ fn files() -> Vec<(&'static str, String, Read)> {
     files
 }
 
-const CHAIN: &str = r#"<robot name="pair">
-  <link name="base"/><link name="left"/><link name="right"/>
-  <joint name="a" type="continuous"><parent link="base"/><child link="left"/></joint>
-  <joint name="b" type="continuous"><parent link="base"/><child link="right"/></joint>
-</robot>"#;
+const CHAIN: &str = r#"kind = "mechanism"
+name = "pair"
+units = { length = "mm", angle = "deg" }
+base = "base"
+[[joint]]
+name = "a"
+kind = "revolute"
+links = ["base", "left"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+[[joint]]
+name = "b"
+kind = "revolute"
+links = ["base", "right"]
+point = [0, 0, 0]
+axis = [0, 0, 1]
+"#;
 
 const LOOPS: &str = r#"kind = "loops"
 units = { length = "mm", angle = "deg" }

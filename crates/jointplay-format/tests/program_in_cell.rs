@@ -14,7 +14,7 @@ use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_cell::workcell::Cell;
 use jointplay_core::gpr::Gpr;
-use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use jointplay_format::program::{explain, parse};
 use nalgebra::{Rotation3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -63,7 +63,7 @@ fn station(name: &str, azimuth: f64, tilt: Tilt, slots: usize) -> Station {
     let origin = Vector3::new(0.6 * cos, 0.6 * sin, 0.7);
     Station {
         name: name.into(),
-        base_from_station: Pose::from_parts(origin.into(), leaning(&tilt.normal()) * facing),
+        base_from_station: Pose::from_parts(origin.into(), tilt_rotation(&tilt.normal()) * facing),
         origin: Origin::Nominal,
         slots,
         pitch: 0.01,
@@ -369,7 +369,7 @@ fn what_is_out_of_reach_says_why() {
     far.stations[0].base_from_station.translation.x = 0.9;
     far.stations[1].base_from_station.translation.z = 1.1;
     let steep = Tilt { yaw: 0.0, pitch: 5_f64.to_radians() };
-    far.stations[2].base_from_station.rotation = leaning(&steep.normal());
+    far.stations[2].base_from_station.rotation = tilt_rotation(&steep.normal());
     far.occupied.push(SlotId { station: 2, slot: 1 });
     let text =
         "REPEAT 3 AS n\n  GET port-1 SLOT n WITH A\n  PUT port-2 SLOT n WITH A\nEND\nGET aligner";

@@ -1,7 +1,6 @@
-//! Study files: what is refused and where, and tables that read back.
+//! Study files: what is read, what is refused and where.
 
-use jointplay_format::study::{Marker, MarkerError, StudyFile, TableKind, parse, robot_of};
-use jointplay_study::plan::{Moments, Totals};
+use jointplay_format::study::{StudyFile, parse, robot_of};
 
 const STUDY: &str = r#"kind = "study"
 name = "a study"
@@ -150,28 +149,6 @@ fn differences_are_told_by_key() {
     }
 }
 
-#[test]
-fn markers_read_back_to_the_bit() {
-    let file = study(STUDY);
-    let mut totals = Totals::new(3, 2);
-    totals.columns[0] = Moments::of(&[0.1, 0.2, f64::NAN, 1e-300]);
-    totals.outcomes[1].no_robot = 7;
-    let mut marker = Marker::new(&file, TableKind::Csv, totals);
-    (marker.chunks, marker.bytes, marker.foot) = (3, u64::MAX, vec![0, 255, 16]);
-    let text = marker.to_json(9);
-    assert_eq!(Marker::parse(&text), Ok(marker));
-    let malformed = |text: &str| matches!(Marker::parse(text), Err(MarkerError::Malformed(_)));
-    assert!(malformed(&text[1..]));
-    for (from, to) in [
-        ("00ff10", "00ff1"),
-        ("00ff10", "00fg10"),
-        ("\"csv\"", "\"doc\""),
-        ("\"chunks\": 3", "\"chunks\": -3"),
-    ] {
-        assert!(text.contains(from) && malformed(&text.replace(from, to)), "{to}");
-    }
-}
-
 /// What studies are made of, and what they are not.
 const WORDS: [&str; 36] = [
     "kind",
@@ -232,66 +209,5 @@ proptest::proptest! {
                 let _ = error.with_excerpt("s.toml");
             }
         }
-        let _ = Marker::parse(&noise);
     }
-}
-
-#[cfg(feature = "parquet")]
-#[test]
-fn a_parquet_table_reads_back_the_same() {
-    use jointplay_format::study::{Index, Table};
-    use jointplay_study::plan::compute;
-    use parquet::file::reader::{FileReader, SerializedFileReader};
-    use parquet::record::Field;
-
-    let file = study(&STUDY.replace("[0, 0.01]", "[0, 60]"));
-    let tables = [TableKind::Csv, TableKind::Parquet]
-        .map(|kind| Table::new(kind, file.columns.clone()).unwrap());
-    // Three chunks of two blocks, with the end read back after the second, as by a run that is taken up again.
-    let [csv, parquet] = tables.map(|table| {
-        let (mut bytes, mut index) = (table.head(), Index::default());
-        for chunk in 0..3 {
-            let blocks = [0, 1].map(|block| {
-                let first = 100 * chunk + 50 * block;
-                compute(&file.plan, &(first..first + 50).collect::<Vec<u64>>()).unwrap()
-            });
-            let encoded = table.encode(&blocks).unwrap();
-            table.note(&mut index, &encoded, bytes.len() as u64).unwrap();
-            bytes.extend(encoded.parts.concat());
-            if chunk == 1 {
-                let foot = table.foot(&index).unwrap();
-                index = table.index(&foot).unwrap();
-                assert!(table.foot(&index).unwrap() == foot, "an end read back is another");
-            }
-        }
-        bytes.extend(table.foot(&index).unwrap());
-        bytes
-    });
-    let reader = SerializedFileReader::new(bytes::Bytes::from(parquet)).unwrap();
-    assert_eq!(reader.num_row_groups(), 3);
-    let text = String::from_utf8(csv).unwrap();
-    let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let (mut rows, mut missing) = (0, 0);
-    for (row, line) in reader.get_row_iter(None).unwrap().zip(lines) {
-        let row = row.unwrap();
-        assert_eq!(row.get_column_iter().count(), names.len());
-        let cells = row.get_column_iter().zip(line.split(',')).zip(&names);
-        for (((name, field), expected), known) in cells {
-            assert_eq!(name, known);
-            match field {
-                Field::Long(found) => assert_eq!(found.to_string(), expected),
-                Field::Str(found) => assert_eq!(found, expected),
-                Field::Double(found) if expected.is_empty() => {
-                    assert!(found.is_nan());
-                    missing += 1;
-                }
-                Field::Double(found) => assert_eq!(*found, expected.parse::<f64>().unwrap()),
-                other => panic!("{name}: {other:?}"),
-            }
-        }
-        rows += 1;
-    }
-    assert_eq!(rows, 300);
-    assert!(missing > 0);
 }

@@ -11,7 +11,7 @@ use jointplay_cell::station::{Approach, Origin, Station, Stroke};
 use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
 use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
 use jointplay_core::gpr::Gpr;
-use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use jointplay_plot::Error;
 use jointplay_plot::cell::{EffectorPath, Gantt, Interval, IntervalKind, Taught, TopView};
 use nalgebra::Vector3;
@@ -70,7 +70,7 @@ fn cell() -> Cell {
         name: name.to_owned(),
         base_from_station: Pose::from_parts(
             nalgebra::Translation3::new(x, y, 0.62),
-            leaning(&Tilt { yaw: 0.4, pitch }.normal()),
+            tilt_rotation(&Tilt { yaw: 0.4, pitch }.normal()),
         ),
         origin: Origin::Nominal,
         slots,
@@ -274,8 +274,15 @@ fn gantt(duration: f64) -> Gantt {
 
 #[test]
 fn axes_over_time() {
-    let expected =
-        ["axes", "q1", "T", "violations", "GET port SLOT 1 WITH A", "moving without wafer", "violation"];
+    let expected = [
+        "axes",
+        "q1",
+        "T",
+        "violations",
+        "GET port SLOT 1 WITH A",
+        "moving without wafer",
+        "violation",
+    ];
     check(&gantt(8.0).to_svg().unwrap(), &expected);
 }
 

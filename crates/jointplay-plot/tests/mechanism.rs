@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
 use jointplay_core::mechanism::{
-    Carrier, Joint, JointKind, Mechanism, Play, VirtualJoint, VirtualMotion,
+    Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
 };
 use jointplay_core::spatial::Pose;
 use jointplay_plot::{Error, MechanismPicture, View};
@@ -31,8 +31,8 @@ fn joint(name: &str, kind: JointKind, links: [usize; 2], point: [f64; 3], axis: 
         actuated: false,
         guess: vec![],
         limits: vec![],
-        clearance: Play::default(),
-        stiffness: Play::default(),
+        clearance: LinearAndAngular::default(),
+        stiffness: LinearAndAngular::default(),
     }
 }
 

@@ -1,6 +1,6 @@
 //! What can move, how much play it takes, and what the models say of it: results of Python for those of the library.
 
-use jointplay::gpr::{Bounded, TiltPlay};
+use jointplay::gpr::{EvaluatedBounds, TiltPlay};
 use jointplay::mobility::{FiniteMobility, InstantaneousMobility};
 use jointplay::nalgebra::DMatrix;
 use jointplay::sensitivity::Sensitivity;
@@ -90,7 +90,7 @@ pub(crate) fn tilt_play<'py>(
 ) -> PyResult<Bound<'py, PyAny>> {
     let shares =
         |shares: &Option<Vec<f64>>| shares.as_ref().map(|shares| PyArray1::from_slice(py, shares));
-    let bounded = |found: &Bounded| {
+    let bounded = |found: &EvaluatedBounds| {
         let bounds = &found.bounds;
         let fields = fields!(py;
             lower_m = bounds.lower,

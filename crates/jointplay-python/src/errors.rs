@@ -182,7 +182,7 @@ pub(crate) fn study(py: Python<'_>, error: &study::Error) -> PyErr {
 /// That a configuration of a mechanism is beyond joint limits, with the result that has it.
 pub(crate) fn beyond_limits(
     py: Python<'_>,
-    limits: &[jointplay::format::report::LimitReport],
+    limits: &[jointplay::report::LimitReport],
     result: &Bound<'_, PyAny>,
 ) -> PyErr {
     let messages: Vec<&str> = limits.iter().map(|limit| limit.message.as_str()).collect();

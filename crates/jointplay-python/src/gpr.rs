@@ -97,7 +97,7 @@ impl PyGpr {
     fn pose(
         &self,
         py: Python<'_>,
-        found: Result<jointplay::gpr::Forward, jointplay::Error>,
+        found: Result<jointplay::gpr::PlatformPose, jointplay::Error>,
         model: &Model,
     ) -> PyResult<PyForward> {
         let pose = model.checked(py, found)?;

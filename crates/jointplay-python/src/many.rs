@@ -1,6 +1,6 @@
 //! Many poses at a time.
 
-use jointplay::bulk::{Column, Quantity, Status, Tally, parts};
+use jointplay::bulk::{Column, Quantity, Status, StatusCounts, parts};
 use jointplay::gpr::Gpr;
 use jointplay::study::parallel;
 use jointplay::virtualization::SolveOptions;
@@ -20,7 +20,7 @@ pub(crate) fn evidence<'py>(
     py: Python<'py>,
     shape: &[usize],
     status: Vec<Status>,
-    tally: Tally,
+    tally: StatusCounts,
     fields: &Bound<'py, PyDict>,
 ) -> PyResult<()> {
     let numbers: Vec<u8> = status.into_iter().map(|status| status as u8).collect();
@@ -46,10 +46,14 @@ fn in_parts(
     given: [Column<'_>; 3],
     status: &mut [Status],
     written: Vec<&mut [f64]>,
-    work: impl Fn([Column<'_>; 3], &mut [Status], Vec<&mut [f64]>) -> Result<Tally, jointplay::Error>
+    work: impl Fn(
+        [Column<'_>; 3],
+        &mut [Status],
+        Vec<&mut [f64]>,
+    ) -> Result<StatusCounts, jointplay::Error>
     + Sync,
-) -> PyResult<Tally> {
-    let mut sum = Tally::default();
+) -> PyResult<StatusCounts> {
+    let mut sum = StatusCounts::default();
     for (given, status, written) in parts(given, status, written, PART) {
         py.check_signals()?;
         sum +=

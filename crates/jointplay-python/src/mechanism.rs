@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use jointplay::format::catalogue;
 use jointplay::format::coordinates::{self, Coordinates};
-use jointplay::format::import;
 use jointplay::format::mechanism::{self, MAX_BYTES, MechanismFile};
+use jointplay::interop::import;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mobility::kutzbach_mobility;
 use pyo3::prelude::*;

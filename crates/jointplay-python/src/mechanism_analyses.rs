@@ -1,14 +1,14 @@
 //! What any mechanism is asked.
 
-use jointplay::bulk::{Status, Tally};
+use jointplay::bulk::{Status, StatusCounts};
 use jointplay::constraint::System as _;
-use jointplay::format::report;
 use jointplay::mechanism::{
     Drive, MechanismSystem, PositionSolver, ReliefSolver, assemble, branches, guess,
     mechanism_mobility, suggest,
 };
 use jointplay::mobility::{RANK_THRESHOLD, near_mobility};
 use jointplay::nalgebra::DVector;
+use jointplay::report;
 use jointplay::sensitivity::commanded_sensitivity;
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
@@ -433,7 +433,7 @@ impl PyMechanism {
             coordinates = PyArray2::from_owned_array(py, array),
             residual = PyArray1::from_vec(py, residuals),
         );
-        let tally = Tally::of(&status);
+        let tally = StatusCounts::of(&status);
         evidence(py, &[poses], status, tally, &fields)?;
         skin::result(py, "Positions", &fields)
     }

@@ -1,12 +1,12 @@
 //! What is found of a mechanism, as results of Python.
 
-use jointplay::format::report;
 use jointplay::mechanism::{
-    BeyondLimits, Class, Closure, Mechanism, MechanismMobility, MechanismSystem, Motion, Relief,
-    SparseMobility, Suggestions, VirtualMotion, link_motion, self_stresses,
+    BeyondLimits, Closure, DrivenMotion, Mechanism, MechanismMobility, MechanismSystem,
+    MobilityClass, Relief, SparseMobility, Suggestions, VirtualMotion, link_motion, self_stresses,
 };
 use jointplay::mobility::NearMobility;
 use jointplay::nalgebra::DVector;
+use jointplay::report;
 use jointplay::sensitivity::Sensitivity;
 use numpy::ndarray::Array2;
 use numpy::{PyArray1, PyArray2};
@@ -84,7 +84,7 @@ pub(crate) fn mobility<'py>(
     let fields = mobility_fields(py, kutzbach, finite)?;
     fields.set_item("name", mechanism.name())?;
     fields.set_item("configuration", configuration)?;
-    fields.set_item("classification", class.words())?;
+    fields.set_item("classification", class.description())?;
     fields.set_item(
         "branch_dimensions",
         branch_dimensions.as_ref().map(|all| PyTuple::new(py, all)).transpose()?,
@@ -102,7 +102,7 @@ pub(crate) fn sparse_mobility<'py>(
     found: &SparseMobility,
     closure: &Closure,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let class = Class::counted(found.finite, found.mobility, found.redundancy);
+    let class = MobilityClass::from_mobilities(found.finite, found.mobility, found.redundancy);
     let fields = fields!(py;
         kutzbach_mobility = kutzbach,
         instantaneous_mobility = found.mobility,
@@ -117,7 +117,7 @@ pub(crate) fn sparse_mobility<'py>(
         self_stress = py.None(),
         name = of.file.mechanism.name(),
         configuration = configuration(py, of, &closure.coordinates, closure.residual, closure.iterations)?,
-        classification = class.words(),
+        classification = class.description(),
         branch_dimensions = py.None(),
         carried_twice = PyTuple::empty(py),
         link_motions = PyDict::new(py),
@@ -131,7 +131,7 @@ pub(crate) fn motion<'py>(
     of: &PyMechanism,
     driven: &[usize],
     held: &[usize],
-    moved: &Motion,
+    moved: &DrivenMotion,
 ) -> PyResult<Bound<'py, PyAny>> {
     let all = 0..of.coordinates.all().len();
     let waypoints = &moved.waypoints;
@@ -173,7 +173,7 @@ pub(crate) fn motion<'py>(
         stopped = told.stopped,
         message = told.message,
     );
-    skin::result(py, "Motion", &fields)
+    skin::result(py, "DrivenMotion", &fields)
 }
 
 pub(crate) fn suggestions<'py>(

@@ -5,7 +5,7 @@ use std::sync::{LazyLock, Mutex, PoisonError};
 
 use jointplay::gpr::Gpr;
 use jointplay::virtualization::{
-    Metric, Motion, Offset, Planar, Polar, Radial, SolveOptions, Solver, VirtualJoint,
+    Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, VirtualJoint, VirtualJointKind,
     Virtualization, built_in,
 };
 use pyo3::prelude::*;
@@ -181,8 +181,9 @@ impl ModelNames {
     }
 
     pub(crate) fn of(virtualization: &dyn Virtualization) -> &'static Self {
-        let joint =
-            |joint: &VirtualJoint| (joint.symbol, joint.limb, joint.motion == Motion::Angular);
+        let joint = |joint: &VirtualJoint| {
+            (joint.symbol, joint.limb, joint.motion == VirtualJointKind::Angular)
+        };
         Self::kept(Self {
             name: virtualization.name().to_owned(),
             joints: virtualization.joints().iter().map(joint).collect(),

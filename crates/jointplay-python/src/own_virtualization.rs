@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use jointplay::gpr::Gpr;
 use jointplay::nalgebra::Vector2;
 use jointplay::virtualization::{
-    MAX_VIRTUAL_JOINTS, Motion, Platform, Sides, Sockets, VirtualJoint, Virtualization,
+    MAX_VIRTUAL_JOINTS, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, Virtualization,
 };
 use numpy::PyArray1;
 use pyo3::exceptions::PyTypeError;
@@ -167,8 +167,8 @@ fn virtual_joint(joint: &Bound<'_, PyAny>, index: usize) -> PyResult<VirtualJoin
         return Err(errors::input(py, &message));
     }
     let motion = match motion.as_str() {
-        "linear" => Motion::Linear,
-        "angular" => Motion::Angular,
+        "linear" => VirtualJointKind::Linear,
+        "angular" => VirtualJointKind::Angular,
         other => {
             let known = ["linear".to_owned(), "angular".to_owned()];
             return Err(errors::unknown_name(py, "motion", other, &known));

@@ -1,6 +1,6 @@
 //! One pose, as it comes out of `forward` and `inverse`: numbers at once, arrays where they are asked for.
 
-use jointplay::gpr::Forward;
+use jointplay::gpr::PlatformPose;
 use jointplay::nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 use jointplay::spatial::Pose;
 use jointplay::virtualization::{MAX_VIRTUAL_JOINTS, Solution, VirtualJoints};
@@ -13,15 +13,15 @@ use crate::errors;
 use crate::model::ModelNames;
 
 /// Where the platform is for three rods, with everything that led to it.
-#[pyclass(name = "Forward", module = "jointplay", frozen, eq)]
+#[pyclass(name = "PlatformPose", module = "jointplay", frozen, eq)]
 #[derive(PartialEq)]
 pub(crate) struct PyForward {
-    pose: Forward,
+    pose: PlatformPose,
     model: &'static ModelNames,
 }
 
 impl PyForward {
-    pub(crate) fn new(pose: Forward, model: &'static ModelNames) -> Self {
+    pub(crate) fn new(pose: PlatformPose, model: &'static ModelNames) -> Self {
         Self { pose, model }
     }
 }
@@ -146,7 +146,7 @@ impl PyForward {
     fn __repr__(&self) -> String {
         let origin = self.pose.base_from_platform.translation.vector;
         format!(
-            "Forward(yaw_rad={:?}, pitch_rad={:?}, origin_m=[{:?}, {:?}, {:?}], virtualization={:?})",
+            "PlatformPose(yaw_rad={:?}, pitch_rad={:?}, origin_m=[{:?}, {:?}, {:?}], virtualization={:?})",
             self.yaw_rad(),
             self.pitch_rad(),
             origin.x,
@@ -209,7 +209,7 @@ impl PyForward {
             Translation3::from(Vector3::from(*origin)),
             Rotation3::from_matrix_unchecked(rotation),
         );
-        let pose = Forward { rods: *rods, sides: *sides, solution, base_from_platform };
+        let pose = PlatformPose { rods: *rods, sides: *sides, solution, base_from_platform };
         Ok(Self { pose, model: ModelNames::from_parts(name, joints) })
     }
 }

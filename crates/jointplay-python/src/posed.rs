@@ -2,8 +2,8 @@
 
 use jointplay::Error;
 use jointplay::mechanism::{
-    Closure, Commanded, Drive, MechanismSystem, Motion, Relief, ReliefSolver, SparseSystem,
-    assemble, drive, drive_relieved, guess, relieve,
+    Closure, CommandedJoints, Drive, DrivenMotion, MechanismSystem, Relief, ReliefSolver,
+    SparseSystem, assemble, drive, drive_relieved, guess, relieve,
 };
 use jointplay::nalgebra::DVector;
 
@@ -95,15 +95,15 @@ impl PyMechanism {
     }
 
     /// Commands of some coordinates, from the closed configuration nearest the guesses of the file.
-    pub(crate) fn commanded(&self, coordinates: &[usize]) -> Result<Commanded, Error> {
+    pub(crate) fn commanded(&self, coordinates: &[usize]) -> Result<CommandedJoints, Error> {
         let home = self.assembled(&[], None)?.coordinates;
-        Commanded::new(&MechanismSystem::new(&self.file.mechanism, home)?, coordinates)
+        CommandedJoints::new(&MechanismSystem::new(&self.file.mechanism, home)?, coordinates)
     }
 
     /// The relief for values of commanded coordinates [m, rad].
     pub(crate) fn relieved_at(
         &self,
-        commanded: &Commanded,
+        commanded: &CommandedJoints,
         values: impl IntoIterator<Item = f64>,
         solver: ReliefSolver,
     ) -> Result<Relief, Error> {
@@ -119,7 +119,7 @@ impl PyMechanism {
         drives: &[Drive],
         held: &[usize],
         steps: usize,
-    ) -> Result<Motion, Error> {
+    ) -> Result<DrivenMotion, Error> {
         let mechanism = &self.file.mechanism;
         if !self.is_dense() {
             return SparseSystem::new(mechanism, from.clone())?.drive(drives, held, steps);

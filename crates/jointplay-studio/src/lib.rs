@@ -1,33 +1,38 @@
-//! The local server of the studio: serves the page, and the HTTP API that the page and programs speak to.
+//! The local server of the studio: it serves the page and the HTTP API of page and programs.
 //!
-//! A door: it translates requests for the library and answers for the wire, and computes nothing.
+//! The crate translates requests to calls of the library and results to documents; it computes nothing itself.
+//! A file imports only from lines below it.
 //!
-//! | file | role |
+//! | file | contents |
 //! | --- | --- |
-//! | `server.rs` | from a robot to a running server: port, Ctrl-C |
-//! | `app.rs` | which path is answered by what, and the OpenAPI description |
-//! | `guard.rs` | who may ask: hosts, origins, security headers, time |
-//! | `body.rs` | JSON bodies read strictly, each error with its field |
-//! | `strict.rs` | objects of JSON read as objects only |
-//! | `problem.rs` | what went wrong, as RFC 9457 says it |
-//! | `study.rs` | studies, computed and sent batch by batch |
-//! | `work.rs` | computations kept off the thread that serves |
-//! | `cell.rs` | the cell's files, and what a program comes to in it |
-//! | `meshes.rs` | shapes from the robot file's folder |
+//! | `server.rs` | start of the server: port, shutdown by Ctrl-C |
+//! | `router.rs` | the routes of the API and their OpenAPI description |
+//! | `routes/` | one file for each endpoint |
+//! | `study.rs` | studies, computed and streamed in batches |
+//! | `state.rs` | the state that all requests share |
+//! | `session.rs` | the work cell under edit: its files and the last plans |
+//! | `plan.rs` | the plan of a program in a cell |
+//! | `wire/` | the documents of requests and responses |
+//! | `cell_files.rs` | cell file and program file |
+//! | `meshes.rs` | mesh files named in the robot file |
+//! | `body.rs`, `strict.rs` | strict JSON bodies, each error with its field |
+//! | `guard.rs` | access control: hosts, origins, security headers, deadline |
 //! | `page.rs` | the built page, embedded |
-//! | `wire/` | what requests and answers look like |
-//! | `routes/` | one file an endpoint |
+//! | `work.rs` | computations on worker threads |
+//! | `problem.rs` | errors as problem documents (RFC 9457) |
 
-mod app;
 mod body;
-mod cell;
-mod cell_plan;
+mod cell_files;
 mod guard;
 mod meshes;
 mod page;
+mod plan;
 mod problem;
+mod router;
 mod routes;
 mod server;
+mod session;
+mod state;
 mod strict;
 mod study;
 #[cfg(test)]
@@ -35,6 +40,6 @@ mod tests;
 mod wire;
 mod work;
 
-pub use app::description;
-pub use cell::{CellFiles, EXAMPLE};
+pub use cell_files::{CellFiles, EXAMPLE};
+pub use router::description;
 pub use server::{DEFAULT_PORT, Error, Server};

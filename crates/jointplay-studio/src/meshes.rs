@@ -9,9 +9,9 @@ const LARGEST: u64 = 50_000_000;
 
 /// The folder of the robot file, where shapes are.
 #[derive(Clone)]
-pub(crate) struct Folder(Option<PathBuf>);
+pub(crate) struct MeshFolder(Option<PathBuf>);
 
-impl Folder {
+impl MeshFolder {
     /// The folder of a robot file, with every shape that the file names in it.
     pub(crate) fn of(folder: Option<&Path>, robot: &Robot) -> Result<Self, robot::Error> {
         let folder = Self(folder.map(Path::to_owned));

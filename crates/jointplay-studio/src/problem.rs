@@ -4,8 +4,8 @@ use axum::Json;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jointplay::format::explain::explain;
-use jointplay::format::report::{self, LimitReport};
 use jointplay::gpr::BrokenLimit;
+use jointplay::report::{self, LimitReport};
 use serde::Serialize;
 use utoipa::ToSchema;
 

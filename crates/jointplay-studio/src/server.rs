@@ -9,10 +9,12 @@ use jointplay::format::robot::{self, Robot};
 use tokio::runtime::{Builder, Runtime};
 use tokio::task::JoinHandle;
 
-use crate::app::{self, App};
-use crate::cell::{CellFiles, Desk};
-use crate::meshes::Folder;
-use crate::work::Patience;
+use crate::cell_files::CellFiles;
+use crate::meshes::MeshFolder;
+use crate::router;
+use crate::session::WorkcellSession;
+use crate::state::AppState;
+use crate::work::Deadlines;
 
 /// The port that is taken where none is asked for, if it is free.
 pub const DEFAULT_PORT: u16 = 4816;
@@ -48,7 +50,7 @@ pub struct Server {
     address: SocketAddr,
     runtime: Runtime,
     interrupted: JoinHandle<io::Result<()>>,
-    app: App,
+    state: AppState,
 }
 
 impl Server {
@@ -61,7 +63,7 @@ impl Server {
     /// # Errors
     /// [`Error::Mesh`] for a shape that is not there, [`Error::Port`] if the port asked for cannot be had, [`Error::System`] if none can.
     pub fn bind(robot: Robot, folder: Option<&Path>, port: Option<u16>) -> Result<Self, Error> {
-        let folder = Folder::of(folder, &robot)?;
+        let folder = MeshFolder::of(folder, &robot)?;
         let bind = |port| TcpListener::bind((Ipv4Addr::LOCALHOST, port));
         let listener = match port {
             Some(port) => bind(port).map_err(|source| Error::Port { port, source })?,
@@ -73,14 +75,14 @@ impl Server {
         // Listened to from here on: whoever is told the address may press Ctrl-C at once.
         let interrupted = runtime.spawn(tokio::signal::ctrl_c());
         runtime.block_on(tokio::task::yield_now());
-        let app = App::new(robot, folder, Patience::default());
-        Ok(Self { listener, address, runtime, interrupted, app })
+        let state = AppState::new(robot, folder, Deadlines::default());
+        Ok(Self { listener, address, runtime, interrupted, state })
     }
 
     /// Shows a cell beside the robot.
     #[must_use]
     pub fn with_cell(mut self, files: CellFiles) -> Self {
-        self.app.desk = Some(Desk::new(files));
+        self.state.cell = Some(WorkcellSession::new(files));
         self
     }
 
@@ -95,11 +97,11 @@ impl Server {
     /// # Errors
     /// [`Error::System`] if the port or Ctrl-C cannot be listened to.
     pub fn run(self) -> Result<(), Error> {
-        let Self { listener, address, runtime, interrupted, app } = self;
-        let work = app.work.clone();
+        let Self { listener, address, runtime, interrupted, state } = self;
+        let work = state.work.clone();
         let served = runtime.block_on(async {
             let listener = tokio::net::TcpListener::from_std(listener)?;
-            let router = app::router(app, address.port());
+            let router = router::router(state, address.port());
             let (goodbye, asked) = tokio::sync::oneshot::channel::<()>();
             let serve = axum::serve(listener, router).with_graceful_shutdown(async {
                 let _ = asked.await;

@@ -10,13 +10,13 @@ use arrow_schema::{ArrowError, DataType, Field, Schema};
 use axum::body::{Body, Bytes};
 use jointplay::bulk::{Column, Quantity, Status};
 use jointplay::format::robot::Robot;
-use jointplay::format::table;
+use jointplay::report::table;
 use jointplay::virtualization::{SolveOptions, Virtualization};
 use tokio::sync::mpsc::{self, Sender};
 use tokio_stream::wrappers::ReceiverStream;
 
-use crate::app::App;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::study::{ColumnName, Commanded, Samples, Source, StudyRequest, columns};
 
 /// Samples in a batch: enough to hide the cost of a message, few enough to show progress.
@@ -239,21 +239,21 @@ impl Batch {
 }
 
 /// The study as an Arrow stream.
-pub(crate) fn arrow(app: &App, study: Study) -> Result<Body, Problem> {
+pub(crate) fn arrow(state: &AppState, study: Study) -> Result<Body, Problem> {
     let schema = study.schema();
     let writer = StreamWriter::try_new(Vec::new(), &schema)
         .map_err(|error| Problem::broken(&error.to_string()))?;
-    stream(app, study, Arrow { schema, writer })
+    stream(state, study, Arrow { schema, writer })
 }
 
 /// The study as comma-separated values.
-pub(crate) fn csv(app: &App, study: Study) -> Result<Body, Problem> {
-    stream(app, study, Csv { begun: false })
+pub(crate) fn csv(state: &AppState, study: Study) -> Result<Body, Problem> {
+    stream(state, study, Csv { begun: false })
 }
 
 /// The study as a Parquet file.
 #[cfg(feature = "parquet")]
-pub(crate) async fn parquet(app: &App, study: Study) -> Result<Body, Problem> {
+pub(crate) async fn parquet(state: &AppState, study: Study) -> Result<Body, Problem> {
     let found = study.len();
     if found > MOST_IN_A_FILE {
         let detail = format!(
@@ -261,9 +261,9 @@ pub(crate) async fn parquet(app: &App, study: Study) -> Result<Body, Problem> {
         );
         return Err(Problem::field("motion", detail));
     }
-    let turn = app.work.study()?;
-    let work = app.work.clone();
-    let file = app.work.run(move || {
+    let turn = state.work.study()?;
+    let work = state.work.clone();
+    let file = state.work.run(move || {
         let mut whole: Vec<table::Column> = Vec::new();
         let done = study.run(|batch| {
             if work.stopping() {
@@ -298,9 +298,9 @@ pub(crate) async fn parquet(_: &App, _: Study) -> Result<Body, Problem> {
 }
 
 /// Computes a study on a thread of its own, as fast as it is read.
-fn stream(app: &App, study: Study, mut format: impl Format) -> Result<Body, Problem> {
-    let turn = app.work.study()?;
-    let work = app.work.clone();
+fn stream(state: &AppState, study: Study, mut format: impl Format) -> Result<Body, Problem> {
+    let turn = state.work.study()?;
+    let work = state.work.clone();
     let (sender, receiver) = mpsc::channel::<Result<Bytes, std::io::Error>>(AHEAD);
     tokio::task::spawn_blocking(move || {
         let begun = Instant::now();
@@ -308,7 +308,7 @@ fn stream(app: &App, study: Study, mut format: impl Format) -> Result<Body, Prob
             if work.stopping() {
                 return Err(Stopped::Ended);
             }
-            let longest = work.patience.study;
+            let longest = work.deadlines.study;
             if begun.elapsed() > longest {
                 return Err(Stopped::TooLong(longest));
             }

@@ -12,14 +12,14 @@ use crate::problem::Problem;
 
 /// How long requests may take.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Patience {
+pub(crate) struct Deadlines {
     /// A request until its answer begins.
     pub(crate) request: Duration,
     /// A study, whoever reads it included.
     pub(crate) study: Duration,
 }
 
-impl Default for Patience {
+impl Default for Deadlines {
     fn default() -> Self {
         Self { request: Duration::from_secs(60), study: Duration::from_secs(600) }
     }
@@ -33,21 +33,21 @@ const STUDIES: usize = 4;
 
 /// As many threads for questions as the machine has cores, some for studies, how long they may take, and whether they are to stop.
 #[derive(Clone)]
-pub(crate) struct Work {
+pub(crate) struct WorkerPool {
     turns: Arc<Semaphore>,
     studies: Arc<Semaphore>,
     stopping: Arc<AtomicBool>,
-    pub(crate) patience: Patience,
+    pub(crate) deadlines: Deadlines,
 }
 
-impl Work {
-    pub(crate) fn new(patience: Patience) -> Self {
+impl WorkerPool {
+    pub(crate) fn new(deadlines: Deadlines) -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
             turns: Arc::new(Semaphore::new(cores)),
             studies: Arc::new(Semaphore::new(STUDIES)),
             stopping: Arc::new(AtomicBool::new(false)),
-            patience,
+            deadlines,
         }
     }
 

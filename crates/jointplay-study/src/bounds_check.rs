@@ -1,6 +1,6 @@
 //! The first-order bounds of sensitivity over a whole study.
 
-use jointplay_core::gpr::{Bounded, Gpr};
+use jointplay_core::gpr::{EvaluatedBounds, Gpr};
 use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
@@ -51,7 +51,7 @@ pub fn check_bounds<V: Virtualization + ?Sized>(
             let play = gpr
                 .play_between(level, pose(tilt, sample)?, virtualization)
                 .map_err(|source| Error::pose(sample, tilt, source))?;
-            let held = |bounded: &Bounded| usize::from(bounded.held);
+            let held = |bounded: &EvaluatedBounds| usize::from(bounded.held);
             check.poses += 1;
             check.held_at_start += held(&play.at_start);
             check.held_at_midpoint += held(&play.at_midpoint);

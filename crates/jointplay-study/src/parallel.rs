@@ -1,7 +1,7 @@
 //! Many poses over the cores of the machine.
 
 use jointplay_core::Error;
-use jointplay_core::bulk::{Column, Quantity, Status, Tally, parts};
+use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts, parts};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{SolveOptions, Virtualization};
 use rayon::prelude::*;
@@ -23,7 +23,7 @@ pub fn inverse_many(
     [yaw, pitch, height]: [Column<'_>; 3],
     status: &mut [Status],
     rods: [&mut [f64]; 3],
-) -> Result<Tally, Error> {
+) -> Result<StatusCounts, Error> {
     let [q_1, q_2, q_3] = rods;
     let columns = vec![q_1, q_2, q_3];
     in_parts([yaw, pitch, height], status, columns, |[yaw, pitch, height], status, columns| {
@@ -47,7 +47,7 @@ pub fn forward_many(
     options: &SolveOptions,
     status: &mut [Status],
     wanted: &mut [(Quantity, &mut [f64])],
-) -> Result<Tally, Error> {
+) -> Result<StatusCounts, Error> {
     let quantities: Vec<Quantity> = wanted.iter().map(|(quantity, _)| *quantity).collect();
     let columns = wanted.iter_mut().map(|(_, column)| &mut **column).collect();
     in_parts(rods, status, columns, |rods, status, columns| {
@@ -61,11 +61,11 @@ fn in_parts<'a>(
     given: [Column<'a>; 3],
     status: &'a mut [Status],
     columns: Vec<&'a mut [f64]>,
-    work: impl Fn([Column<'_>; 3], &mut [Status], Vec<&mut [f64]>) -> Result<Tally, Error> + Sync,
-) -> Result<Tally, Error> {
+    work: impl Fn([Column<'_>; 3], &mut [Status], Vec<&mut [f64]>) -> Result<StatusCounts, Error> + Sync,
+) -> Result<StatusCounts, Error> {
     let parts = parts(given, status, columns, PART);
     parts.into_par_iter().map(|(given, status, columns)| work(given, status, columns)).try_reduce(
-        Tally::default,
+        StatusCounts::default,
         |mut sum, more| {
             sum += more;
             Ok(sum)

@@ -1,7 +1,9 @@
 //! All poses of a study under one virtualization, as columns.
 
 use jointplay_core::gpr::Gpr;
-use jointplay_core::virtualization::{Motion, SolveOptions, Solver, VirtualJoint, Virtualization};
+use jointplay_core::virtualization::{
+    SolveOptions, Solver, VirtualJoint, VirtualJointKind, Virtualization,
+};
 
 use crate::{Error, Order, Raster};
 
@@ -96,8 +98,8 @@ impl Samples {
         let joints = self.virtual_joints.iter().zip(&self.joints).map(|(values, joint)| Series {
             name: format!("{}{}", joint.symbol, joint.limb + 1),
             kind: match joint.motion {
-                Motion::Linear => SeriesKind::Linear,
-                Motion::Angular => SeriesKind::Angular,
+                VirtualJointKind::Linear => SeriesKind::Linear,
+                VirtualJointKind::Angular => SeriesKind::Angular,
             },
             values,
         });

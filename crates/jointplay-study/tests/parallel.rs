@@ -2,7 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "a failure here is what the test is for")]
 
 use jointplay_core::Error;
-use jointplay_core::bulk::{Column, Quantity, Status, Tally};
+use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::virtualization::{Polar, SolveOptions, Solver};
 use jointplay_study::parallel;
@@ -17,7 +17,7 @@ fn tilts() -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Rods, two quantities and the statuses, with a pool of so many threads.
-fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, Tally) {
+fn with_threads(threads: usize) -> (Vec<Vec<u64>>, Vec<Status>, StatusCounts) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     let (yaw, pitch) = tilts();
     let mut rods = [vec![0.0; POSES], vec![0.0; POSES], vec![0.0; POSES]];

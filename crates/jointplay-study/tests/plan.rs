@@ -6,29 +6,29 @@ use jointplay_core::spatial::Tilt;
 use jointplay_core::virtualization::{Metric, Planar, Polar, Radial, SolveOptions, Solver};
 use jointplay_study::Error;
 use jointplay_study::plan::{
-    Block, CHUNK, Dimension, Measure, Outcome, Plan, QUANTILE_SAMPLES, RodsFrom, Spread, TiltForm,
-    Tilts, Tolerances, Totals, Wanted, compute, quantiles, run,
+    Block, CHUNK, Dimension, Outcome, OutputQuantity, Plan, PlatformQuantity, QUANTILE_SAMPLES,
+    RodsFrom, TiltForm, Tilts, Tolerances, Totals, Variation, compute, quantiles, run,
 };
 
 const ANGLE: f64 = 0.02;
 
-fn quantity(model: usize, quantity: Quantity) -> Wanted {
-    Wanted::Model { model, measure: Measure::Quantity(quantity) }
+fn quantity(model: usize, quantity: Quantity) -> OutputQuantity {
+    OutputQuantity::Model { model, measure: PlatformQuantity::Quantity(quantity) }
 }
 
-fn uniform(from: f64, to: f64) -> Spread {
-    Spread::Uniform { from, to }
+fn uniform(from: f64, to: f64) -> Variation {
+    Variation::Uniform { from, to }
 }
 
 /// Random tilts at three heights, two virtualizations.
 fn plan() -> Plan {
     Plan {
         gpr: Gpr::paper(),
-        height: Spread::Values(vec![0.4, 0.5, 0.6]),
+        height: Variation::Values(vec![0.4, 0.5, 0.6]),
         tilt: Tilts {
             form: TiltForm::YawPitch,
             first: uniform(0.0, 6.0),
-            second: Spread::Normal { mean: 0.0, deviation: ANGLE },
+            second: Variation::Normal { mean: 0.0, deviation: ANGLE },
         },
         tolerances: Tolerances::default(),
         rods_from: RodsFrom::Nominal,
@@ -37,23 +37,23 @@ fn plan() -> Plan {
         models: vec![&Planar, &Polar],
         options: SolveOptions { solver: Solver::Newton, ..SolveOptions::default() },
         wanted: vec![
-            Wanted::Height,
-            Wanted::FirstAngle,
-            Wanted::SecondAngle,
-            Wanted::Rod(1),
-            Wanted::Side(2),
+            OutputQuantity::Height,
+            OutputQuantity::FirstAngle,
+            OutputQuantity::SecondAngle,
+            OutputQuantity::Rod(1),
+            OutputQuantity::Side(2),
             quantity(0, Quantity::Origin(0)),
             quantity(1, Quantity::VirtualJoint(4)),
-            Wanted::Model { model: 1, measure: Measure::CenterShift },
-            Wanted::Model { model: 1, measure: Measure::TiltX },
-            Wanted::Model { model: 1, measure: Measure::TiltError },
+            OutputQuantity::Model { model: 1, measure: PlatformQuantity::CenterShift },
+            OutputQuantity::Model { model: 1, measure: PlatformQuantity::TiltX },
+            OutputQuantity::Model { model: 1, measure: PlatformQuantity::TiltError },
         ],
     }
 }
 
 fn tolerances() -> Tolerances {
     Tolerances {
-        socket_radius: Some(Spread::Normal { mean: 1e-5, deviation: 1e-5 }),
+        socket_radius: Some(Variation::Normal { mean: 1e-5, deviation: 1e-5 }),
         base_y: Some(uniform(-2e-5, 2e-5)),
         ..Tolerances::default()
     }
@@ -119,11 +119,16 @@ fn tolerances_leave_the_poses_as_they_were() {
 
 #[test]
 fn a_robot_as_built_is_a_robot() {
-    let built = |limb, dimension| Wanted::Built { limb, dimension };
+    let built = |limb, dimension| OutputQuantity::Built { limb, dimension };
     let wanted = (0..3)
         .flat_map(|limb| Dimension::ALL.map(|dimension| built(limb, dimension)))
-        .chain([Wanted::Rod(0), Wanted::Rod(1), Wanted::Rod(2), quantity(0, Quantity::Pitch)])
-        .chain([Wanted::Model { model: 0, measure: Measure::TiltError }])
+        .chain([
+            OutputQuantity::Rod(0),
+            OutputQuantity::Rod(1),
+            OutputQuantity::Rod(2),
+            quantity(0, Quantity::Pitch),
+        ])
+        .chain([OutputQuantity::Model { model: 0, measure: PlatformQuantity::TiltError }])
         .collect();
     let mut plan = Plan { tolerances: tolerances(), wanted, ..plan() };
     let samples: Vec<u64> = (0..60).collect();
@@ -159,7 +164,7 @@ fn a_robot_as_built_is_a_robot() {
 
 #[test]
 fn a_grid_runs_through_the_second_angle_first() {
-    let values = |values: &[f64]| Spread::Values(values.to_vec());
+    let values = |values: &[f64]| Variation::Values(values.to_vec());
     let tilt = Tilts {
         form: TiltForm::AboutXAndY,
         first: values(&[0.0, 0.1]),
@@ -181,10 +186,10 @@ fn a_grid_runs_through_the_second_angle_first() {
 #[test]
 fn samples_without_an_answer_say_why() {
     let tolerances = Tolerances {
-        socket_radius: Some(Spread::Normal { mean: 0.0, deviation: 0.08 }),
+        socket_radius: Some(Variation::Normal { mean: 0.0, deviation: 0.08 }),
         ..Tolerances::default()
     };
-    let steep = Spread::Normal { mean: 0.0, deviation: 0.8 };
+    let steep = Variation::Normal { mean: 0.0, deviation: 0.8 };
     let tilt = Tilts { second: steep, ..plan().tilt };
     let options = SolveOptions { max_iterations: 4, ..plan().options };
     let plan = Plan {
@@ -192,7 +197,7 @@ fn samples_without_an_answer_say_why() {
         tilt,
         options,
         models: vec![&Radial, &Planar],
-        wanted: vec![Wanted::Rod(0), quantity(1, Quantity::Pitch)],
+        wanted: vec![OutputQuantity::Rod(0), quantity(1, Quantity::Pitch)],
         ..plan()
     };
     let samples: Vec<u64> = (0..3000).collect();
@@ -249,7 +254,7 @@ fn a_run_is_the_same_on_any_number_of_threads_and_from_any_chunk() {
     let plan = Plan {
         draws: 70_000,
         models: vec![&Planar],
-        wanted: vec![Wanted::FirstAngle, quantity(0, Quantity::Origin(1))],
+        wanted: vec![OutputQuantity::FirstAngle, quantity(0, Quantity::Origin(1))],
         ..plan()
     };
     let collected = |threads: usize, from: u64| {
@@ -287,7 +292,7 @@ fn a_run_is_the_same_on_any_number_of_threads_and_from_any_chunk() {
 #[test]
 fn quantiles_are_exact_for_few_and_near_for_many() {
     let shares = [0.0, 0.01, 0.5, 0.95, 1.0];
-    let few = Plan { draws: 1000, wanted: vec![Wanted::FirstAngle], ..plan() };
+    let few = Plan { draws: 1000, wanted: vec![OutputQuantity::FirstAngle], ..plan() };
     let column = compute(&few, &(0..3000).collect::<Vec<u64>>()).unwrap().columns.remove(0);
     let mut sorted = column;
     sorted.sort_by(f64::total_cmp);
@@ -298,13 +303,13 @@ fn quantiles_are_exact_for_few_and_near_for_many() {
         assert_eq!(found.unwrap(), low + (high - low) * place.fract());
     }
     // Uniform from 0 to 6: the quantile says the share itself.
-    let many = Plan { draws: 1 << 40, height: Spread::Values(vec![0.5]), ..few };
+    let many = Plan { draws: 1 << 40, height: Variation::Values(vec![0.5]), ..few };
     let found = quantiles(&many, &shares[1..4]).unwrap().remove(0);
     for (share, found) in shares[1..4].iter().zip(&found) {
         let error = (share * (1.0 - share) / QUANTILE_SAMPLES as f64).sqrt();
         assert!((found.unwrap() / 6.0 - share).abs() < 4.0 * error, "{share}: {found:?}");
     }
-    let steep = Tilts { second: Spread::Values(vec![3.0]), ..plan().tilt };
+    let steep = Tilts { second: Variation::Values(vec![3.0]), ..plan().tilt };
     let none = Plan { tilt: steep, wanted: vec![quantity(0, Quantity::Pitch)], ..plan() };
     assert_eq!(quantiles(&none, &shares).unwrap(), [[None; 5]]);
 }
@@ -315,7 +320,7 @@ fn plans_that_cannot_be_are_refused() {
         let error = compute(&plan, &[0]).unwrap_err().to_string();
         assert!(error.contains(message), "{error}");
     };
-    refused(Plan { height: Spread::Values(vec![]), ..plan() }, "no samples");
+    refused(Plan { height: Variation::Values(vec![]), ..plan() }, "no samples");
     refused(Plan { draws: u64::MAX, ..plan() }, "more samples than can be counted");
     refused(Plan { draws: 1 << 62, ..plan() }, "more samples than can be counted");
     refused(Plan { draws: 0, ..plan() }, "there is no sample 0");

@@ -10,7 +10,9 @@
 //! | [`linalg`], [`spatial`] | ranks and null spaces, poses and tilts |
 //! | [`study`] | sweeps over many poses |
 //! | [`cell`] | robots with arms, stations, programs, timed and checked motion |
-//! | [`mod@format`] | robot files in, JSON and tables out |
+//! | [`mod@format`] | files of robots, mechanisms, cells, programs and studies |
+//! | [`report`] | results as documents and tables |
+//! | [`interop`] | models and motions in the formats of other programs |
 //! | [`plot`] | figures as SVG and PNG |
 
 #[doc = include_str!("../../../README.md")]
@@ -23,5 +25,7 @@ pub use jointplay_core::{
     spatial, virtualization,
 };
 pub use jointplay_format as format;
+pub use jointplay_interop as interop;
 pub use jointplay_plot as plot;
+pub use jointplay_report as report;
 pub use jointplay_study as study;

@@ -1,7 +1,7 @@
 // The server's API. Types come from its own description, `openapi.json`, by `npm run types`.
 
 import type { Command, Metric, Motion } from '../lib/document';
-import { changedLines } from '../lib/lines';
+import { lineChange } from '../lib/lineChange';
 import { unpack } from '../lib/motion';
 import { metres, radians } from '../lib/units';
 import { connection } from './connection.svelte';
@@ -28,10 +28,10 @@ export type TaughtBy = Schemas['TaughtByFields'];
 export type StationChange = Omit<Schemas['StationRequest'], 'cell' | 'station'>;
 export type ModelChoice = Schemas['ModelChoice'];
 /** A command as the API takes it, in m and rad. */
-export type Timed = Schemas['Command'];
+export type ApiCommand = Schemas['Command'];
 
 /** The server says no, and why. */
-export class Refused extends Error {
+export class ApiError extends Error {
   readonly field: string | undefined;
   readonly status: number;
 
@@ -43,7 +43,7 @@ export class Refused extends Error {
 }
 
 /** The server does not answer at all. */
-export class Away extends Error {}
+export class ConnectionError extends Error {}
 
 const ROOT = './api/v1';
 
@@ -59,12 +59,12 @@ async function ask(path: string, body?: unknown, signal?: AbortSignal, method = 
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     connection.failed();
-    throw new Away('the server does not respond');
+    throw new ConnectionError('the server does not respond');
   }
   connection.answered();
   if (response.ok) return response;
   const problem = (await response.json().catch(() => ({}))) as Partial<Schemas['Problem']>;
-  throw new Refused(response.status, problem.detail ?? `the server responded with status ${response.status}`, problem.field ?? undefined);
+  throw new ApiError(response.status, problem.detail ?? `the server responded with status ${response.status}`, problem.field ?? undefined);
 }
 
 /** The body of an answer; a server that ends in the middle of it does not answer. */
@@ -75,7 +75,7 @@ async function body<T>(answer: Promise<Response>, read: (response: Response) => 
   } catch (error) {
     if (error instanceof DOMException && error.name === 'AbortError') throw error;
     connection.failed();
-    throw new Away('the server closed the connection before the end of its response');
+    throw new ConnectionError('the server closed the connection before the end of its response');
   }
 }
 const json = <T>(answer: Promise<Response>) => body<T>(answer, (response) => response.json());
@@ -98,7 +98,7 @@ export function modelChoice(virtualization: string, solver: string, metric: Metr
     : { ...choice, metric };
 }
 
-export function apiCommand(command: Command): Timed {
+export function toApiCommand(command: Command): ApiCommand {
   if (command.kind === 'rods') return { kind: 'rods', rods_m: command.rods_mm.map(metres) };
   const height = { kind: command.height_kind, value_m: metres(command.height_mm) };
   return command.kind === 'tilt'
@@ -110,7 +110,7 @@ export function apiCommand(command: Command): Timed {
  * One pose under several models; a height of the platform's centre is that of the first.
  * With the rods from which it comes, a robot within its limits stops where its way meets one.
  */
-export async function pose(command: Timed, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
+export async function pose(command: ApiCommand, models: ModelChoice[], from_rods_m: number[] | null): Promise<PoseDocument> {
   const from = from_rods_m ? { from_rods_m } : {};
   return json(ask('pose', { command, models, ...from }));
 }
@@ -121,7 +121,7 @@ const QUANTITIES = ['rods', 'sides', 'virtual_joints', 'origin', 'twist'];
 /** The series of a motion under one model, as a stream in Arrow's format. */
 export async function study(motion: Motion, model: ModelChoice, signal: AbortSignal): Promise<ReadableStream<Uint8Array>> {
   const response = await ask('study', { motion: apiMotion(motion), model, quantities: QUANTITIES }, signal);
-  if (!response.body) throw new Away('the response of the server is empty');
+  if (!response.body) throw new ConnectionError('the response of the server is empty');
   return response.body;
 }
 
@@ -180,7 +180,7 @@ export async function jog(planned: { texts: CellTexts; key: string }, question: 
   try {
     return await json<JogDocument>(ask('cell/jog', { plan: planned.key, ...question }));
   } catch (error) {
-    if (!(error instanceof Refused && error.status === 404)) throw error;
+    if (!(error instanceof ApiError && error.status === 404)) throw error;
   }
   return json(ask('cell/jog', { ...planned.texts, ...question }));
 }
@@ -189,10 +189,10 @@ export async function jog(planned: { texts: CellTexts; key: string }, question: 
 export async function plan(texts: CellTexts, before: { texts: CellTexts; key: string } | null, signal: AbortSignal): Promise<PlanDocument> {
   if (before)
     try {
-      const since = { plan: before.key, cell: changedLines(before.texts.cell, texts.cell), program: changedLines(before.texts.program, texts.program) };
+      const since = { plan: before.key, cell: lineChange(before.texts.cell, texts.cell), program: lineChange(before.texts.program, texts.program) };
       return await json<PlanDocument>(ask('cell/plan', { since }, signal));
     } catch (error) {
-      if (!(error instanceof Refused && error.field === 'since')) throw error;
+      if (!(error instanceof ApiError && error.field === 'since')) throw error;
     }
   return json(ask('cell/plan', texts, signal));
 }

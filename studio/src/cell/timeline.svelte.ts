@@ -1,7 +1,7 @@
 // The motion of the plan on show: windows of it are fetched as they are wanted, and kept by their keys.
 
 import * as api from '../api/client';
-import { Refused, type PlanDocument } from '../api/client';
+import { ApiError, type PlanDocument } from '../api/client';
 import { frames, type Frame, type Names } from '../lib/kinematics';
 import { MotionWindow, type Held, type Step } from '../lib/motion';
 
@@ -226,7 +226,7 @@ export class Timeline {
       // The server forgets plans that are not the last ones; of those that are no longer shown nothing is missed.
       if (this.#wanted.includes(key)) {
         this.#wanted = [];
-        this.#failed(error instanceof Refused && error.status === 404 ? new Forgotten() : error);
+        this.#failed(error instanceof ApiError && error.status === 404 ? new Forgotten() : error);
       }
     } finally {
       this.#asked.delete(key);

@@ -14,7 +14,7 @@ import {
 } from './document';
 
 /** Which robot a link speaks of. */
-export interface RobotMark {
+export interface RobotIdentity {
   name: string;
   /** Of its geometry and limits: two robots may have one name. */
   print: string;
@@ -31,7 +31,7 @@ export interface View {
 
 export interface Linked {
   /** The robot that it was made with, by name and fingerprint; old links name none. */
-  robot: RobotMark | null;
+  robot: RobotIdentity | null;
   document: Document;
   view: View | null;
   sample: number | null;
@@ -85,7 +85,7 @@ export function fromHash(hash: string, otherwise: Document): Linked {
   };
 }
 
-function parseRobot(text: string | undefined): RobotMark | null {
+function parseRobot(text: string | undefined): RobotIdentity | null {
   const found = /^(.*),([0-9a-f]{8})$/s.exec(text ?? '');
   return found && { name: found[1] as string, print: found[2] as string };
 }

@@ -1,17 +1,17 @@
 // How the page is arranged; kept between visits, and no part of undo.
 
 import { load, save } from '../lib/settings';
-import type { KeySheet } from './shortcuts';
-import { Arrangement } from './arrangement.svelte';
+import type { ShortcutSheet } from './shortcuts';
+import { PanelLayout } from './panelLayout.svelte';
 
 const flag = (value: unknown) => typeof value === 'boolean';
 
 /** The panels beside the picture, as they stand at first. */
-export const PANELS = ['move', 'models', 'plane', 'mobility', 'bounds'] as const;
+export const PANELS = ['pose', 'virtualization', 'displacement', 'mobility', 'sensitivity'] as const;
 export type PanelName = (typeof PANELS)[number];
 
 /** Those beside the picture of the cell. */
-export const CELL_PANELS = ['verdict', 'jog', 'stations'] as const;
+export const CELL_PANELS = ['check', 'jog', 'stations'] as const;
 export type CellPanelName = (typeof CELL_PANELS)[number];
 
 class Layout {
@@ -19,8 +19,8 @@ class Layout {
   /** Which part of the page is shown, where there is a cell. */
   part = $state<'robot' | 'cell'>(load('part', 'cell', (value) => value === 'robot' || value === 'cell'));
   plotsHeight = $state(load('plotsHeight', 300, (value) => typeof value === 'number' && value >= 160));
-  readonly panels = new Arrangement('', PANELS, ['left', 'right']);
-  readonly cellPanels = new Arrangement('cell.', CELL_PANELS, ['right']);
+  readonly panels = new PanelLayout('', PANELS, ['left', 'right']);
+  readonly cellPanels = new PanelLayout('cell.', CELL_PANELS, ['right']);
   docksShown = $state(load('docksShown', true, flag));
   /** Whether the cell's axes are plotted below their bars, and how high both are. */
   cellPlots = $state(load('cell.plots', false, flag));
@@ -29,7 +29,7 @@ class Layout {
   opening = $state(true);
   helpOpen = $state(false);
   /** The keys of the view on show; without one, those of the robot. */
-  sheet = $state.raw<KeySheet | null>(null);
+  sheet = $state.raw<ShortcutSheet | null>(null);
   explainOpen = $state(false);
   storyShown = $state(load('story', true, flag));
   handles = $state(load('handles', true, flag));

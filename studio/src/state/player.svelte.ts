@@ -1,30 +1,41 @@
-// The cursor in time: which sample of the motion is shown, and how it goes on.
+// Playback of a motion: the current sample, speed and loop.
 
-import type { Studio } from './studio.svelte';
+import type { ApiCommand } from '../api/client';
+import type { Study } from './study.svelte';
 
-/** Samples a second at speed 1 of a motion that has no time of its own. */
+/** Samples per second at speed 1 of a motion without time stamps. */
 export const SAMPLES_PER_SECOND = 30;
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 30, 100, 300] as const;
 
+/** What a player does with the view. */
+export interface PlayerEvents {
+  /** Shows the command of another sample. */
+  show: (command: ApiCommand) => void;
+  /** The current sample has changed while the motion is paused, or playback has paused. */
+  stopped: () => void;
+}
+
 export class Player {
-  /** The sample shown; none while the robot is moved by hand. */
+  /** Index of the current sample; `null` while the robot is jogged. */
   sample = $state<number | null>(null);
   playing = $state(false);
   loop = $state(true);
   speed = $state(1);
-  readonly #studio: Studio;
+  readonly #study: Study;
+  readonly #events: PlayerEvents;
   #position = 0;
   #last = 0;
   #frame = 0;
   /** Called at the end of a motion that is played once. */
   #ended: (() => void) | null = null;
 
-  constructor(studio: Studio) {
-    this.#studio = studio;
+  constructor(study: Study, events: PlayerEvents) {
+    this.#study = study;
+    this.#events = events;
   }
 
   get #count(): number {
-    return this.#studio.study.count;
+    return this.#study.count;
   }
 
   seek(sample: number): void {
@@ -32,7 +43,7 @@ export class Player {
     const at = Math.min(Math.max(Math.round(sample), 0), this.#count - 1);
     this.#position = at;
     this.#show(at);
-    if (!this.playing) this.#studio.rememberLink();
+    if (!this.playing) this.#events.stopped();
   }
 
   step(by: number): void {
@@ -53,7 +64,7 @@ export class Player {
     this.#frame = requestAnimationFrame((now) => this.#tick(now));
   }
 
-  /** Plays from where it is to the end, whatever is said about loops. */
+  /** Plays from the current sample to the end, regardless of `loop`. */
   playOnce(ended: () => void): void {
     this.pause();
     this.play();
@@ -65,11 +76,11 @@ export class Player {
     this.playing = false;
     this.#ended = null;
     cancelAnimationFrame(this.#frame);
-    this.#studio.rememberLink();
+    this.#events.stopped();
   }
 
-  /** Lets go of the motion: the robot is moved by hand, from where it is. */
-  leave(): void {
+  /** Detaches the robot from the motion, so that it can be jogged from its current pose. */
+  detach(): void {
     this.pause();
     this.sample = null;
   }
@@ -77,7 +88,7 @@ export class Player {
   #tick(now: number): void {
     const passed = Math.min(Math.max(now - this.#last, 0), 250) / 1000;
     this.#last = now;
-    const rate = this.#studio.study.rate ?? SAMPLES_PER_SECOND;
+    const rate = this.#study.rate ?? SAMPLES_PER_SECOND;
     this.#position += passed * this.speed * rate;
     const end = this.#count - 1;
     if (this.#position > end) {
@@ -96,9 +107,9 @@ export class Player {
 
   #show(sample: number): void {
     if (sample === this.sample) return;
-    const command = this.#studio.study.command(sample);
+    const command = this.#study.command(sample);
     if (!command) return;
     this.sample = sample;
-    this.#studio.showSample(command);
+    this.#events.show(command);
   }
 }

@@ -1,9 +1,9 @@
 // The one viewer of the page, for whoever has to speak to it.
 
-import type { Viewer } from '../scene/viewer';
+import type { RobotRenderer } from '../scene/robotRenderer';
 
 class SceneHolder {
-  viewer = $state.raw<Viewer | null>(null);
+  viewer = $state.raw<RobotRenderer | null>(null);
 }
 
 export const scene = new SceneHolder();

@@ -8,7 +8,7 @@ export interface Shortcut {
 }
 
 /** What the help sheet of a view lists. */
-export interface KeySheet {
+export interface ShortcutSheet {
   view: string;
   shortcuts: Shortcut[];
   /** Keys that are taken together with Ctrl. */

@@ -2,7 +2,7 @@
 
 import * as api from '../api/client';
 import { connection } from '../api/connection.svelte';
-import { Away, Refused, type PoseDocument, type RobotDocument } from '../api/client';
+import { ConnectionError, ApiError, type PoseDocument, type RobotDocument } from '../api/client';
 import {
   firstDocument,
   VIRTUALIZATIONS,
@@ -16,12 +16,12 @@ import {
   type Virtualization,
 } from '../lib/document';
 import { History } from '../lib/history';
-import { fingerprint, fromHash, toHash, type RobotMark, type View } from '../lib/link';
+import { fingerprint, fromHash, toHash, type RobotIdentity, type View } from '../lib/link';
 import { withinTilt } from '../lib/limits';
 import { load, save } from '../lib/settings';
 import { degrees, millimetres, type LengthUnit } from '../lib/units';
 import type { Theme } from '../scene/palette';
-import { measure } from './measure';
+import { probe } from './probe';
 import { Player } from './player.svelte';
 import { Study } from './study.svelte';
 
@@ -63,7 +63,7 @@ export class Studio {
   /** Why the robot stays where it is, or another thing to tell. */
   notice = $state<string | null>(null);
   /** The robot that the link was made with, where it is not this one. */
-  stranger = $state<string | null>(null);
+  foreignRobot = $state<string | null>(null);
   canUndo = $state(false);
   canRedo = $state(false);
   unit = $state<LengthUnit>('mm');
@@ -75,11 +75,11 @@ export class Studio {
   /** Says where the eye is, once there is a viewer. */
   readView: (() => View) | null = null;
   readonly study = new Study();
-  readonly player = new Player(this);
+  readonly player = new Player(this.study, { show: (command) => this.showSample(command), stopped: () => this.rememberLink() });
 
   #history = new History<Document>(this.document);
   #good: Command = this.document.command;
-  #wanted: { command: api.Timed; jog: boolean } | null = null;
+  #wanted: { command: api.ApiCommand; jog: boolean } | null = null;
   #asking: Promise<void> | null = null;
   #steps = Promise.resolve();
   #linkTimer: ReturnType<typeof setTimeout> | undefined;
@@ -113,13 +113,13 @@ export class Studio {
 
   #failed(error: unknown): void {
     // The connection waits for the server's return, and asks again then.
-    if (error instanceof Away) return;
-    if (error instanceof Refused) this.notice = error.message;
+    if (error instanceof ConnectionError) return;
+    if (error instanceof ApiError) this.notice = error.message;
     else throw error;
   }
 
   /** How links name this robot: by all that the server tells of it, but for its own version and shapes. */
-  get #mark(): RobotMark | null {
+  get #mark(): RobotIdentity | null {
     if (!this.robot) return null;
     const { name, limbs, limits, working_height_m } = this.robot;
     return { name, print: fingerprint([limbs, limits, working_height_m]) };
@@ -138,7 +138,7 @@ export class Studio {
     const usual = this.robot ? firstDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : firstDocument(500);
     const { robot, document, view, sample } = fromHash(hash, usual);
     const own = this.#mark;
-    this.stranger = robot && own && robot.print !== own.print ? robot.name : null;
+    this.foreignRobot = robot && own && robot.print !== own.print ? robot.name : null;
     this.document = document;
     this.#good = document.command;
     this.#history = new History(document);
@@ -182,7 +182,7 @@ export class Studio {
     const before = this.document;
     this.document = document;
     this.notice = null;
-    this.player.leave();
+    this.player.detach();
     this.#tellSteps();
     this.#ask(document.command, true);
     this.#renewStudy(before);
@@ -202,7 +202,7 @@ export class Studio {
     if (key(before) === key(now)) return;
     if (now.motion) void this.loadStudy();
     else {
-      this.player.leave();
+      this.player.detach();
       this.study.clear();
     }
   }
@@ -232,7 +232,7 @@ export class Studio {
   }
 
   setMotion(motion: Motion | null, also: Partial<Document> = {}): void {
-    this.player.leave();
+    this.player.detach();
     this.#change({ motion, ...also });
     this.#again();
   }
@@ -246,14 +246,14 @@ export class Studio {
 
   /** Moves the robot by hand: along the limit of tilt, and up to any other limit that is in the way. */
   jog(wanted: Command): void {
-    if (this.player.sample !== null) this.player.leave();
+    if (this.player.sample !== null) this.player.detach();
     const command = this.robot ? withinTilt(wanted, degrees(this.robot.limits.tilt_max_rad)) : wanted;
     this.document = { ...this.document, command };
     this.#ask(command, true);
   }
 
   /** Shows a sample of the motion. */
-  showSample(command: api.Timed): void {
+  showSample(command: api.ApiCommand): void {
     this.#wanted = { command, jog: false };
     this.#asking ??= this.#work();
   }
@@ -269,13 +269,13 @@ export class Studio {
   }
 
   #ask(command: Command, jog: boolean): void {
-    this.#wanted = { command: api.apiCommand(command), jog };
+    this.#wanted = { command: api.toApiCommand(command), jog };
     this.#asking ??= this.#work();
   }
 
   /** Asks for what is wanted, always the newest, one request at a time. */
   async #work(): Promise<void> {
-    measure.settled = false;
+    probe.settled = false;
     try {
       while (this.#wanted) {
         const { command, jog } = this.#wanted;
@@ -302,13 +302,13 @@ export class Studio {
             this.notice = `Stopped at a limit: ${says(answer.stopped_by)}.`;
           } else if (!this.#wanted) this.notice = null;
         } catch (error) {
-          if (error instanceof Refused && jog) this.#stay(told, error.message);
+          if (error instanceof ApiError && jog) this.#stay(told, error.message);
           else this.#failed(error);
         }
       }
     } finally {
       this.#asking = null;
-      measure.settled = true;
+      probe.settled = true;
     }
   }
 

@@ -1,7 +1,7 @@
 // The series of a motion, as they arrive from the server.
 
 import * as api from '../api/client';
-import type { ModelChoice, Timed } from '../api/client';
+import type { ModelChoice, ApiCommand } from '../api/client';
 import { readArrow } from '../lib/arrow';
 import { column, type Column } from '../lib/columns';
 import type { Motion } from '../lib/document';
@@ -84,12 +84,12 @@ export class Study {
       if (abort.signal.aborted) return;
       this.state = 'failed';
       this.error = error instanceof Error ? error.message : String(error);
-      if (error instanceof api.Away) throw error;
+      if (error instanceof api.ConnectionError) throw error;
     }
   }
 
   /** What the robot is told at a sample. */
-  command(sample: number): Timed | null {
+  command(sample: number): ApiCommand | null {
     const value = (name: string) => this.columns.find((one) => one.name === name)?.values[sample];
     const rods = ['q1_m', 'q2_m', 'q3_m'].map(value);
     // A sample that cannot be reached has no rods.

@@ -1,25 +1,39 @@
 //! `cargo xtask deps`: does each crate import only what its ring may?
 //!
-//! Normal and build dependencies count, optional and target-specific ones too; dev-dependencies
-//! are free. Examples see every import of the façade's crate, so their code is read instead.
+//! Normal and build dependencies count, optional and target-specific ones included; dev-dependencies are free.
+//! Examples see every import of the façade's crate, so their code is read instead.
 
-mod examples;
-mod package;
 mod rings;
 
 use crate::finding::{self, Finding};
+use crate::rust_source::{RustSource, line_at};
 use crate::tree::Tree;
-use package::{Dependency, Kind, Package};
+use cargo_metadata::{DependencyKind, MetadataCommand};
 use rings::{Outside, Rule};
 use std::path::Path;
 
+/// A package of the workspace and the libraries that it imports, without dev-dependencies.
+struct Package {
+    name: String,
+    /// Path of its manifest from the top folder.
+    manifest: String,
+    imports: Vec<Import>,
+}
+
+/// An imported package.
+struct Import {
+    name: String,
+    /// Whether it is given by a path.
+    is_local: bool,
+}
+
 /// Checks the workspace at `root` and prints every finding; true if there is none.
 pub(crate) fn run(root: &Path) -> bool {
-    let packages = package::of_workspace(root);
+    let packages = packages(root).map_err(|error| error.to_string());
     let tree = Tree::load(root).map_err(|error| error.to_string());
     match packages.and_then(|packages| Ok((packages, tree?))) {
         Ok((packages, tree)) => {
-            let findings = check(&packages).into_iter().chain(examples::check(&tree)).collect();
+            let findings = check(&packages).into_iter().chain(check_examples(&tree)).collect();
             finding::report("deps", findings)
         }
         Err(error) => {
@@ -29,12 +43,25 @@ pub(crate) fn run(root: &Path) -> bool {
     }
 }
 
+/// The packages of the workspace at `root`.
+fn packages(root: &Path) -> Result<Vec<Package>, cargo_metadata::Error> {
+    let metadata = MetadataCommand::new().no_deps().current_dir(root).exec()?;
+    let packages = metadata.packages.iter().map(|package| {
+        let manifest = package.manifest_path.strip_prefix(&metadata.workspace_root);
+        let manifest = manifest.unwrap_or(&package.manifest_path).as_str().replace('\\', "/");
+        let used = package.dependencies.iter().filter(|d| d.kind != DependencyKind::Development);
+        let imports = used.map(|d| Import { name: d.name.clone(), is_local: d.path.is_some() });
+        Package { name: package.name.to_string(), manifest, imports: imports.collect() }
+    });
+    Ok(packages.collect())
+}
+
 /// Findings of all packages against the table of rings.
 fn check(packages: &[Package]) -> Vec<Finding> {
-    let is_ours = |dependency: &Dependency| {
-        dependency.is_local
-            || rings::rule(&dependency.name).is_some()
-            || packages.iter().any(|package| package.name == dependency.name)
+    let is_ours = |import: &Import| {
+        import.is_local
+            || rings::rule(&import.name).is_some()
+            || packages.iter().any(|package| package.name == import.name)
     };
     let mut findings = Vec::new();
     for package in packages {
@@ -44,24 +71,22 @@ fn check(packages: &[Package]) -> Vec<Finding> {
             findings.push(Finding::new(&package.manifest, 1, message));
             continue;
         };
-        for dependency in package.dependencies.iter().filter(|d| d.kind != Kind::Dev) {
-            let allowed = if is_ours(dependency) {
-                rule.ours.contains(&dependency.name.as_str())
+        let allowed = |import: &&Import| {
+            if is_ours(import) {
+                rule.ours.contains(&import.name.as_str())
             } else {
-                rule.outside.allows(&dependency.name)
-            };
-            if !allowed {
-                let line = package.line_of(&dependency.name);
-                findings.push(Finding::new(&package.manifest, line, violation(rule, dependency)));
+                rule.outside.allows(&import.name)
             }
+        };
+        for import in package.imports.iter().filter(|import| !allowed(import)) {
+            findings.push(Finding::new(&package.manifest, 1, violation(rule, &import.name)));
         }
     }
     findings
 }
 
-/// Names crate, dependency, ring, and what is allowed.
-fn violation(rule: &Rule, dependency: &Dependency) -> String {
-    let kind = if dependency.kind == Kind::Build { "build dependency " } else { "" };
+/// Names crate, import, ring, and what is allowed.
+fn violation(rule: &Rule, import: &str) -> String {
     let ours = if rule.ours.is_empty() { "none".to_owned() } else { rule.ours.join(", ") };
     let outside = match rule.outside {
         Outside::Only([]) => "none".to_owned(),
@@ -71,154 +96,101 @@ fn violation(rule: &Rule, dependency: &Dependency) -> String {
     };
     let (name, ring) = (rule.name, rule.ring);
     format!(
-        "{name} ({ring}) may not import {kind}{}; allowed of our crates: {ours}; from outside: {outside}",
-        dependency.name
+        "{name} ({ring}) may not import {import}; allowed of our crates: {ours}; from outside: {outside}"
     )
+}
+
+/// Examples use the façade only.
+fn check_examples(tree: &Tree) -> Vec<Finding> {
+    let refused: Vec<String> = rings::crates_below_facade().collect();
+    let mut findings = Vec::new();
+    for (path, text) in tree.texts_ending(".rs").filter(|(path, _)| path.starts_with("examples/")) {
+        let source = RustSource::new(text);
+        for (offset, word) in
+            source.words().filter(|(_, word)| refused.iter().any(|name| name == word))
+        {
+            let message =
+                format!("an example may not import {word}; allowed of our crates: jointplay");
+            findings.push(Finding::new(path, line_at(&source.code, offset), message));
+        }
+    }
+    findings
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn dependency(name: &str, kind: Kind) -> Dependency {
-        Dependency { name: name.into(), kind, is_local: name.starts_with("jointplay") }
-    }
-
-    /// Expects `names` of the imports of `package` to be refused.
-    fn check_imports(package: &str, imports: &[&str], expect_refused: &[&str]) {
-        for kind in [Kind::Normal, Kind::Build] {
-            let dependencies = imports.iter().map(|name| dependency(name, kind)).collect();
-            let packages = [Package {
-                name: package.into(),
-                manifest: "m".into(),
-                text: String::new(),
-                dependencies,
-            }];
-            let messages: Vec<_> = check(&packages).into_iter().map(|f| f.message).collect();
-            assert_eq!(messages.len(), expect_refused.len(), "{package}: {messages:?}");
-            for (message, refused) in messages.iter().zip(expect_refused) {
-                assert!(message.contains(&format!("{refused};")), "{message}");
-                assert!(message.starts_with(package), "{message}");
-            }
-        }
+    fn package(name: &str, imports: &[(&str, bool)]) -> Package {
+        let imports = imports
+            .iter()
+            .map(|&(name, is_local)| Import { name: name.into(), is_local })
+            .collect();
+        Package { name: name.into(), manifest: format!("{name}/Cargo.toml"), imports }
     }
 
     #[test]
-    fn core_imports_mathematics_only() {
-        check_imports("jointplay-core", &["nalgebra", "thiserror", "pulp", "faer"], &[]);
-        check_imports(
-            "jointplay-core",
-            &["serde", "rayon", "jointplay-study"],
-            &["serde", "rayon", "jointplay-study"],
-        );
-    }
-
-    #[test]
-    fn studies_and_cells() {
-        check_imports(
-            "jointplay-study",
-            &["jointplay-core", "rayon", "nalgebra", "thiserror"],
-            &[],
-        );
-        check_imports(
-            "jointplay-study",
-            &["jointplay-cell", "serde"],
-            &["jointplay-cell", "serde"],
-        );
-        check_imports("jointplay-cell", &["jointplay-core", "rsruckig", "parry3d-f64"], &[]);
-        check_imports("jointplay-cell", &["jointplay-study"], &["jointplay-study"]);
-        check_imports("jointplay-cell", &["jointplay-format"], &["jointplay-format"]);
-    }
-
-    #[test]
-    fn formats_and_plots_take_libraries_but_no_doors() {
-        for package in ["jointplay-format", "jointplay-plot"] {
-            check_imports(
-                package,
-                &["jointplay-core", "jointplay-study", "jointplay-cell", "serde", "toml"],
-                &[],
-            );
-            let refused = ["clap", "clap_complete", "anyhow", "pyo3", "tokio", "axum", "jointplay"];
-            check_imports(package, &refused, &refused);
-        }
-        check_imports("jointplay-plot", &["jointplay-format"], &["jointplay-format"]);
-    }
-
-    #[test]
-    fn the_facade_takes_no_library() {
-        check_imports(
-            "jointplay",
-            &["jointplay-core", "jointplay-study", "jointplay-format", "jointplay-plot"],
-            &[],
-        );
-        check_imports("jointplay", &["nalgebra", "jointplay-cli"], &["nalgebra", "jointplay-cli"]);
-    }
-
-    #[test]
-    fn doors_see_the_facade_only() {
-        let doors = [
-            "jointplay-cli",
-            "jointplay-studio",
-            "jointplay-python",
-            "jointplay-c",
-            "jointplay-validation",
-        ];
-        for door in doors {
-            check_imports(door, &["jointplay", "clap", "anyhow", "pyo3", "axum"], &[]);
-            check_imports(door, &["jointplay-core"], &["jointplay-core"]);
-        }
-        check_imports("xtask", &["serde_json"], &[]);
-        check_imports("xtask", &["jointplay", "clap"], &["jointplay", "clap"]);
-    }
-
-    #[test]
-    fn dev_dependencies_are_free() {
-        let dependencies =
-            vec![dependency("proptest", Kind::Dev), dependency("jointplay-cli", Kind::Dev)];
-        let package = Package {
-            name: "jointplay-core".into(),
-            manifest: "m".into(),
-            text: String::new(),
-            dependencies,
+    fn imports_follow_the_rings() {
+        let check_import = |name: &str, import: &str, expect: bool| {
+            let found = check(&[package(name, &[(import, import.starts_with("jointplay"))])]);
+            assert_eq!(found.is_empty(), expect, "{name} imports {import}: {found:?}");
         };
-        assert_eq!(check(&[package]), []);
+        check_import("jointplay-core", "nalgebra", true);
+        check_import("jointplay-core", "serde", false);
+        check_import("jointplay-core", "jointplay-study", false);
+        check_import("jointplay-study", "jointplay-core", true);
+        check_import("jointplay-cell", "jointplay-format", false);
+        check_import("jointplay-format", "toml", true);
+        check_import("jointplay-format", "jointplay-report", false);
+        check_import("jointplay-report", "jointplay-format", true);
+        check_import("jointplay-report", "jointplay-interop", false);
+        check_import("jointplay-interop", "jointplay-report", true);
+        check_import("jointplay-format", "clap_complete", false);
+        check_import("jointplay", "nalgebra", false);
+        check_import("jointplay-cli", "clap", true);
+        check_import("jointplay-cli", "jointplay-core", false);
+        // A path is ours wherever it leads.
+        assert_eq!(check(&[package("jointplay-cli", &[("serde", true)])]).len(), 1);
     }
 
     #[test]
     fn a_crate_without_ring_is_refused() {
-        let new = |name: &str, imports: &[&str]| Package {
-            name: name.into(),
-            manifest: format!("{name}/Cargo.toml"),
-            text: String::new(),
-            dependencies: imports.iter().map(|name| dependency(name, Kind::Normal)).collect(),
-        };
-        // The second is also refused as an import, though its name does not show that it is ours.
-        let found = check(&[new("helper", &[]), new("jointplay-cli", &["helper"])]);
+        // The second finding is its import, though its name does not show that it is ours.
+        let found =
+            check(&[package("helper", &[]), package("jointplay-cli", &[("helper", false)])]);
         let paths: Vec<_> = found.iter().map(|f| f.path.as_str()).collect();
         assert_eq!(paths, ["helper/Cargo.toml", "jointplay-cli/Cargo.toml"]);
     }
 
     #[test]
-    fn a_path_is_ours_wherever_it_leads() {
-        let vendored = Dependency { name: "serde".into(), kind: Kind::Normal, is_local: true };
-        let dependencies = vec![vendored];
-        let package = Package {
-            name: "jointplay-cli".into(),
-            manifest: "m".into(),
-            text: String::new(),
-            dependencies,
-        };
-        assert_eq!(check(&[package]).len(), 1);
+    fn the_message_lists_what_is_allowed() {
+        let message = violation(rings::rule("jointplay").unwrap(), "serde");
+        assert!(message.starts_with(
+            "jointplay (ring 3) may not import serde; allowed of our crates: jointplay-core, "
+        ));
+        assert!(message.ends_with("from outside: none"), "{message}");
     }
 
     #[test]
-    fn the_message_says_what_is_allowed() {
-        let message =
-            violation(rings::rule("jointplay-study").unwrap(), &dependency("serde", Kind::Build));
-        assert_eq!(
-            message,
-            "jointplay-study (ring 1) may not import build dependency serde; \
-             allowed of our crates: jointplay-core; from outside: rayon, nalgebra, thiserror, chacha20"
+    fn examples_import_the_facade_only() {
+        let good = "//! Not jointplay_core.\nuse jointplay::gpr;\n";
+        let bad = "use jointplay::gpr;\nuse jointplay_core::linalg;\n";
+        let tree = Tree::of(&[
+            ("examples/01_a.rs", good),
+            ("examples/02_b.rs", bad),
+            ("crates/c/src/lib.rs", bad),
+        ]);
+        let found: Vec<_> = check_examples(&tree).into_iter().map(|f| (f.path, f.line)).collect();
+        assert_eq!(found, [("examples/02_b.rs".to_owned(), 2)]);
+    }
+
+    #[test]
+    fn the_workspace_is_read() {
+        let packages = packages(&crate::root::find()).unwrap();
+        let xtask = packages.iter().find(|package| package.name == "xtask").unwrap();
+        assert_eq!(xtask.manifest, "xtask/Cargo.toml");
+        assert!(
+            xtask.imports.iter().any(|import| import.name == "cargo_metadata" && !import.is_local)
         );
     }
 }

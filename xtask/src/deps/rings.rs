@@ -4,7 +4,7 @@
 pub(super) struct Rule {
     /// The package's name.
     pub(super) name: &'static str,
-    /// Where it stands, as people say it.
+    /// Its ring, as shown in messages.
     pub(super) ring: &'static str,
     /// Crates of this workspace it may import.
     pub(super) ours: &'static [&'static str],
@@ -17,7 +17,7 @@ pub(super) struct Rule {
 pub(super) enum Outside {
     /// These and no other.
     Only(&'static [&'static str]),
-    /// Every one but these and their companions: `clap` stands for `clap_complete` too.
+    /// Every one but these and their companions: `clap` includes `clap_complete`.
     AllBut(&'static [&'static str]),
 }
 
@@ -37,6 +37,8 @@ const CORE: &str = "jointplay-core";
 const STUDY: &str = "jointplay-study";
 const CELL: &str = "jointplay-cell";
 const FORMAT: &str = "jointplay-format";
+const REPORT: &str = "jointplay-report";
+const INTEROP: &str = "jointplay-interop";
 const PLOT: &str = "jointplay-plot";
 const FACADE: &str = "jointplay";
 const STUDIO: &str = "jointplay-studio";
@@ -52,13 +54,20 @@ const NONE: Outside = Outside::Only(&[]);
 const ANY: Outside = Outside::AllBut(&[]);
 const CHORES: Outside = Outside::AllBut(&["clap", "anyhow", "pyo3"]);
 
-const TABLE: [Rule; 14] = [
+const TABLE: [Rule; 16] = [
     Rule { name: CORE, ring: "ring 0", ours: &[], outside: MATHEMATICS },
     Rule { name: STUDY, ring: "ring 1", ours: &[CORE], outside: STUDIES },
     Rule { name: CELL, ring: "ring 1", ours: &[CORE], outside: CELLS },
     Rule { name: FORMAT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
+    Rule { name: REPORT, ring: "ring 2", ours: &[CORE, STUDY, CELL, FORMAT], outside: LIBRARIES },
+    Rule { name: INTEROP, ring: "ring 2", ours: &[CORE, CELL, FORMAT, REPORT], outside: LIBRARIES },
     Rule { name: PLOT, ring: "ring 2", ours: &[CORE, STUDY, CELL], outside: LIBRARIES },
-    Rule { name: FACADE, ring: "ring 3", ours: &[CORE, STUDY, CELL, FORMAT, PLOT], outside: NONE },
+    Rule {
+        name: FACADE,
+        ring: "ring 3",
+        ours: &[CORE, STUDY, CELL, FORMAT, REPORT, INTEROP, PLOT],
+        outside: NONE,
+    },
     // One rule for the files that input may name.
     Rule { name: FILES, ring: "ring 4", ours: &[], outside: NONE },
     // The command starts the studio's server.

@@ -1,12 +1,12 @@
-//! Rust files, README.md and ARCHITECTURE.md stay short.
+//! Rust files, README.md and ARCHITECTURE.md stay short, and no file is large.
 //!
 //! Of a Rust file the lines count up to the test module at its foot: a `#[cfg(test)]` at the
-//! start of a line whose module ends the file. Files in a folder `tests`, or called `tests.rs`,
+//! start of a line whose module ends the file. Files in a folder `tests`, or named `tests.rs`,
 //! do not count.
 
 use crate::finding::Finding;
 use crate::rust_source::RustSource;
-use crate::tree::Tree;
+use crate::tree::{MAX_SIZE, Tree};
 
 /// Most lines a Rust file may have, tests aside.
 const RUST_LINES: usize = 500;
@@ -34,6 +34,9 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
             ));
         }
     }
+    let large = tree.files().filter(|(_, file)| file.size > MAX_SIZE);
+    let message = |size: u64| format!("{size} bytes, more than {MAX_SIZE}");
+    findings.extend(large.map(|(path, file)| Finding::new(path, 1, message(file.size))));
     findings
 }
 
@@ -97,6 +100,12 @@ mod tests {
         assert_eq!(lines_without_tests(&format!("{TESTS}a();\n")), 5);
         assert_eq!(lines_without_tests("#[cfg(test)]\nfn helper() {\n}\n"), 3);
         assert_eq!(lines_without_tests("a();\n/*\n#[cfg(test)]\nmod a {}\n*/\nb();\n"), 6);
+    }
+
+    #[test]
+    fn large_files() {
+        check_file("a.csv", &"a".repeat(1_000_000), true);
+        check_file("a.csv", &"a".repeat(1_000_001), false);
     }
 
     #[test]

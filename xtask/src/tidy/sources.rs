@@ -1,4 +1,4 @@
-//! `# Source` keys in the code and REFERENCES.md agree, both ways.
+//! `# Source` keys in the code and REFERENCES.md agree, in both directions.
 //!
 //! REFERENCES.md defines a key on a line that starts with `- **[Key]**`, or with a heading
 //! `## [Key]` of any level. A key has at least three characters: a letter, then letters, digits
@@ -12,7 +12,6 @@
 //! A key counts as used when any text file but REFERENCES.md holds it in such a bracket.
 
 use crate::finding::Finding;
-use crate::markdown::{self, Fences};
 use crate::rust_source::RustSource;
 use crate::tree::Tree;
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,8 +53,8 @@ pub(super) fn check(tree: &Tree) -> Vec<Finding> {
 
 /// Keys that REFERENCES.md defines, each with its line.
 pub(crate) fn definitions(references: &str) -> Vec<(usize, &str)> {
-    let lines = markdown::lines(references).into_iter().filter(|line| !line.fenced);
-    lines.filter_map(|line| Some((line.number, definition(line.text)?))).collect()
+    let lines = references.lines().enumerate();
+    lines.filter_map(|(i, line)| Some((i + 1, definition(line)?))).collect()
 }
 
 fn definition(line: &str) -> Option<&str> {
@@ -70,18 +69,18 @@ fn definition(line: &str) -> Option<&str> {
 /// Keys in the `# Source` sections of a Rust file, each with its line.
 fn cited(text: &str) -> Vec<(usize, String)> {
     let source = RustSource::new(text);
-    let (mut found, mut fences) = (Vec::new(), Fences::default());
-    let (mut in_section, mut last_line) = (false, 0);
+    let mut found = Vec::new();
+    let (mut in_section, mut in_example, mut last_line) = (false, false, 0);
     for (line, doc) in source.doc_lines() {
         if line != last_line + 1 {
-            (in_section, fences) = (false, Fences::default());
+            (in_section, in_example) = (false, false);
         }
         last_line = line;
         // In an example, `# ` starts a hidden line, not a heading.
-        if fences.covers(doc) {
-            continue;
-        }
-        if doc.starts_with('#') {
+        if doc.trim_start().starts_with("```") {
+            in_example = !in_example;
+        } else if in_example {
+        } else if doc.starts_with('#') {
             let title = doc.trim_start_matches('#').trim();
             in_section = title == "Source" || title == "Sources";
         } else if in_section {
@@ -173,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn ways_to_write_a_key() {
+    fn forms_of_a_key() {
         let check = |line: &str, expect: &[&str]| {
             assert_eq!(keys(line).collect::<Vec<_>>(), expect, "{line}")
         };

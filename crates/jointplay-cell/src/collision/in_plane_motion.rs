@@ -1,8 +1,8 @@
 //! How the platform moves within its own plane as its tilt changes, at most.
 
 use jointplay_core::gpr::{AxisHeight, Gpr};
-use jointplay_core::spatial::{Tilt, leaning};
-use jointplay_core::virtualization::{Kernel, Solver};
+use jointplay_core::spatial::{Tilt, tilt_rotation};
+use jointplay_core::virtualization::{BuiltIn, Solver};
 use nalgebra::{Vector2, Vector3};
 
 use crate::robot::{HybridRobot, PlatformModel};
@@ -47,7 +47,7 @@ pub(crate) struct Rates {
 impl Drift {
     pub(crate) fn new(robot: &HybridRobot) -> Self {
         let PlatformModel { virtualization, options } = robot.model;
-        if virtualization == Kernel::Planar && options.solver == Solver::ClosedForm {
+        if virtualization == BuiltIn::Planar && options.solver == Solver::ClosedForm {
             Self::planar(&robot.gpr)
         } else {
             Self::sampled(robot)
@@ -77,7 +77,7 @@ impl Drift {
             let rods = robot.gpr.inverse(tilt, height).ok()?;
             let pose = robot.model.forward(&robot.gpr, rods).ok()?;
             let from_axis = pose.base_from_platform.translation.vector - Vector3::z() * height.0;
-            let flat = leaning(&pose.normal()).inverse() * from_axis;
+            let flat = tilt_rotation(&pose.normal()).inverse() * from_axis;
             Some((flat.xy(), pose.twist_about_normal()))
         };
         let top = robot.gpr.limits().tilt_max.clamp(TOP, 1.1);

@@ -6,7 +6,7 @@ mod common;
 use common::{A, KINDS, kind};
 use jointplay_core::gpr::{AxisHeight, Gpr, Limits};
 use jointplay_core::spatial::{Pose, Tilt};
-use jointplay_core::virtualization::{Kernel, SolveOptions, Solver};
+use jointplay_core::virtualization::{BuiltIn, SolveOptions, Solver};
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::link_poses::Places;
@@ -67,11 +67,11 @@ fn droop(random: &mut Random, which: usize) -> Droop {
 fn cell(random: &mut Random, round: usize) -> (Cell, f64) {
     let lengths = [0.0; 3].map(|_| random.within(0.15, 0.3));
     let mut robot = kind(round % KINDS, lengths);
-    let models = [Kernel::Planar, Kernel::Radial, Kernel::Polar, Kernel::Offset];
+    let models = [BuiltIn::Planar, BuiltIn::Radial, BuiltIn::Polar, BuiltIn::Offset];
     let solver = [Solver::ClosedForm, Solver::Newton][round / 4 % 2];
     let options = SolveOptions { solver, ..SolveOptions::default() };
     let model = PlatformModel { virtualization: models[round % 4], options };
-    let steep = if model.virtualization == Kernel::Planar { 0.9 } else { 0.15 };
+    let steep = if model.virtualization == BuiltIn::Planar { 0.9 } else { 0.15 };
     let tilt_max = random.within(0.01, steep);
     // A base that is not even, the more so the rounder.
     let mut limbs = robot.gpr.limbs();

@@ -1,6 +1,6 @@
 //! From what all axes do to how an effector's wafer moves.
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
@@ -207,7 +207,7 @@ impl HybridRobot {
     /// How the platform moves that is there now.
     pub(crate) fn platform_motion(
         &self,
-        now: &Forward,
+        now: &PlatformPose,
         motion: &AxesMotion<'_>,
     ) -> Result<FrameMotion, CellError> {
         let (velocities, accelerations) =

@@ -1,6 +1,6 @@
 //! From positions of all axes to where everything is.
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
@@ -12,7 +12,7 @@ use crate::CellError;
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainPose {
     /// The platform over its rods.
-    pub platform: Forward,
+    pub platform: PlatformPose,
     /// For each arm and link: origin at its joint, x along the link.
     pub base_from_link: Vec<Vec<Pose>>,
     /// For each arm and effector: origin at the centre of the wafer on its resting plane, x along its heading.
@@ -183,7 +183,7 @@ impl HybridRobot {
 
     /// Where the platform is over its rods.
     #[inline]
-    pub(crate) fn platform(&self, positions: &[f64]) -> Result<Forward, CellError> {
+    pub(crate) fn platform(&self, positions: &[f64]) -> Result<PlatformPose, CellError> {
         let rods = [positions[0], positions[1], positions[2]];
         Ok(self.model.forward(&self.gpr, rods)?)
     }

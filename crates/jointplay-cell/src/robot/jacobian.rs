@@ -1,7 +1,7 @@
 //! How fast a wafer goes when an axis does.
 
-use jointplay_core::gpr::Forward;
-use jointplay_core::virtualization::Kernel;
+use jointplay_core::gpr::PlatformPose;
+use jointplay_core::virtualization::BuiltIn;
 use nalgebra::{Rotation3, Vector3};
 
 use super::acceleration::turn_between;
@@ -79,9 +79,9 @@ impl HybridRobot {
     ///
     /// The planar model keeps the centroid of the sockets on that of the balls, and Σ b_k × d_k = 0 about it, b_k and d_k from the centroid to socket and ball;
     /// differentiated, the turn about the normal is n · Σ b_k × ḋ_k / Σ b_k · d_k.
-    fn platform_velocities(&self, platform: &Forward) -> Result<[Velocity; RODS], CellError> {
+    fn platform_velocities(&self, platform: &PlatformPose) -> Result<[Velocity; RODS], CellError> {
         let mut velocities = [(Vector3::zeros(), Vector3::zeros()); RODS];
-        if self.model.virtualization != Kernel::Planar {
+        if self.model.virtualization != BuiltIn::Planar {
             for (k, velocity) in velocities.iter_mut().enumerate() {
                 let at = |step: f64| {
                     let mut rods = platform.rods;

@@ -1,10 +1,10 @@
 //! Where the platform sits over the rods.
 
 use jointplay_core::Error;
-use jointplay_core::bulk::{Column, Quantity, Status, Tally};
-use jointplay_core::gpr::{Forward, Gpr};
+use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts};
+use jointplay_core::gpr::{Gpr, PlatformPose};
 use jointplay_core::virtualization::{
-    Kernel, Offset, Planar, Polar, Radial, SolveOptions, Virtualization,
+    BuiltIn, Offset, Planar, Polar, Radial, SolveOptions, Virtualization,
 };
 
 /// A virtualization and how its displacements are found.
@@ -13,7 +13,7 @@ use jointplay_core::virtualization::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlatformModel {
     /// Which virtualization.
-    pub virtualization: Kernel,
+    pub virtualization: BuiltIn,
     /// How its displacements are found.
     pub options: SolveOptions,
 }
@@ -21,7 +21,7 @@ pub struct PlatformModel {
 impl Default for PlatformModel {
     /// The planar virtualization in closed form.
     fn default() -> Self {
-        Self { virtualization: Kernel::Planar, options: SolveOptions::default() }
+        Self { virtualization: BuiltIn::Planar, options: SolveOptions::default() }
     }
 }
 
@@ -31,12 +31,12 @@ impl PlatformModel {
     /// # Errors
     /// Those of [`Gpr::forward`].
     #[inline]
-    pub fn forward(&self, gpr: &Gpr, rods: [f64; 3]) -> Result<Forward, Error> {
+    pub fn forward(&self, gpr: &Gpr, rods: [f64; 3]) -> Result<PlatformPose, Error> {
         match self.virtualization {
-            Kernel::Radial => gpr.forward(rods, &Radial, &self.options),
-            Kernel::Polar => gpr.forward(rods, &Polar, &self.options),
-            Kernel::Offset => gpr.forward(rods, &Offset, &self.options),
-            Kernel::Planar => gpr.forward(rods, &Planar, &self.options),
+            BuiltIn::Radial => gpr.forward(rods, &Radial, &self.options),
+            BuiltIn::Polar => gpr.forward(rods, &Polar, &self.options),
+            BuiltIn::Offset => gpr.forward(rods, &Offset, &self.options),
+            BuiltIn::Planar => gpr.forward(rods, &Planar, &self.options),
         }
     }
 
@@ -50,21 +50,21 @@ impl PlatformModel {
         rods: [Column<'_>; 3],
         status: &mut [Status],
         wanted: &mut [(Quantity, &mut [f64])],
-    ) -> Result<Tally, Error> {
+    ) -> Result<StatusCounts, Error> {
         gpr.forward_many(rods, self.virtualization(), &self.options, status, wanted)
     }
 
     /// How far the virtual joints of a pose are from nominal, see [`Gpr::displacement`] [m].
-    pub(crate) fn displacement(&self, gpr: &Gpr, pose: &Forward) -> f64 {
+    pub(crate) fn displacement(&self, gpr: &Gpr, pose: &PlatformPose) -> f64 {
         gpr.displacement(pose, self.virtualization())
     }
 
     fn virtualization(&self) -> &'static dyn Virtualization {
         match self.virtualization {
-            Kernel::Radial => &Radial,
-            Kernel::Polar => &Polar,
-            Kernel::Offset => &Offset,
-            Kernel::Planar => &Planar,
+            BuiltIn::Radial => &Radial,
+            BuiltIn::Polar => &Polar,
+            BuiltIn::Offset => &Offset,
+            BuiltIn::Planar => &Planar,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Frames of stations from taught points.
 
 use jointplay_core::linalg::svd;
-use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use nalgebra::{DMatrix, Rotation3, Vector3};
 
 /// Points nearer than this many times the threshold to one line leave the tilt about it open.
@@ -339,14 +339,14 @@ impl PlaneFit {
 #[must_use]
 pub fn frame(origin: Vector3<f64>, normal: &Vector3<f64>, yaw: f64) -> Pose {
     let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), yaw);
-    Pose::from_parts(origin.into(), leaning(normal) * turned)
+    Pose::from_parts(origin.into(), tilt_rotation(normal) * turned)
 }
 
 /// The turn about the vertical of a frame before it leans: the yaw that [`frame`] makes it from [rad].
 #[must_use]
 pub fn yaw(frame: &Pose) -> f64 {
     let normal = frame.rotation * Vector3::z();
-    let along = leaning(&normal).inverse() * (frame.rotation * Vector3::x());
+    let along = tilt_rotation(&normal).inverse() * (frame.rotation * Vector3::x());
     along.y.atan2(along.x)
 }
 

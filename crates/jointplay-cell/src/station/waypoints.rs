@@ -1,6 +1,6 @@
 //! The places that a wafer passes on its way into a slot and out.
 
-use jointplay_core::spatial::{Pose, leaning};
+use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{Point3, Vector3};
 
 use super::{Approach, SlotId, Station};
@@ -61,7 +61,7 @@ impl Station {
         let heading = match self.approach {
             Approach::Radial => None,
             Approach::Line => {
-                let inward = leaning(&normal).inverse() * (frame.rotation * Vector3::y());
+                let inward = tilt_rotation(&normal).inverse() * (frame.rotation * Vector3::y());
                 Some(inward.y.atan2(inward.x))
             }
         };

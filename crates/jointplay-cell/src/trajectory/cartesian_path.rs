@@ -1,6 +1,6 @@
 //! All axes so that a wafer's centre runs along a straight line, its plane turning evenly.
 
-use jointplay_core::spatial::{Pose, leaning};
+use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::spline::Spline;
@@ -409,7 +409,7 @@ fn normal(pose: &Pose) -> Vector3<f64> {
 
 /// Turn about the normal, beyond the shortest rotation to it.
 fn heading(pose: &Pose) -> f64 {
-    let turned = leaning(&normal(pose)).inverse() * pose.rotation;
+    let turned = tilt_rotation(&normal(pose)).inverse() * pose.rotation;
     turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)])
 }
 

@@ -1,6 +1,6 @@
 //! Two steps where they meet: for how long they may run at the same time.
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 
 use super::Segment;
@@ -41,7 +41,7 @@ pub(super) struct Corner<'a> {
     limits: [Vec<KinematicLimits>; 2],
     effectors: Vec<(EffectorId, ArmChain)>,
     /// The platform where the steps meet.
-    platform: Option<Forward>,
+    platform: Option<PlatformPose>,
 }
 
 impl<'a> Corner<'a> {
@@ -118,7 +118,7 @@ impl<'a> Corner<'a> {
         (low > 0.0).then_some(Blend { overlap: low, deviation })
     }
 
-    fn platform(&self, positions: &[f64]) -> Option<Forward> {
+    fn platform(&self, positions: &[f64]) -> Option<PlatformPose> {
         match &self.platform {
             Some(platform) if platform.rods == positions[..RODS] => Some(*platform),
             _ => self.cell.robot.platform(positions).ok(),
@@ -217,7 +217,7 @@ struct Moment {
     /// In the step before, in the next, and in both at once.
     rates: [Rates; 3],
     /// The platform in each.
-    platforms: [Forward; 3],
+    platforms: [PlatformPose; 3],
 }
 
 /// Place of both at once in a [`Moment`].

@@ -1,6 +1,6 @@
 //! How the platform makes up for an arm that droops.
 
-use jointplay_core::spatial::{Pose, Tilt, leaning};
+use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use nalgebra::{Point3, Rotation3, Translation3, Unit, Vector3};
 
 use super::{Deflection, Droop, DroopError, SHORTEST};
@@ -322,8 +322,8 @@ impl Cell {
             // The heading is about the normal, which is another one now.
             aim.heading = target.heading.map(|heading| {
                 let turned = Rotation3::from_axis_angle(&Vector3::z_axis(), heading);
-                let along = back * (leaning(&wanted_normal) * turned * Vector3::x());
-                let level = leaning(&aim.normal).inverse() * along;
+                let along = back * (tilt_rotation(&wanted_normal) * turned * Vector3::x());
+                let level = tilt_rotation(&aim.normal).inverse() * along;
                 level.y.atan2(level.x)
             });
         }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use jointplay::format::number::counted;
-use jointplay::format::report::{self, AssemblyReport};
+use jointplay::report::{self, AssemblyReport};
 
 use crate::arguments::whole;
 use crate::failure::Failure;

@@ -4,10 +4,10 @@ use std::fmt::Write as _;
 
 use clap::Args;
 use jointplay::format::number::number;
-use jointplay::format::report::{self, CompareReport};
 use jointplay::format::units::m_from_mm;
 use jointplay::gpr::AxisHeight;
 use jointplay::plot::results::comparison as comparison_figure;
+use jointplay::report::{self, CompareReport};
 use jointplay::spatial::Tilt;
 use jointplay::study::{compare, refine};
 use jointplay::virtualization::built_in;

@@ -65,8 +65,9 @@ enum Drawn {
 }
 
 fn view(text: &str) -> Result<View, String> {
-    let (azimuth, elevation) =
-        text.split_once(',').ok_or_else(|| format!("invalid view {text:?}: expected AZIMUTH,ELEVATION"))?;
+    let (azimuth, elevation) = text
+        .split_once(',')
+        .ok_or_else(|| format!("invalid view {text:?}: expected AZIMUTH,ELEVATION"))?;
     let (azimuth, elevation) = (finite(azimuth)?, finite(elevation)?);
     if elevation.abs() > 90.0 {
         return Err(format!("elevation must be from -90° to 90°, got {}°", number(elevation)));
@@ -80,10 +81,7 @@ fn factor(text: &str) -> Result<f64, String> {
     if (1.0..=LARGEST_FACTOR).contains(&factor) {
         Ok(factor)
     } else {
-        Err(format!(
-            "the play scale must be from 1 to {LARGEST_FACTOR:e}, got {}",
-            number(factor)
-        ))
+        Err(format!("the play scale must be from 1 to {LARGEST_FACTOR:e}, got {}", number(factor)))
     }
 }
 

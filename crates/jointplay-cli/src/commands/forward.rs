@@ -1,7 +1,7 @@
 //! `jointplay forward`: forward kinematics, from rod lengths to the platform pose.
 
 use clap::Args;
-use jointplay::format::report;
+use jointplay::report;
 
 use super::pose_text;
 use crate::arguments::{AnswerArgs, ModelArgs, RodArgs};

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::format::import::{self, Imported};
 use jointplay::format::mechanism::{self, MAX_BYTES};
 use jointplay::format::number::counted;
+use jointplay::interop::import::{self, Imported};
 use jointplay::mechanism::Mechanism;
 use serde::Serialize;
 

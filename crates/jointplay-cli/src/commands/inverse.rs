@@ -1,8 +1,8 @@
 //! `jointplay inverse`: inverse kinematics, from tilt and height to rod lengths.
 
 use clap::{Args, ValueEnum};
-use jointplay::format::report;
 use jointplay::gpr::{AxisHeight, CenterHeight};
+use jointplay::report;
 
 use super::pose_text;
 use crate::arguments::{AnswerArgs, ModelArgs, TiltArgs};

@@ -7,14 +7,14 @@ use clap::Args;
 use jointplay::constraint::CLOSURE_TOLERANCE;
 use jointplay::format::mechanism::MAX_BYTES;
 use jointplay::format::number::{counted, rounded};
-use jointplay::format::report::{
-    self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
-    NearMissReport, SparseMobilityReport,
-};
 use jointplay::format::robot;
 use jointplay::gpr::Gpr;
 use jointplay::mechanism::{MechanismSystem, mechanism_mobility};
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility, near_mobility};
+use jointplay::report::{
+    self, FreedomsReport, LinkMotionReport, MechanismMobilityReport, MobilityReport,
+    NearMissReport, SparseMobilityReport,
+};
 use jointplay::virtualization::{Planar, SolveOptions};
 
 use crate::arguments::{AnswerArgs, RodArgs, VirtualizationName};
@@ -102,8 +102,7 @@ impl Mobility {
 
     fn of_mechanism(&self, source: &Source) -> Result<(), Failure> {
         if self.rods.q_mm.is_some() || self.virtualization.is_some() {
-            let text =
-                "--q-mm and --virtualization apply to the three-rod robot; use --at for a mechanism";
+            let text = "--q-mm and --virtualization apply to the three-rod robot; use --at for a mechanism";
             return Err(Failure::Usage(text.to_owned()));
         }
         let tolerance = self.near.tolerance;
@@ -261,8 +260,12 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     );
     let _ = writeln!(text, "{}", report.class);
     for carried in &report.carried_twice {
-        let _ =
-            writeln!(text, "  redundant constraint: {}, by {}", carried.what, carried.joints.join(", "));
+        let _ = writeln!(
+            text,
+            "  redundant constraint: {}, by {}",
+            carried.what,
+            carried.joints.join(", ")
+        );
     }
     text.push_str(&near_words(report));
     let _ = writeln!(text, "instantaneous motions of the links");
@@ -327,7 +330,11 @@ fn motion_words(motion: &LinkMotionReport) -> String {
             format!("{turns} through ({}) mm", point.map(|x| fixed(x, 4)).join(", "))
         }
         (1, ..) => "translation".to_owned(),
-        _ => format!("{}, including {}", counted(*dimension, "freedom"), counted(*translations, "translation")),
+        _ => format!(
+            "{}, including {}",
+            counted(*dimension, "freedom"),
+            counted(*translations, "translation")
+        ),
     }
 }
 

@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use jointplay::constraint::System as _;
-use jointplay::format::report::{self, MotionReport};
 use jointplay::format::steps::spread;
-use jointplay::format::table;
 use jointplay::mechanism::joint::Coordinate;
 use jointplay::mechanism::{
-    Drive, MechanismSystem, Motion, SparseSystem, drive_relieved, drive_watched,
+    Drive, DrivenMotion, MechanismSystem, SparseSystem, drive_relieved, drive_with_progress,
 };
 use jointplay::nalgebra::DVector;
 use jointplay::plot::results::{Follower, motion};
+use jointplay::report::table;
+use jointplay::report::{self, MotionReport};
 
 use crate::arguments::finite;
 use crate::failure::Failure;
@@ -67,8 +67,7 @@ struct DriveRange {
 }
 
 fn drive_range(text: &str) -> Result<DriveRange, String> {
-    let form =
-        || format!("invalid drive {text:?}: expected JOINT=FROM:TO or JOINT=FROM:TO:STEP");
+    let form = || format!("invalid drive {text:?}: expected JOINT=FROM:TO or JOINT=FROM:TO:STEP");
     let (joint, range) = text.rsplit_once('=').ok_or_else(form)?;
     let parts: Vec<&str> = range.split(':').map(str::trim).collect();
     let (from, to, step) = match parts[..] {
@@ -201,8 +200,7 @@ fn default_segment(input: &Input, start: &DVector<f64>) -> Result<DriveSegment, 
     let mechanism = &input.file.mechanism;
     let actuated = mechanism.joints().iter().find(|j| j.actuated && j.kind.freedoms() > 0);
     let Some(joint) = actuated else {
-        let text =
-            "no joint of this mechanism is actuated; use --drive JOINT=FROM:TO";
+        let text = "no joint of this mechanism is actuated; use --drive JOINT=FROM:TO";
         return Err(Failure::Usage(text.to_owned()));
     };
     let named = input.coordinates.all();
@@ -246,7 +244,12 @@ fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
 }
 
 /// Drives to the start of the path, then along it.
-fn drive_path(input: &Input, start: DVector<f64>, legs: &[DriveSegment], held: &[usize]) -> Result<Motion, Failure> {
+fn drive_path(
+    input: &Input,
+    start: DVector<f64>,
+    legs: &[DriveSegment],
+    held: &[usize],
+) -> Result<DrivenMotion, Failure> {
     let to_begin: Vec<Drive> = legs
         .iter()
         .map(|leg| {
@@ -265,7 +268,11 @@ fn drive_path(input: &Input, start: DVector<f64>, legs: &[DriveSegment], held: &
 }
 
 /// Number of steps of the drives; `None` if no step is given.
-fn steps(input: &Input, start: &DVector<f64>, legs: &[DriveSegment]) -> Result<Option<usize>, Failure> {
+fn steps(
+    input: &Input,
+    start: &DVector<f64>,
+    legs: &[DriveSegment],
+) -> Result<Option<usize>, Failure> {
     let mut count: Option<(usize, &str)> = None;
     for leg in legs {
         let Some(step) = leg.step else { continue };
@@ -337,21 +344,21 @@ fn drive_along(
     held: &[usize],
     count: usize,
     stage: &str,
-) -> Result<Motion, Failure> {
+) -> Result<DrivenMotion, Failure> {
     let mechanism = &input.file.mechanism;
     let mut progress = Progress::new(count);
     progress.stage(stage);
     let mut progress = |done| progress.at(done);
     if !MechanismSystem::fits(mechanism) {
         let system = SparseSystem::new(mechanism, from.clone())?;
-        return Ok(system.drive_watched(drives, held, count, &mut progress)?);
+        return Ok(system.drive_with_progress(drives, held, count, &mut progress)?);
     }
     let driven = |k: &usize| drives.iter().any(|drive| drive.coordinate == *k);
     let free: Vec<usize> =
         (0..mechanism.joint_freedoms()).filter(|k| !driven(k) && !held.contains(k)).collect();
     let system = MechanismSystem::new(mechanism, from.clone())?;
     if mechanism.virtual_joints().is_empty() {
-        Ok(drive_watched(&system, drives, &free, count, &mut progress)?)
+        Ok(drive_with_progress(&system, drives, &free, count, &mut progress)?)
     } else {
         let home = MechanismSystem::new(mechanism, input.assembled(&[])?.coordinates)?;
         Ok(drive_relieved(&home, &system, drives, &free, count, &mut progress)?)

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use jointplay::format::report::ForwardReport;
+use jointplay::report::ForwardReport;
 use jointplay::virtualization::Solver;
 
 use crate::output::{characteristic_length, fixed, limits, three};

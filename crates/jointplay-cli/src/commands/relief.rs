@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use jointplay::constraint::System as _;
-use jointplay::format::report::{self, ReliefReport};
 use jointplay::mechanism::MechanismSystem;
 use jointplay::mobility::RANK_THRESHOLD;
+use jointplay::report::{self, ReliefReport};
 use jointplay::sensitivity::commanded_sensitivity;
 
 use crate::arguments::AnswerArgs;
@@ -47,7 +47,10 @@ pub(super) fn run(
     if over.is_empty() {
         Ok(())
     } else {
-        Err(Failure::OverClearance(format!("the displacement exceeds the clearance of {}", over.join(", "))))
+        Err(Failure::OverClearance(format!(
+            "the displacement exceeds the clearance of {}",
+            over.join(", ")
+        )))
     }
 }
 

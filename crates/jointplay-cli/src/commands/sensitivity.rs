@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use jointplay::format::report::{self, SensitivityReport};
+use jointplay::report::{self, SensitivityReport};
 use jointplay::spatial::Tilt;
 
 use super::relief;

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use jointplay::format::number::number;
-use jointplay::format::report::{self, StudyReport};
 use jointplay::format::units::{deg, m_from_mm, mm};
-use jointplay::format::{robot, steps, table};
+use jointplay::format::{robot, steps};
 use jointplay::gpr::AxisHeight;
 use jointplay::plot::Figure;
 use jointplay::plot::results::{rods, sides, virtual_joints};
+use jointplay::report::table;
+use jointplay::report::{self, StudyReport};
 use jointplay::study::{Order, Raster, Samples, SeriesKind, check_bounds, simulate, summarize};
 
 use super::simulate_text;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use jointplay::format::report::StudyReport;
+use jointplay::report::StudyReport;
 
 use crate::output::fixed;
 
@@ -105,7 +105,7 @@ fn greatest(study: &StudyReport, unit: &str, decimals: usize) -> String {
 fn virtual_joints<'a>(
     study: &'a StudyReport,
     unit: &'a str,
-) -> impl Iterator<Item = &'a jointplay::format::report::SeriesReport> {
+) -> impl Iterator<Item = &'a jointplay::report::SeriesReport> {
     let rod_or_side = |name: &str| name.starts_with('q') || name.starts_with('L');
     study
         .series

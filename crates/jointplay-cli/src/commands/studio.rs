@@ -84,9 +84,10 @@ impl Studio {
                     Source::read(path, MAX_BYTES)?.require(&[Kind::Cell], "a work cell")?;
                 }
                 let files = CellFiles::open(path).map_err(Failure::Robot)?;
-                let errors = files.wrong();
+                let errors = files.errors();
                 if !errors.is_empty() {
-                    let text = format!("{}\nthe errors can be fixed in the studio", errors.join("\n"));
+                    let text =
+                        format!("{}\nthe errors can be fixed in the studio", errors.join("\n"));
                     // If standard error is closed, the page still shows them.
                     let _ = writeln!(anstream::stderr(), "{text}");
                 }
@@ -101,10 +102,7 @@ impl Studio {
             && let Err(error) = open::that_detached(&url)
         {
             // If standard error is closed too, there is no reader.
-            let _ = writeln!(
-                anstream::stderr(),
-                "cannot start a browser ({error}): open {url}"
-            );
+            let _ = writeln!(anstream::stderr(), "cannot start a browser ({error}): open {url}");
         }
         Ok(server.run()?)
     }

@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 
 use clap::Args;
-use jointplay::format::report::{self, ByName, SuggestReport};
 use jointplay::mechanism::suggest;
 use jointplay::nalgebra::DVector;
+use jointplay::report::{self, ByName, SuggestReport};
 
 use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};

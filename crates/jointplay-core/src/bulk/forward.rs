@@ -5,17 +5,17 @@ use std::marker::PhantomData;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::{Lanes, Mask};
-use super::pose::{Placed, Plane};
+use super::pose::{Plane, PlatformPoses};
 use super::shape::{Balls, Model, Offset, Planar, Polar, Radial, Robot, Shape, Three};
 use super::singular_values;
 use super::solve::{self, Found};
-use super::{Column, Quantity, Status, Tally};
+use super::{Column, Quantity, Status, StatusCounts};
 use crate::Error;
 use crate::error::LARGEST_LENGTH;
-use crate::gpr::{Forward, Gpr, Limits};
+use crate::gpr::{Gpr, Limits, PlatformPose};
 use crate::mobility::RANK_THRESHOLD;
 use crate::sensitivity::sensitivity;
-use crate::virtualization::{Kernel, SolveOptions, Solver, Virtualization, signed_area};
+use crate::virtualization::{BuiltIn, SolveOptions, Solver, Virtualization, signed_area};
 
 impl Gpr {
     /// Where the platform is for each of many rods; see [`Self::forward`].
@@ -30,7 +30,7 @@ impl Gpr {
     /// Poses without an answer, or beyond the limits of a robot that checks them, are NaN and have their status.
     ///
     /// # Numerics
-    /// Does not allocate, save for sensitivities of a virtualization without a [`Kernel`].
+    /// Does not allocate, save for sensitivities of a virtualization without a [`BuiltIn`].
     /// Equal to [`Self::forward`] to 10⁻¹² of the platform's size; where a residual is within round-off of the threshold, after one iteration more or less.
     /// Only what is asked for is computed.
     /// Poses that do not end within a few steps, and virtualizations without a kernel, are computed one by one.
@@ -41,7 +41,7 @@ impl Gpr {
         options: &SolveOptions,
         status: &mut [Status],
         wanted: &mut [(Quantity, &mut [f64])],
-    ) -> Result<Tally, Error> {
+    ) -> Result<StatusCounts, Error> {
         let expected = status.len();
         super::column::same_lengths(
             expected,
@@ -55,14 +55,14 @@ impl Gpr {
             quantity.check(virtualization)?;
         }
         let mut work = Work { gpr: self, rods, virtualization, options, status, wanted };
-        match virtualization.kernel() {
-            Some(Kernel::Radial) => work.by_kernel::<Radial>(),
-            Some(Kernel::Polar) => work.by_kernel::<Polar>(),
-            Some(Kernel::Offset) => work.by_kernel::<Offset>(),
-            Some(Kernel::Planar) => work.by_kernel::<Planar>(),
+        match virtualization.as_built_in() {
+            Some(BuiltIn::Radial) => work.by_kernel::<Radial>(),
+            Some(BuiltIn::Polar) => work.by_kernel::<Polar>(),
+            Some(BuiltIn::Offset) => work.by_kernel::<Offset>(),
+            Some(BuiltIn::Planar) => work.by_kernel::<Planar>(),
             None => work.one_by_one(0..expected),
         }?;
-        Ok(Tally::of(status))
+        Ok(StatusCounts::of(status))
     }
 }
 
@@ -290,7 +290,7 @@ fn fill<S: Simd, M: Model>(
         values[place(Quantity::Residual)] = residual(balls, found);
     }
     if needs.pose {
-        let placed = Placed::new(robot, balls, &Plane::new(robot, balls), shape);
+        let placed = PlatformPoses::new(robot, balls, &Plane::new(robot, balls), shape);
         for axis in 0..3 {
             values[place(Quantity::Origin(axis))] = placed.origin[axis];
             values[place(Quantity::Normal(axis))] = placed.normal[axis];
@@ -347,7 +347,7 @@ fn displacement<S: Simd, M: Model>(robot: &Robot, shape: &Shape<S>) -> Lanes<S> 
 /// A quantity of one pose.
 fn value(
     gpr: &Gpr,
-    pose: &Forward,
+    pose: &PlatformPose,
     virtualization: &dyn Virtualization,
     quantity: Quantity,
 ) -> Result<f64, Error> {

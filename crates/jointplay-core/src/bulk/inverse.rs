@@ -6,7 +6,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::lanes::Lanes;
 use super::trigonometry::sin_cos;
-use super::{Column, Status, Tally};
+use super::{Column, Status, StatusCounts};
 use crate::Error;
 use crate::error::LARGEST_LENGTH;
 use crate::gpr::{AxisHeight, Gpr};
@@ -33,7 +33,7 @@ impl Gpr {
         height: Column<'_>,
         status: &mut [Status],
         rods: [&mut [f64]; 3],
-    ) -> Result<Tally, Error> {
+    ) -> Result<StatusCounts, Error> {
         let lengths = [
             ("the column of yaws", yaw.len()),
             ("the column of pitches", pitch.len()),
@@ -52,7 +52,7 @@ impl Gpr {
         let given = [yaw, pitch, height];
         let blocks = Blocks { gpr: self, given, shortest, longest, pitch_max, status, rods };
         Arch::new().dispatch(blocks)?;
-        Ok(Tally::of(status))
+        Ok(StatusCounts::of(status))
     }
 }
 

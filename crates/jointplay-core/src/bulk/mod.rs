@@ -7,7 +7,7 @@
 //! | hand numbers in: contiguous, every n-th, or one for all | [`Column`] |
 //! | say what is wanted | [`Quantity`] |
 //! | know which limits many poses break | [`Gpr::broken_limits_many`](crate::gpr::Gpr::broken_limits_many) |
-//! | know which poses have no answer, and why | [`Status`], [`Tally`] |
+//! | know which poses have no answer, and why | [`Status`], [`StatusCounts`] |
 //! | do some at a time | [`parts`] |
 //!
 //! Each pose is what [`Gpr::forward`](crate::gpr::Gpr::forward) says of it to 10⁻¹² of the platform's size, and does not depend on the poses beside it.
@@ -45,4 +45,4 @@ mod trigonometry;
 pub use column::Column;
 pub use parts::{Part, parts};
 pub use quantity::Quantity;
-pub use status::{Status, Tally};
+pub use status::{Status, StatusCounts};

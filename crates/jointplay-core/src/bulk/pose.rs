@@ -39,7 +39,7 @@ impl<S: Simd> Plane<S> {
 
 /// The platforms of many poses.
 #[derive(Clone, Copy)]
-pub(super) struct Placed<S: Simd> {
+pub(super) struct PlatformPoses<S: Simd> {
     /// O_p in the base frame [m].
     pub(super) origin: Three<S>,
     /// Platform normal in the base frame.
@@ -48,7 +48,7 @@ pub(super) struct Placed<S: Simd> {
     turn: [Lanes<S>; 2],
 }
 
-impl<S: Simd> Placed<S> {
+impl<S: Simd> PlatformPoses<S> {
     /// What [`fit_in_plane`](crate::spatial::fit_in_plane) does, for triangles that are equal to the threshold.
     #[inline(always)]
     pub(super) fn new(robot: &Robot, balls: &Balls<S>, plane: &Plane<S>, shape: &Shape<S>) -> Self {

@@ -76,11 +76,11 @@ impl Status {
 
 /// How many poses ended in which way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Tally {
+pub struct StatusCounts {
     counts: [usize; Status::ALL.len()],
 }
 
-impl Tally {
+impl StatusCounts {
     /// Counts a column of statuses.
     #[must_use]
     pub fn of(statuses: &[Status]) -> Self {
@@ -118,7 +118,7 @@ impl Tally {
     }
 }
 
-impl std::ops::AddAssign for Tally {
+impl std::ops::AddAssign for StatusCounts {
     fn add_assign(&mut self, other: Self) {
         for (count, more) in self.counts.iter_mut().zip(other.counts) {
             *count += more;
@@ -127,7 +127,7 @@ impl std::ops::AddAssign for Tally {
 }
 
 /// Such as `3 of 1000 poses have no answer: 2 not converged, 1 turned over`.
-impl std::fmt::Display for Tally {
+impl std::fmt::Display for StatusCounts {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.failed() == 0 {
             return write!(formatter, "all {} poses have an answer", self.poses());
@@ -151,9 +151,13 @@ mod tests {
         for (number, status) in Status::ALL.iter().enumerate() {
             assert_eq!(*status as usize, number);
         }
-        assert_eq!(Tally::of(&[Status::Solved; 3]).to_string(), "all 3 poses have an answer");
-        let mut tally = Tally::of(&[Status::NotConverged, Status::Solved, Status::NotConverged]);
-        tally += Tally::of(&[Status::TurnedOver]);
+        assert_eq!(
+            StatusCounts::of(&[Status::Solved; 3]).to_string(),
+            "all 3 poses have an answer"
+        );
+        let mut tally =
+            StatusCounts::of(&[Status::NotConverged, Status::Solved, Status::NotConverged]);
+        tally += StatusCounts::of(&[Status::TurnedOver]);
         assert_eq!(
             tally.to_string(),
             "3 of 4 poses have no answer: 2 not converged, 1 turned over"

@@ -12,7 +12,7 @@ use crate::virtualization::{
 
 /// A pose of the platform, with everything that led to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Forward {
+pub struct PlatformPose {
     /// Rod lengths q_1, q_2, q_3 [m].
     pub rods: [f64; 3],
     /// Sides L_12, L_23, L_31 [m].
@@ -49,7 +49,7 @@ impl Gpr {
         rods: [f64; 3],
         virtualization: &V,
         options: &SolveOptions,
-    ) -> Result<Forward, Error> {
+    ) -> Result<PlatformPose, Error> {
         for rod in rods {
             length("a rod length", rod)?;
         }
@@ -80,7 +80,7 @@ impl Gpr {
         rods: [f64; 3],
         virtualization: &V,
         options: &SolveOptions,
-    ) -> Result<Forward, Error> {
+    ) -> Result<PlatformPose, Error> {
         let balls = self.ball_centers(&rods);
         let sides = ball_sides(&balls);
         let solution = solve(virtualization, self.platform(), &sides, options)?;
@@ -92,7 +92,7 @@ impl Gpr {
         let upward = (balls[1] - balls[0]).cross(&(balls[2] - balls[0])) * sense.signum();
         let normal = upward / upward.norm();
         let base_from_platform = fit_in_plane(&sockets, &balls, &normal);
-        Ok(Forward { rods, sides, solution, base_from_platform })
+        Ok(PlatformPose { rods, sides, solution, base_from_platform })
     }
 }
 
@@ -123,7 +123,7 @@ impl Gpr {
     #[must_use]
     pub fn displacement<V: Virtualization + ?Sized>(
         &self,
-        pose: &Forward,
+        pose: &PlatformPose,
         virtualization: &V,
     ) -> f64 {
         let x = &pose.solution.virtual_joints;
@@ -138,7 +138,7 @@ impl Gpr {
     }
 }
 
-impl Forward {
+impl PlatformPose {
     /// Platform normal e_p3 in the base frame.
     #[must_use]
     pub fn normal(&self) -> Vector3<f64> {
@@ -203,7 +203,7 @@ mod tests {
             .forward([0.5; 3], &Planar, &SolveOptions::default())
             .unwrap();
         for (yaw, pitch, twist) in [(0.3, 0.4, 0.1), (2.0, 1.0, -3.0), (-1.0, 0.02, 1e-9)] {
-            let lean = leaning_by(yaw, pitch);
+            let lean = tilted_by(yaw, pitch);
             pose.base_from_platform.rotation =
                 lean * Rotation3::from_axis_angle(&Vector3::z_axis(), twist);
             assert!((pose.twist_about_normal() - twist).abs() < 1e-15);
@@ -223,7 +223,7 @@ mod tests {
         }
     }
 
-    fn leaning_by(yaw: f64, pitch: f64) -> nalgebra::Rotation3<f64> {
-        crate::spatial::leaning(&Tilt { yaw, pitch }.normal())
+    fn tilted_by(yaw: f64, pitch: f64) -> nalgebra::Rotation3<f64> {
+        crate::spatial::tilt_rotation(&Tilt { yaw, pitch }.normal())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{AxisHeight, CenterHeight, Forward, Gpr};
+use super::{AxisHeight, CenterHeight, Gpr, PlatformPose};
 use crate::Error;
 use crate::error::{LARGEST_LENGTH, finite, length};
 use crate::spatial::Tilt;
@@ -63,7 +63,7 @@ impl Gpr {
         height: CenterHeight,
         virtualization: &V,
         options: &SolveOptions,
-    ) -> Result<Forward, Error> {
+    ) -> Result<PlatformPose, Error> {
         let rods = self.rods(tilt, AxisHeight(height.0))?;
         // Far beyond the largest tilt the virtual joints may not be found at all.
         let broken = self.limits().broken(&rods, tilt);

@@ -2,10 +2,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::{Forward, Gpr, ball_sides};
+use super::{Gpr, PlatformPose, ball_sides};
 use crate::Error;
 use crate::constraint::{Configuration, Dimension, System};
-use crate::virtualization::{Motion, Sockets, Virtualization, sides_of};
+use crate::virtualization::{Sockets, VirtualJointKind, Virtualization, sides_of};
 
 /// The constraint system of a robot under a virtualization.
 ///
@@ -55,7 +55,7 @@ impl<V: Virtualization + ?Sized> GprSystem<'_, V> {
 
     /// The configuration of a pose, which satisfies all constraints.
     #[must_use]
-    pub fn configuration(&self, pose: &Forward) -> Configuration {
+    pub fn configuration(&self, pose: &PlatformPose) -> Configuration {
         let balls = self.gpr.ball_centers(&pose.rods);
         let coordinates =
             pose.rods.iter().copied().chain(balls.iter().flat_map(|ball| ball.iter().copied()));
@@ -87,8 +87,8 @@ impl<V: Virtualization + ?Sized> System for GprSystem<'_, V> {
 
     fn virtual_joint_dimensions(&self) -> Vec<Dimension> {
         let dimension = |motion| match motion {
-            Motion::Linear => Dimension::Length,
-            Motion::Angular => Dimension::Angle,
+            VirtualJointKind::Linear => Dimension::Length,
+            VirtualJointKind::Angular => Dimension::Angle,
         };
         self.virtualization.joints().iter().map(|joint| dimension(joint.motion)).collect()
     }

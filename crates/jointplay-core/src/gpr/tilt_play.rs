@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::{AxisHeight, Forward, Gpr, GprSystem};
+use super::{AxisHeight, Gpr, GprSystem, PlatformPose};
 use crate::Error;
 use crate::constraint::{Configuration, System};
 use crate::mobility::RANK_THRESHOLD;
@@ -18,19 +18,19 @@ use crate::virtualization::{SolveOptions, Virtualization};
 #[derive(Debug, Clone, PartialEq)]
 pub struct TiltPlay {
     /// The pose that the motion starts from: level.
-    pub start: Forward,
+    pub start: PlatformPose,
     /// The pose that it ends in.
-    pub end: Forward,
+    pub end: PlatformPose,
     /// ‖ΔX‖ from the kinematics, nothing neglected [m].
     pub displacement: f64,
     /// ‖ΔP‖ of the motion [m].
     pub motion: f64,
     /// Bounds with derivatives at the start.
-    pub at_start: Bounded,
+    pub at_start: EvaluatedBounds,
     /// Bounds with derivatives half way.
-    pub at_midpoint: Bounded,
+    pub at_midpoint: EvaluatedBounds,
     /// Bounds with derivatives at the end.
-    pub at_end: Bounded,
+    pub at_end: EvaluatedBounds,
     /// Share of each limb in the chord's dX; `None` where nothing moves.
     pub limb_shares: Option<Vec<f64>>,
     /// Share of each side (12, 23, 31) in the chord's dX; `None` where nothing moves.
@@ -39,7 +39,7 @@ pub struct TiltPlay {
 
 /// First-order bounds, and whether the true displacement keeps them.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bounded {
+pub struct EvaluatedBounds {
     /// ∂X/∂P where the bounds were taken.
     pub sensitivity: Sensitivity,
     /// The bounds.
@@ -77,8 +77,8 @@ impl Gpr {
     /// [`Error::NotFinite`].
     pub fn play_between<V: Virtualization + ?Sized>(
         &self,
-        start: Forward,
-        end: Forward,
+        start: PlatformPose,
+        end: PlatformPose,
         virtualization: &V,
     ) -> Result<TiltPlay, Error> {
         let system = self.system(virtualization);
@@ -117,8 +117,8 @@ fn bounded<S: System>(
     step: &DVector<f64>,
     displacement: f64,
     characteristic_length: f64,
-) -> Result<Bounded, Error> {
+) -> Result<EvaluatedBounds, Error> {
     let sensitivity = sensitivity(system, at, characteristic_length, RANK_THRESHOLD)?;
     let bounds = sensitivity.bounds(step)?;
-    Ok(Bounded { held: bounds.hold(displacement, SLACK), sensitivity, bounds })
+    Ok(EvaluatedBounds { held: bounds.hold(displacement, SLACK), sensitivity, bounds })
 }

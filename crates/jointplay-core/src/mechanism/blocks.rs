@@ -2,10 +2,10 @@
 
 use nalgebra::DVector;
 
-use super::{Class, Mechanism, MechanismSystem};
+use super::{Mechanism, MechanismSystem, MobilityClass};
 use crate::Error;
 use crate::mobility::{
-    ClosedThere, FiniteMobility, branch_dimensions, finite_mobility, instantaneous_mobility,
+    FiniteMobility, ForcedClosure, branch_dimensions, finite_mobility, instantaneous_mobility,
 };
 
 /// A biconnected component of the graph of links and joints.
@@ -140,8 +140,9 @@ pub struct MechanismMobility {
 impl MechanismMobility {
     /// The class of the mechanism.
     #[must_use]
-    pub fn class(&self) -> Class {
-        Class::of(&self.finite).with_branches(self.branch_dimensions.as_deref().unwrap_or_default())
+    pub fn class(&self) -> MobilityClass {
+        MobilityClass::classify(&self.finite)
+            .with_branches(self.branch_dimensions.as_deref().unwrap_or_default())
     }
 }
 
@@ -152,7 +153,7 @@ impl MechanismMobility {
 /// # Arguments
 /// * `system` – at its home, closed or taken as closed
 /// * `relative_threshold` – as for [`instantaneous_mobility`]
-/// * `forced` – take the loops as closed where they are, as [`ClosedThere`] does
+/// * `forced` – take the loops as closed where they are, as [`ForcedClosure`] does
 ///
 /// # Errors
 /// Those of [`finite_mobility`].
@@ -190,7 +191,7 @@ fn analysed(
         };
         Ok(MechanismMobility { finite, branch_dimensions })
     };
-    if forced { with(&ClosedThere::new(system, &at)) } else { with(system) }
+    if forced { with(&ForcedClosure::new(system, &at)) } else { with(system) }
 }
 
 /// Sums over the blocks; `None` where they do not agree with the whole on the first order, as may be with a singular value at the threshold.
@@ -208,7 +209,7 @@ fn by_blocks(
         upper_bound: 0,
         instantaneous: instantaneous_mobility(system, &system.at_home(), relative_threshold)?,
         second_order: None,
-        neighbours: None,
+        nearby: None,
     };
     let (mut mobility, mut redundancy) = (0, 0);
     let mut branches = Some(vec![0]);

@@ -10,7 +10,7 @@ pub const MAX_LINKS: usize = 10_000;
 
 /// Free travel or stiffness of a joint in the directions that it should hold still.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Play {
+pub struct LinearAndAngular {
     /// Along a direction: clearance [m] or stiffness [N/m].
     pub linear: Option<f64>,
     /// About a direction: clearance [rad] or stiffness [N m/rad].
@@ -39,9 +39,9 @@ pub struct Joint {
     /// Least and greatest value of each freedom [m, rad]; empty where there are none.
     pub limits: Vec<[f64; 2]>,
     /// Free travel, where known.
-    pub clearance: Play,
+    pub clearance: LinearAndAngular,
     /// Stiffness, where known.
-    pub stiffness: Play,
+    pub stiffness: LinearAndAngular,
 }
 
 /// An imagined freedom of a joint, which play or elasticity supplies.

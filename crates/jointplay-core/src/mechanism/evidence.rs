@@ -12,13 +12,13 @@ const NOTHING: f64 = 1e-9;
 
 /// What class of mechanism a configuration belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Class {
+pub enum MobilityClass {
     /// Nothing moves, not even to first order, and no constraint is redundant.
     Rigid,
     /// Nothing moves, and some constraints are carried twice.
     OverconstrainedRigid,
     /// More moves to first order than for real.
-    Shaky,
+    InfinitesimallyMobile,
     /// Moves, all constraints independent.
     Movable,
     /// Moves for real although constraints are redundant.
@@ -29,19 +29,23 @@ pub enum Class {
     Undecided,
 }
 
-impl Class {
+impl MobilityClass {
     /// The class that follows from a finite mobility with its evidence.
     #[must_use]
-    pub fn of(found: &FiniteMobility) -> Self {
-        Self::counted(found.mobility, found.instantaneous.mobility, found.instantaneous.redundancy)
+    pub fn classify(found: &FiniteMobility) -> Self {
+        Self::from_mobilities(
+            found.mobility,
+            found.instantaneous.mobility,
+            found.instantaneous.redundancy,
+        )
     }
 
     /// The class that follows from finite mobility, mobility to first order, and redundancy.
     #[must_use]
-    pub fn counted(finite: Option<usize>, instantaneous: usize, redundancy: usize) -> Self {
+    pub fn from_mobilities(finite: Option<usize>, instantaneous: usize, redundancy: usize) -> Self {
         match (finite, redundancy) {
             (None, _) => Self::Undecided,
-            (Some(finite), _) if finite < instantaneous => Self::Shaky,
+            (Some(finite), _) if finite < instantaneous => Self::InfinitesimallyMobile,
             (Some(0), 0) => Self::Rigid,
             (Some(0), _) => Self::OverconstrainedRigid,
             (Some(_), 0) => Self::Movable,
@@ -57,11 +61,11 @@ impl Class {
 
     /// The class in words.
     #[must_use]
-    pub fn words(self) -> &'static str {
+    pub fn description(self) -> &'static str {
         match self {
             Self::Rigid => "rigid",
             Self::OverconstrainedRigid => "overconstrained and rigid",
-            Self::Shaky => "shaky: some motions are only instantaneous",
+            Self::InfinitesimallyMobile => "shaky: some motions are only instantaneous",
             Self::Movable => "movable",
             Self::OverconstrainedMovable => "overconstrained and movable",
             Self::Kinematotropic => {

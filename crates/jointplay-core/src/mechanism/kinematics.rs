@@ -47,7 +47,7 @@ pub(super) struct Element {
 
 /// Link poses and joint screws at a configuration.
 #[derive(Debug, Clone)]
-pub(crate) struct Placed {
+pub(crate) struct KinematicState {
     /// Pose of each link in the base frame.
     pub(crate) links: Vec<Pose>,
     /// Twist of each coordinate in the base frame, linear part at the reference point.
@@ -199,7 +199,7 @@ impl<'a> Kinematics<'a> {
         by: &DVector<f64>,
         reference: &Vector3<f64>,
         along: Option<&DVector<f64>>,
-    ) -> Placed {
+    ) -> KinematicState {
         let transforms: Vec<Pose> = self
             .chains
             .iter()
@@ -240,7 +240,7 @@ impl<'a> Kinematics<'a> {
                 links[first] * transforms[j] * links[second].inverse()
             })
             .collect();
-        Placed { links, screws, mismatches, rates }
+        KinematicState { links, screws, mismatches, rates }
     }
 
     /// Goes through a joint from its first link's pose; returns the pose that it gives its second link.
@@ -285,22 +285,23 @@ impl<'a> Kinematics<'a> {
     /// Twist and its rate of each link, for coordinates that move at `along`; and of each loop's closing joint beyond its first link.
     pub(crate) fn rates(
         &self,
-        placed: &Placed,
+        placed: &KinematicState,
         along: &DVector<f64>,
-    ) -> (Vec<Motion>, Vec<Motion>) {
-        let through = |j: usize, from: &Motion| {
+    ) -> (Vec<TwistAndRate>, Vec<TwistAndRate>) {
+        let through = |j: usize, from: &TwistAndRate| {
             self.through(&placed.screws, &placed.rates[j], j, along, from)
         };
         let still = (Vector3::zeros(), Vector3::zeros());
-        let mut links = vec![Motion { velocity: still, acceleration: still }; placed.links.len()];
+        let mut links =
+            vec![TwistAndRate { velocity: still, acceleration: still }; placed.links.len()];
         for &(j, against) in &self.tree {
             let [first, second] = self.mechanism.joints()[j].links;
             if against {
                 let own = self.velocity_of(placed, j, along);
                 let velocity = minus(&links[second].velocity, &own);
-                let beyond = through(j, &Motion { velocity, acceleration: still });
+                let beyond = through(j, &TwistAndRate { velocity, acceleration: still });
                 let acceleration = minus(&links[second].acceleration, &beyond.acceleration);
-                links[first] = Motion { velocity, acceleration };
+                links[first] = TwistAndRate { velocity, acceleration };
             } else {
                 links[second] = through(j, &links[first]);
             }
@@ -311,21 +312,21 @@ impl<'a> Kinematics<'a> {
         (links, closing)
     }
 
-    fn velocity_of(&self, placed: &Placed, joint: usize, along: &DVector<f64>) -> Twist {
+    fn velocity_of(&self, placed: &KinematicState, joint: usize, along: &DVector<f64>) -> Twist {
         self.columns_of(joint).fold((Vector3::zeros(), Vector3::zeros()), |sum, k| {
             plus(&sum, &scaled(&placed.screws[k], along[k]))
         })
     }
 
-    /// Motion of a joint's second link, given that of its first.
+    /// TwistAndRate of a joint's second link, given that of its first.
     pub(super) fn through(
         &self,
         screws: &[Twist],
         rates: &[Vector3<f64>],
         joint: usize,
         along: &DVector<f64>,
-        from: &Motion,
-    ) -> Motion {
+        from: &TwistAndRate,
+    ) -> TwistAndRate {
         let mut motion = *from;
         for (element, rate) in self.chains[joint].elements.iter().zip(rates) {
             let own = (0..element.factor.coordinates().len())
@@ -349,7 +350,7 @@ impl<'a> Kinematics<'a> {
 
 /// Twist and its rate of change.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Motion {
+pub(crate) struct TwistAndRate {
     pub(crate) velocity: Twist,
     pub(crate) acceleration: Twist,
 }

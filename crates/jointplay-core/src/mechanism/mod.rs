@@ -9,7 +9,7 @@ mod closing;
 mod closure;
 mod description;
 mod evidence;
-mod exaggerated;
+mod exaggeration;
 pub mod joint;
 mod kinematics;
 mod limits;
@@ -31,16 +31,19 @@ pub use blocks::{Block, MechanismMobility, blocks, mechanism_mobility};
 pub use closing::close;
 pub use closure::Closure;
 pub use description::{
-    Carrier, Joint, MAX_LINKS, Mechanism, MechanismError, Play, VirtualJoint, VirtualMotion,
+    Carrier, Joint, LinearAndAngular, MAX_LINKS, Mechanism, MechanismError, VirtualJoint,
+    VirtualMotion,
 };
-pub use evidence::{Class, LinkMotion, SelfStress, link_motion, self_stresses};
-pub use exaggerated::{Exaggerated, exaggerated};
+pub use evidence::{LinkMotion, MobilityClass, SelfStress, link_motion, self_stresses};
+pub use exaggeration::{ExaggeratedPlay, exaggerate_play};
 pub use joint::JointKind;
 pub use kinematics::Kinematics;
 pub use limits::BeyondLimits;
-pub use motion::{Drive, Motion, Singular, Stop, Waypoint, drive, drive_watched};
+pub use motion::{
+    Drive, DrivenMotion, SingularConfiguration, Stop, Waypoint, drive, drive_with_progress,
+};
 pub use position::{Position, PositionSolver};
-pub use relief::{Commanded, Relief, ReliefSolver, relieve, virtual_weights};
+pub use relief::{CommandedJoints, Relief, ReliefSolver, relieve, virtual_weights};
 pub use relieved_motion::drive_relieved;
 pub use sparse::{SparseMobility, SparseSystem};
 pub use suggest::{Suggestion, Suggestions, suggest};

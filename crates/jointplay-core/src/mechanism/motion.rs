@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::singular::{OnWay, SINGULAR};
+use super::singular::{DrivenCurve, SINGULAR};
 use super::{Closure, MechanismSystem, close};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, System, scaled_jacobian, units};
@@ -61,7 +61,7 @@ pub struct Waypoint {
 
 /// A configuration on the way where constraints become dependent.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Singular {
+pub struct SingularConfiguration {
     /// How much of the way is done there, 0 to 1.
     pub share: f64,
     /// (f + M) coordinates [m, rad].
@@ -90,11 +90,11 @@ pub enum Stop {
 
 /// A motion, as far as it went.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Motion {
+pub struct DrivenMotion {
     /// One configuration for each step asked for, the start first.
     pub waypoints: Vec<Waypoint>,
     /// Singular configurations on the way.
-    pub singular: Vec<Singular>,
+    pub singular: Vec<SingularConfiguration>,
     /// Why it stopped, if it did not come to the end.
     pub stopped: Option<Stop>,
     /// Steps done, the shortened ones among them.
@@ -111,7 +111,7 @@ pub struct Motion {
 ///
 /// # Errors
 /// [`Error::NotClosed`] if the start is open.
-/// A motion that stops is not an error: see [`Motion::stopped`].
+/// A motion that stops is not an error: see [`DrivenMotion::stopped`].
 ///
 /// # Numerics
 /// Tangent step of least norm, then corrections; a step is halved until its correction is small against it, so that the motion stays on its branch.
@@ -122,22 +122,22 @@ pub fn drive(
     drives: &[Drive],
     free: &[usize],
     count: usize,
-) -> Result<Motion, Error> {
-    drive_watched(start, drives, free, count, &mut |_| {})
+) -> Result<DrivenMotion, Error> {
+    drive_with_progress(start, drives, free, count, &mut |_| {})
 }
 
 /// As [`drive`], and tells `progress` the number of steps done after each.
 ///
 /// # Errors
 /// Those of [`drive`].
-pub fn drive_watched(
+pub fn drive_with_progress(
     start: &MechanismSystem<'_>,
     drives: &[Drive],
     free: &[usize],
     count: usize,
     progress: &mut dyn FnMut(usize),
-) -> Result<Motion, Error> {
-    let run = Run::new(start, drives, free);
+) -> Result<DrivenMotion, Error> {
+    let run = DriveProblem::new(start, drives, free);
     let closed = close(start, free, MAX_CORRECTIONS)?;
     if !closed.is_closed() {
         return Err(Error::NotClosed { residual: closed.residual, allowed: CLOSURE_TOLERANCE });
@@ -145,8 +145,12 @@ pub fn drive_watched(
     let first = run.decomposed(&closed.coordinates)?;
     let mut regular_rank = first.rank(STEP_THRESHOLD);
     let mut here = run.waypoint(0.0, closed, &first, regular_rank);
-    let mut motion =
-        Motion { waypoints: vec![here.clone()], singular: Vec::new(), stopped: None, steps: 0 };
+    let mut motion = DrivenMotion {
+        waypoints: vec![here.clone()],
+        singular: Vec::new(),
+        stopped: None,
+        steps: 0,
+    };
     let mut trail = vec![here.clone()];
     #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
     'way: for k in 1..=count {
@@ -216,7 +220,7 @@ pub(super) fn on_branch(correction: f64, size: f64) -> bool {
 }
 
 /// A drive: what goes where, and what follows.
-pub(super) struct Run<'a> {
+pub(super) struct DriveProblem<'a> {
     system: &'a MechanismSystem<'a>,
     drives: &'a [Drive],
     free: &'a [usize],
@@ -225,7 +229,7 @@ pub(super) struct Run<'a> {
     columns: DVector<f64>,
 }
 
-impl<'a> Run<'a> {
+impl<'a> DriveProblem<'a> {
     pub(super) fn new(
         system: &'a MechanismSystem<'a>,
         drives: &'a [Drive],
@@ -376,12 +380,12 @@ impl<'a> Run<'a> {
         here: &mut Waypoint,
         trail: &[Waypoint],
         regular_rank: usize,
-        motion: &mut Motion,
+        motion: &mut DrivenMotion,
     ) -> Result<Stop, Error> {
         let at = self.system.at(here.coordinates.clone())?;
         let start = trail.len() == 1;
         if start && here.free_mobility > 0 {
-            let held = OnWay::new(&at, self.free, None);
+            let held = DrivenCurve::new(&at, self.free, None);
             let finite = finite_mobility(&held, &held.here(), STEP_THRESHOLD)?.mobility;
             if finite != Some(here.free_mobility) {
                 motion.singular.push(self.singular(here, regular_rank + 1)?);
@@ -389,7 +393,7 @@ impl<'a> Run<'a> {
             }
         }
         let whole = self.size(&self.driven(&trail[0], 1.0));
-        let way = OnWay::new(&at, self.free, Some(self.way()));
+        let way = DrivenCurve::new(&at, self.free, Some(self.way()));
         if let Some((coordinates, beyond)) = way.turning_point(regular_rank)?
             && beyond <= AT_ONCE * whole
         {
@@ -421,10 +425,14 @@ impl<'a> Run<'a> {
     }
 
     /// A configuration that is singular, with what meets there.
-    fn singular(&self, there: &Waypoint, regular_rank: usize) -> Result<Singular, Error> {
+    fn singular(
+        &self,
+        there: &Waypoint,
+        regular_rank: usize,
+    ) -> Result<SingularConfiguration, Error> {
         let at = self.system.at(there.coordinates.clone())?;
-        let on_way = OnWay::new(&at, self.free, Some(self.way()));
-        Ok(Singular {
+        let on_way = DrivenCurve::new(&at, self.free, Some(self.way()));
+        Ok(SingularConfiguration {
             share: there.share,
             coordinates: there.coordinates.clone(),
             instantaneous_mobility: instantaneous_mobility(&at, &at.at_home(), SINGULAR)?.mobility,
@@ -438,7 +446,7 @@ impl<'a> Run<'a> {
         &self,
         trail: &[Waypoint],
         regular_rank: usize,
-        found: &mut Vec<Singular>,
+        found: &mut Vec<SingularConfiguration>,
     ) -> Result<(), Error> {
         let count = trail.len();
         if count < 3 {

@@ -3,14 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::motion::STEP_THRESHOLD;
-use super::singular::OnWay;
+use super::singular::DrivenCurve;
 use super::{MechanismSystem, close};
 use crate::Error;
 use crate::constraint::{
     CLOSURE_TOLERANCE, Dimension, System, scaled_jacobian, scaled_residual, units,
 };
 use crate::linalg::{Svd, svd};
-use crate::mobility::{ClosedThere, finite_mobility};
+use crate::mobility::{ForcedClosure, finite_mobility};
 
 /// Singular values up to this share of the largest are not used to relieve anything.
 const RELIEF_THRESHOLD: f64 = 1e-9;
@@ -71,14 +71,14 @@ pub fn virtual_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
 /// With the commanded joints held, the rigid mechanism may still have finite motions: a common heave, or a rod that spins between two balls.
 /// Commands say nothing about them, so that they are not used to save displacement of virtual joints; the joints stay as near home as closed loops allow.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Commanded {
+pub struct CommandedJoints {
     /// (f) closed coordinates, virtual joints at rest [m, rad].
     home: DVector<f64>,
     coordinates: Vec<usize>,
     undetermined: usize,
 }
 
-impl Commanded {
+impl CommandedJoints {
     /// Commands of some coordinates of a mechanism that is at home before them.
     ///
     /// # Arguments
@@ -90,9 +90,9 @@ impl Commanded {
     pub fn new(home: &MechanismSystem<'_>, coordinates: &[usize]) -> Result<Self, Error> {
         let joints = home.coordinate_dimensions().len();
         let passive = passive(joints, coordinates);
-        let held = OnWay::new(home, &passive, None);
+        let held = DrivenCurve::new(home, &passive, None);
         let here = held.here();
-        let there = ClosedThere::new(&held, &here);
+        let there = ForcedClosure::new(&held, &here);
         let undetermined = finite_mobility(&there, &here, STEP_THRESHOLD)?.lower_bound;
         let home = home.home().rows(0, joints).into_owned();
         Ok(Self { home, coordinates: coordinates.to_vec(), undetermined })
@@ -135,7 +135,7 @@ fn passive(joints: usize, commanded: &[usize]) -> Vec<usize> {
 /// Finds the passive joints and the virtual joints for commanded coordinates.
 ///
 /// # Arguments
-/// * `start` – the commanded coordinates at their values, passive joints near, virtual joints at rest; see [`Commanded::start`]
+/// * `start` – the commanded coordinates at their values, passive joints near, virtual joints at rest; see [`CommandedJoints::start`]
 ///
 /// # Errors
 /// [`Error::NotRelieved`] with what stays open, where these virtual joints cannot make the motion possible; [`Error::NotLeast`] where they can, but the least displacement was not found.
@@ -146,7 +146,7 @@ fn passive(joints: usize, commanded: &[usize]) -> Vec<usize> {
 /// Joint limits are not looked at: see [`super::Mechanism::beyond_limits`].
 pub fn relieve(
     start: &MechanismSystem<'_>,
-    commanded: &Commanded,
+    commanded: &CommandedJoints,
     solver: ReliefSolver,
 ) -> Result<Relief, Error> {
     let first = relieved_from(start, commanded, solver, LONGEST_STEP)?;
@@ -172,7 +172,7 @@ pub fn relieve(
 /// The relief that the iteration ends with, closed or not.
 fn relieved_from(
     start: &MechanismSystem<'_>,
-    commanded: &Commanded,
+    commanded: &CommandedJoints,
     solver: ReliefSolver,
     longest: f64,
 ) -> Result<Relief, Error> {
@@ -244,7 +244,11 @@ fn relieved_from(
 }
 
 /// (p) how far passive joints are from home [m, rad]; for a ball, the rotation vector from there to here in the turned frame.
-fn off_home(here: &MechanismSystem<'_>, commanded: &Commanded, passive: &[usize]) -> DVector<f64> {
+fn off_home(
+    here: &MechanismSystem<'_>,
+    commanded: &CommandedJoints,
+    passive: &[usize],
+) -> DVector<f64> {
     let away = here.kinematics().displacement(&commanded.home, here.home());
     DVector::from_iterator(passive.len(), passive.iter().map(|&k| away[k]))
 }
@@ -266,7 +270,10 @@ pub(super) struct Reduced {
     pub(super) roots: DVector<f64>,
 }
 
-pub(super) fn reduced(here: &MechanismSystem<'_>, commanded: &Commanded) -> Result<Reduced, Error> {
+pub(super) fn reduced(
+    here: &MechanismSystem<'_>,
+    commanded: &CommandedJoints,
+) -> Result<Reduced, Error> {
     let (f, total) = (here.coordinate_dimensions().len(), here.home().len());
     let passive = passive(f, &commanded.coordinates);
     let virtuals: Vec<usize> = (f..total).collect();

@@ -2,9 +2,10 @@
 
 use nalgebra::DVector;
 
-use super::motion::{Run, STEP_THRESHOLD};
+use super::motion::{DriveProblem, STEP_THRESHOLD};
 use super::{
-    Closure, Commanded, Drive, MechanismSystem, Motion, PositionSolver, ReliefSolver, Stop, relieve,
+    Closure, CommandedJoints, Drive, DrivenMotion, MechanismSystem, PositionSolver, ReliefSolver,
+    Stop, relieve,
 };
 use crate::Error;
 use crate::constraint::System;
@@ -19,8 +20,8 @@ use crate::constraint::System;
 /// * `progress` – told the number of steps done after each
 ///
 /// # Errors
-/// [`Error::NotRelieved`] or [`Error::NotLeast`] if not even the start can be relieved; those of [`Commanded::new`].
-/// A motion that stops is not an error: see [`Motion::stopped`].
+/// [`Error::NotRelieved`] or [`Error::NotLeast`] if not even the start can be relieved; those of [`CommandedJoints::new`].
+/// A motion that stops is not an error: see [`DrivenMotion::stopped`].
 ///
 /// # Numerics
 /// Each waypoint is the least displacement near the one before, by [`PositionSolver`]; by [`super::relieve`] from rest where that does not converge, or where drives leave joints undetermined.
@@ -32,11 +33,11 @@ pub fn drive_relieved(
     free: &[usize],
     count: usize,
     progress: &mut dyn FnMut(usize),
-) -> Result<Motion, Error> {
-    let run = Run::new(start, drives, free);
+) -> Result<DrivenMotion, Error> {
+    let run = DriveProblem::new(start, drives, free);
     let joints = start.coordinate_dimensions().len();
     let commanded: Vec<usize> = (0..joints).filter(|k| !free.contains(k)).collect();
-    let commanded = Commanded::new(home, &commanded)?;
+    let commanded = CommandedJoints::new(home, &commanded)?;
     let mut solver = match PositionSolver::new(start, commanded.coordinates()) {
         Ok(solver) => (commanded.undetermined() == 0).then_some(solver),
         Err(Error::PartlyCommanded { .. }) => None,
@@ -56,7 +57,7 @@ pub fn drive_relieved(
     let mut here = closed(first.coordinates, first.residual, first.iterations);
     let decomposition = run.decomposed(&here.coordinates)?;
     let regular_rank = decomposition.rank(STEP_THRESHOLD);
-    let mut motion = Motion {
+    let mut motion = DrivenMotion {
         waypoints: vec![run.waypoint(0.0, here.clone(), &decomposition, regular_rank)],
         singular: Vec::new(),
         stopped: None,

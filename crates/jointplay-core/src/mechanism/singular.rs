@@ -34,14 +34,14 @@ type OnCurve = (DVector<f64>, DMatrix<f64>);
 /// A mechanism on a drive's way: the coordinates that follow, and how far the drives have gone.
 ///
 /// The last coordinate is the way of the drives in units of their scaled length; without a way, the drives are held.
-pub(super) struct OnWay<'a> {
+pub(super) struct DrivenCurve<'a> {
     system: &'a MechanismSystem<'a>,
     free: &'a [usize],
     /// (f + M) what the drives do on a way of length one.
     way: Option<DVector<f64>>,
 }
 
-impl<'a> OnWay<'a> {
+impl<'a> DrivenCurve<'a> {
     pub(super) fn new(
         system: &'a MechanismSystem<'a>,
         free: &'a [usize],
@@ -237,7 +237,7 @@ fn lines(
     Ok(Some(lines.collect()))
 }
 
-impl System for OnWay<'_> {
+impl System for DrivenCurve<'_> {
     fn constraint_dimensions(&self) -> Vec<Dimension> {
         self.system.constraint_dimensions()
     }

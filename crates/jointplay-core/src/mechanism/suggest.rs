@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use super::relief::{Reduced, reduced};
 use super::virtual_candidates::{Candidate, Candidates, candidates};
 use super::{
-    BeyondLimits, Commanded, Mechanism, MechanismSystem, ReliefSolver, VirtualJoint, close, relieve,
+    BeyondLimits, CommandedJoints, Mechanism, MechanismSystem, ReliefSolver, VirtualJoint, close,
+    relieve,
 };
 use crate::Error;
 use crate::linalg::svd;
@@ -71,7 +72,7 @@ impl Suggestions {
 ///
 /// Candidates are the slides and turns that each joint lacks: radial, tangential and normal on the link that carries more joints.
 /// A set makes a command possible where what the command opens lies in the span of what the set can do; the best are tried with the whole kinematics.
-/// Joints that the commands leave undetermined stay as near home as they can, see [`Commanded`].
+/// Joints that the commands leave undetermined stay as near home as they can, see [`CommandedJoints`].
 ///
 /// # Arguments
 /// * `home` – (f) closed coordinates without virtual joints [m, rad]
@@ -79,7 +80,7 @@ impl Suggestions {
 /// * `commands` – values of these coordinates, a vector for each command [m, rad]
 ///
 /// # Errors
-/// [`Error::NotRelieved`] where not even all candidates together make a command possible; those of [`relieve`] and [`Commanded::new`].
+/// [`Error::NotRelieved`] where not even all candidates together make a command possible; those of [`relieve`] and [`CommandedJoints::new`].
 pub fn suggest(
     mechanism: &Mechanism,
     home: &DVector<f64>,
@@ -94,7 +95,7 @@ pub fn suggest(
     }
     let bare = with(mechanism, &[]);
     let at_home = MechanismSystem::new(&bare, home.clone())?;
-    let commanded = Commanded::new(&at_home, commanded)?;
+    let commanded = CommandedJoints::new(&at_home, commanded)?;
     if let Some(without_play) = possible_without_play(&at_home, &commanded, commands)? {
         return Ok(Suggestions {
             needed: false,
@@ -178,7 +179,7 @@ pub fn suggest(
 /// Where the rigid links are for each command, if they allow all of them.
 fn possible_without_play(
     home: &MechanismSystem<'_>,
-    commanded: &Commanded,
+    commanded: &CommandedJoints,
     commands: &[DVector<f64>],
 ) -> Result<Option<Vec<DVector<f64>>>, Error> {
     let free: Vec<usize> =
@@ -232,7 +233,7 @@ fn with(mechanism: &Mechanism, virtual_joints: &[VirtualJoint]) -> Mechanism {
 /// What a set takes over all commands, if it makes all of them possible.
 fn tried(
     mechanism: &Mechanism,
-    commanded: &Commanded,
+    commanded: &CommandedJoints,
     commands: &[DVector<f64>],
     chosen: Vec<VirtualJoint>,
     symmetric: bool,

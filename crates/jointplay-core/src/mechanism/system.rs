@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::description::Mechanism;
 use super::kinematics::{
-    Kinematics, Placed, bracket, carried, check_coordinates, minus, skew_part,
+    KinematicState, Kinematics, bracket, carried, check_coordinates, minus, skew_part,
 };
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Configuration, Dimension, System};
@@ -171,13 +171,13 @@ impl<'a> MechanismSystem<'a> {
         })
     }
 
-    fn placed(&self, at: &Configuration, along: Option<&DVector<f64>>) -> Placed {
+    fn placed(&self, at: &Configuration, along: Option<&DVector<f64>>) -> KinematicState {
         let by = self.displacement(at);
         self.kinematics.placed(&self.home, &by, &self.reference, along)
     }
 
     /// Angular and linear mismatch of each loop.
-    fn raw_residual(&self, placed: &Placed) -> Vec<Vector3<f64>> {
+    fn raw_residual(&self, placed: &KinematicState) -> Vec<Vector3<f64>> {
         let parts = placed.mismatches.iter().flat_map(|mismatch| {
             let shifted = mismatch.rotation * self.reference + mismatch.translation.vector;
             [skew_part(mismatch.rotation.matrix()), shifted - self.reference]

@@ -1,7 +1,7 @@
 //! Dimensions of the branches of configurations that meet at a given one.
 
 use super::finite::FiniteMobility;
-use super::neighbours::neighbours;
+use super::nearby::find_nearby;
 use super::search::Search;
 use crate::Error;
 use crate::constraint::{Configuration, System};
@@ -29,14 +29,14 @@ pub fn branch_dimensions<S: System + ?Sized>(
     let first = &found.instantaneous;
     let (Some(mobility), Some(second)) = (found.mobility, &found.second_order) else {
         // Undecided: the search has been made with all its starts.
-        let searched = found.neighbours.as_ref().map(|searched| searched.dimensions.clone());
+        let searched = found.nearby.as_ref().map(|searched| searched.dimensions.clone());
         return Ok(searched.unwrap_or_else(|| found.mobility.into_iter().collect()));
     };
     if mobility == 0 {
         return Ok(Vec::new());
     }
     let search = Search::new(system, at, first.characteristic_length);
-    let mut all = neighbours(&search, at, first, second, usize::MAX)?;
+    let mut all = find_nearby(&search, at, first, second, usize::MAX)?;
     all.add(mobility);
     all.dimensions.retain(|&dimension| dimension <= mobility);
     Ok(all.dimensions)

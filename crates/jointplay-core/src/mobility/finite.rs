@@ -1,7 +1,7 @@
 //! Mobility for real: in how many directions the mechanism can go a finite way.
 
-use super::neighbours::{Neighbours, neighbours};
-use super::search::{Followed, KEPT_RADIUS, Search};
+use super::nearby::{NearbyConfigurations, find_nearby};
+use super::search::{Continuation, KEPT_RADIUS, Search};
 use super::second_order::{SecondOrder, second_order};
 use super::{InstantaneousMobility, instantaneous_mobility};
 use crate::Error;
@@ -23,8 +23,8 @@ pub struct FiniteMobility {
     pub instantaneous: InstantaneousMobility,
     /// The second-order analysis; `None` where it is not needed: all constraints are independent, or every motion to first order was seen to lead on.
     pub second_order: Option<SecondOrder>,
-    /// The search for neighbours; `None` where first order decides.
-    pub neighbours: Option<Neighbours>,
+    /// The search for configurations nearby; `None` where first order decides.
+    pub nearby: Option<NearbyConfigurations>,
 }
 
 /// Finite mobility of the mechanism with its virtual joints held.
@@ -61,42 +61,47 @@ pub fn finite_mobility<S: System + ?Sized>(
     if residual.is_nan() || residual > ACCEPTED_RESIDUAL {
         return Err(Error::NotClosed { residual, allowed: ACCEPTED_RESIDUAL });
     }
-    let by_first_order = |instantaneous: InstantaneousMobility, neighbours| FiniteMobility {
+    let by_first_order = |instantaneous: InstantaneousMobility, nearby| FiniteMobility {
         mobility: Some(instantaneous.mobility),
         lower_bound: instantaneous.mobility,
         upper_bound: instantaneous.mobility,
         instantaneous,
         second_order: None,
-        neighbours,
+        nearby,
     };
     if instantaneous.redundancy == 0 || instantaneous.mobility == 0 {
         return Ok(by_first_order(instantaneous, None));
     }
     let search = Search::new(system, at, instantaneous.characteristic_length);
-    let all_finite =
-        |tried, mobility| Some(Neighbours { tried, found: tried, dimensions: vec![mobility] });
+    let all_finite = |tried, mobility| {
+        Some(NearbyConfigurations { tried, found: tried, dimensions: vec![mobility] })
+    };
     let mobility = instantaneous.mobility;
     let room = match search.followed(at, &instantaneous, &instantaneous.null_space, KEPT_RADIUS) {
-        Followed::Kept(tried) => {
+        Continuation::Finite(tried) => {
             return Ok(by_first_order(instantaneous, all_finite(tried, mobility)));
         }
-        Followed::Broken => mobility - 1,
-        Followed::Lost => match search.continued(at, &instantaneous, instantaneous.threshold)? {
-            Some(tried) => return Ok(by_first_order(instantaneous, all_finite(tried, mobility))),
-            None => mobility,
-        },
+        Continuation::Obstructed => mobility - 1,
+        Continuation::Unresolved => {
+            match search.continued(at, &instantaneous, instantaneous.threshold)? {
+                Some(tried) => {
+                    return Ok(by_first_order(instantaneous, all_finite(tried, mobility)));
+                }
+                None => mobility,
+            }
+        }
     };
     let second_order = second_order(system, at, &instantaneous)?;
     let upper_bound = second_order.upper_bound.min(room);
-    let mut neighbours = neighbours(&search, at, &instantaneous, &second_order, upper_bound)?;
-    neighbours.dimensions.retain(|&dimension| dimension <= upper_bound);
-    let lower_bound = neighbours.dimension();
+    let mut nearby = find_nearby(&search, at, &instantaneous, &second_order, upper_bound)?;
+    nearby.dimensions.retain(|&dimension| dimension <= upper_bound);
+    let lower_bound = nearby.dimension();
     Ok(FiniteMobility {
         mobility: (lower_bound == upper_bound).then_some(lower_bound),
         lower_bound,
         upper_bound,
         instantaneous,
         second_order: Some(second_order),
-        neighbours: Some(neighbours),
+        nearby: Some(nearby),
     })
 }

@@ -47,13 +47,13 @@ pub struct InstantaneousMobility {
 impl InstantaneousMobility {
     /// The smallest singular value that counts, if any does.
     #[must_use]
-    pub fn smallest_counted(&self) -> Option<f64> {
+    pub fn smallest_nonzero(&self) -> Option<f64> {
         self.rank.checked_sub(1).map(|last| self.singular_values[last])
     }
 
     /// The largest singular value that counts as zero, if any does.
     #[must_use]
-    pub fn largest_uncounted(&self) -> Option<f64> {
+    pub fn largest_zero(&self) -> Option<f64> {
         self.singular_values.get(self.rank).copied()
     }
 }

@@ -17,7 +17,7 @@ mod finite;
 mod instantaneous;
 mod kutzbach;
 mod near;
-mod neighbours;
+mod nearby;
 mod search;
 mod second_order;
 
@@ -28,8 +28,8 @@ pub use instantaneous::{
 };
 pub use kutzbach::kutzbach_mobility;
 pub use near::{
-    ClosedThere, NearMiss, NearMobility, TOLERANCES, near_miss, near_mobility, near_tolerances,
+    ForcedClosure, NearMiss, NearMobility, TOLERANCES, near_miss, near_mobility, near_tolerances,
 };
-pub use neighbours::Neighbours;
+pub use nearby::NearbyConfigurations;
 pub use second_order::SecondOrder;
 pub(crate) use second_order::quadrics;

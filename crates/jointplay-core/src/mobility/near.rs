@@ -423,7 +423,7 @@ pub fn near_miss<S: System + ?Sized>(
 ) -> Result<Option<NearMiss>, Error> {
     let first = &finite.instantaneous;
     // A motion that a small tolerance allows is one to first order, or nearly one.
-    let small = first.smallest_counted().is_some_and(|least| least <= 10.0 * HINTED);
+    let small = first.smallest_nonzero().is_some_and(|least| least <= 10.0 * HINTED);
     if !small && finite.mobility == Some(first.mobility) {
         return Ok(None);
     }
@@ -448,19 +448,19 @@ pub fn near_miss<S: System + ?Sized>(
 ///
 /// This is the mechanism put together by force, where dimensions do not let it close by itself; every analysis of closed configurations applies to it.
 #[derive(Debug, Clone)]
-pub struct ClosedThere<'a, S: ?Sized> {
+pub struct ForcedClosure<'a, S: ?Sized> {
     system: &'a S,
     open: DVector<f64>,
 }
 
-impl<'a, S: System + ?Sized> ClosedThere<'a, S> {
+impl<'a, S: System + ?Sized> ForcedClosure<'a, S> {
     /// The system closed at a configuration.
     pub fn new(system: &'a S, at: &Configuration) -> Self {
         Self { system, open: system.residual(at) }
     }
 }
 
-impl<S: System + ?Sized> System for ClosedThere<'_, S> {
+impl<S: System + ?Sized> System for ForcedClosure<'_, S> {
     fn constraint_dimensions(&self) -> Vec<Dimension> {
         self.system.constraint_dimensions()
     }
@@ -501,7 +501,7 @@ impl<S: System + ?Sized> System for ClosedThere<'_, S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mechanism::{Joint, JointKind, Mechanism, MechanismSystem, Play};
+    use crate::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism, MechanismSystem};
     use crate::mobility::{RANK_THRESHOLD, finite_mobility};
     use crate::spatial::Pose;
     use nalgebra::{Rotation3, Vector3};
@@ -588,8 +588,8 @@ mod tests {
                 actuated: false,
                 guess: Vec::new(),
                 limits: Vec::new(),
-                clearance: Play::default(),
-                stiffness: Play::default(),
+                clearance: LinearAndAngular::default(),
+                stiffness: LinearAndAngular::default(),
             }
         });
         let links = (0..4).map(|k| format!("l{k}")).collect();

@@ -25,7 +25,7 @@ pub(super) const KEPT_RADIUS: f64 = 0.3;
 /// Mismatch that no correction can reach, from which on a motion is broken, well above round-off: of a motion stopped at order p it is about 0.3ᵖ.
 const BROKEN: f64 = 1e-12;
 /// …and how much larger it has to be than the part that corrections can still reach, and than the residual of the given configuration.
-const OPEN_FOR_GOOD: f64 = 1e3;
+const BROKEN_RATIO: f64 = 1e3;
 /// Corrections with the pseudo-inverse of the given configuration, each of which gains about a factor of the radius.
 const MAX_CHORDS: usize = 100;
 
@@ -49,13 +49,13 @@ const NOISE: f64 = 30.0;
 const GAP: f64 = 10.0;
 
 /// Result of following some motions of first order in random directions.
-pub(super) enum Followed {
+pub(super) enum Continuation {
     /// Every direction is a finite motion; the number of directions tried.
-    Kept(usize),
+    Finite(usize),
     /// One breaks constraints that no correction can restore: the dimension of the finite motions is lower by one at least.
-    Broken,
+    Obstructed,
     /// One could not be followed so far.
-    Lost,
+    Unresolved,
 }
 
 /// A random direction of a space.
@@ -122,12 +122,12 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
         first: &InstantaneousMobility,
         motions: &DMatrix<f64>,
         radius: f64,
-    ) -> Followed {
+    ) -> Continuation {
         let h = motions.ncols();
         let mut random = Random(2);
         let tried = h + 2;
         // Loops that are closed only so far cannot show smaller mismatches.
-        let broken = BROKEN.max(100.0 * self.found).max(OPEN_FOR_GOOD * self.closed.amax());
+        let broken = BROKEN.max(100.0 * self.found).max(BROKEN_RATIO * self.closed.amax());
         for _ in 0..tried {
             let direction = random_direction(&mut random, h);
             let mut displacement = motions * direction * radius;
@@ -142,8 +142,8 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
                 }
                 let open = first.self_stress.tr_mul(&residual);
                 let closable = (&residual - &first.self_stress * &open).norm();
-                if open.norm() > broken.max(OPEN_FOR_GOOD * closable) {
-                    return Followed::Broken;
+                if open.norm() > broken.max(BROKEN_RATIO * closable) {
+                    return Continuation::Obstructed;
                 }
                 if closable.is_nan() || closable > 0.9 * before {
                     break;
@@ -152,10 +152,10 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
                 displacement -= first.decomposition.solve(&residual, first.rank);
             }
             if !kept {
-                return Followed::Lost;
+                return Continuation::Unresolved;
             }
         }
-        Followed::Kept(tried)
+        Continuation::Finite(tried)
     }
 
     /// Follows all motions of first order by continuation with steps as long as the configurations allow; returns the number of directions where all lead on at constant rank.
@@ -170,7 +170,7 @@ impl<'a, S: System + ?Sized> Search<'a, S> {
         first: &InstantaneousMobility,
         least_cut: f64,
     ) -> Result<Option<usize>, Error> {
-        let Some(least) = first.smallest_counted() else { return Ok(None) };
+        let Some(least) = first.smallest_nonzero() else { return Ok(None) };
         let cut = least_cut.max(NOISE * self.found / least);
         if least <= GAP * cut {
             return Ok(None);

@@ -22,7 +22,7 @@ pub type Pose = IsometryMatrix3<f64>;
 /// Algebraic: no angle is formed, exact to round-off for every tilt below π.
 #[must_use]
 #[inline(always)]
-pub fn leaning(normal: &Vector3<f64>) -> Rotation3<f64> {
+pub fn tilt_rotation(normal: &Vector3<f64>) -> Rotation3<f64> {
     let (x, y, z) = (normal.x, normal.y, normal.z);
     let k = 1.0 / (1.0 + z);
     let xy = -x * y * k;
@@ -64,7 +64,7 @@ pub fn rotation_vector(rotation: &Rotation3<f64>) -> Vector3<f64> {
 /// # Source
 /// [Umeyama], eq. (40), in two dimensions.
 #[must_use]
-// Always, like `leaning`: a quarter of the time of a closed-form pose.
+// Always, like `tilt_rotation`: a quarter of the time of a closed-form pose.
 #[inline(always)]
 pub fn fit_in_plane(
     points_in_platform: &[Vector2<f64>; 3],
@@ -75,7 +75,7 @@ pub fn fit_in_plane(
     let from_center =
         (points_in_platform[0] + points_in_platform[1] + points_in_platform[2]) * THIRD;
     let onto_center = (targets_in_base[0] + targets_in_base[1] + targets_in_base[2]) * THIRD;
-    let lean = leaning(normal);
+    let lean = tilt_rotation(normal);
     let (e_1, e_2) = (lean.matrix().column(0), lean.matrix().column(1));
     let (mut cosine, mut sine) = (0.0, 0.0);
     for k in 0..3 {
@@ -103,10 +103,10 @@ mod tests {
         [(0.0, 0.0), (0.4, 0.02), (-2.0, 1e-9), (3.0, 0.5), (1.0, 1.5), (2.0, 3.0)];
 
     #[test]
-    fn leaning_is_the_shortest_rotation_to_the_normal() {
+    fn tilt_rotation_is_the_shortest_rotation_to_the_normal() {
         for (yaw, pitch) in DIRECTIONS {
             let normal = Tilt { yaw, pitch }.normal();
-            let found = leaning(&normal);
+            let found = tilt_rotation(&normal);
             let about_z = |angle| Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
             let about_y = Rotation3::from_axis_angle(&Vector3::y_axis(), pitch);
             let expected = about_z(yaw) * about_y * about_z(-yaw);
@@ -125,8 +125,10 @@ mod tests {
             for (yaw, pitch) in DIRECTIONS {
                 let normal = Tilt { yaw, pitch }.normal();
                 let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 7.0 * yaw + 2.0);
-                let placed =
-                    Pose::from_parts(Translation3::new(4.0, -5.0, 6.0), leaning(&normal) * turn);
+                let placed = Pose::from_parts(
+                    Translation3::new(4.0, -5.0, 6.0),
+                    tilt_rotation(&normal) * turn,
+                );
                 let targets = points
                     .map(|point| placed.rotation * point.push(0.0) + placed.translation.vector);
                 let found = fit_in_plane(&points, &targets, &normal);

@@ -5,7 +5,7 @@ use super::virtual_joint::VirtualJoint;
 
 /// The virtualizations that [`bulk`](crate::bulk) knows; each is the type of the same name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kernel {
+pub enum BuiltIn {
     /// [`Radial`](super::Radial).
     Radial,
     /// [`Polar`](super::Polar).
@@ -36,7 +36,7 @@ pub trait Virtualization {
     fn socket_velocities(&self, platform: &Platform, x: &[f64], velocities: &mut [Sockets]);
 
     /// The kernel that computes many poses of this virtualization at a time; `None`, as for one of your own, computes them one by one.
-    fn kernel(&self) -> Option<Kernel> {
+    fn as_built_in(&self) -> Option<BuiltIn> {
         None
     }
 

@@ -1,6 +1,6 @@
 //! How lengths and angles of virtual joints are weighed against each other.
 
-use super::{Motion, Platform};
+use super::{Platform, VirtualJointKind};
 use crate::Error;
 use crate::error::finite;
 
@@ -48,7 +48,7 @@ impl Metric {
     }
 }
 
-impl Motion {
+impl VirtualJointKind {
     /// What a unit of this motion measures in the metric: 1 for a slide, ρ for a turn.
     #[must_use]
     #[inline]

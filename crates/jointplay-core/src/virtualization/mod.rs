@@ -26,7 +26,7 @@ mod solver;
 mod virtual_joint;
 
 pub use built_in::built_in;
-pub use definition::{Kernel, Virtualization};
+pub use definition::{BuiltIn, Virtualization};
 pub use metric::Metric;
 pub use offset::Offset;
 pub use planar::Planar;
@@ -35,6 +35,6 @@ pub use polar::Polar;
 pub use radial::Radial;
 pub use solve::{Solution, SolveOptions, solve};
 pub use solver::Solver;
-pub use virtual_joint::{MAX_VIRTUAL_JOINTS, Motion, VirtualJoint, VirtualJoints};
+pub use virtual_joint::{MAX_VIRTUAL_JOINTS, VirtualJoint, VirtualJointKind, VirtualJoints};
 
 pub(crate) use platform::{check_not_collinear, sides_of, signed_area};

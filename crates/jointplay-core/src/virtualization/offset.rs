@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::polar::turned;
-use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization};
+use super::{BuiltIn, Platform, Sockets, VirtualJoint, VirtualJointKind, Virtualization};
 
 /// Sockets displaced by dr_k in the direction β_k + dφ_k: p_k = r_k u(β_k) + dr_k u(β_k + dφ_k).
 ///
@@ -16,7 +16,7 @@ use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization};
 pub struct Offset;
 
 static JOINTS: [VirtualJoint; 6] =
-    VirtualJoint::pairs(("dr", Motion::Linear), ("dphi", Motion::Angular));
+    VirtualJoint::pairs(("dr", VirtualJointKind::Linear), ("dphi", VirtualJointKind::Angular));
 
 impl Virtualization for Offset {
     fn name(&self) -> &str {
@@ -28,8 +28,8 @@ impl Virtualization for Offset {
         &JOINTS
     }
 
-    fn kernel(&self) -> Option<Kernel> {
-        Some(Kernel::Offset)
+    fn as_built_in(&self) -> Option<BuiltIn> {
+        Some(BuiltIn::Offset)
     }
 
     #[inline]

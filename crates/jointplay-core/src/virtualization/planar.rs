@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{Kernel, Motion, Platform, Sides, Sockets, VirtualJoint, Virtualization};
+use super::{BuiltIn, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, Virtualization};
 
 /// Sockets displaced by (u_k, v_k) in the platform plane: p_k = r_k u(β_k) + (u_k, v_k).
 ///
@@ -15,7 +15,7 @@ use super::{Kernel, Motion, Platform, Sides, Sockets, VirtualJoint, Virtualizati
 pub struct Planar;
 
 static JOINTS: [VirtualJoint; 6] =
-    VirtualJoint::pairs(("u", Motion::Linear), ("v", Motion::Linear));
+    VirtualJoint::pairs(("u", VirtualJointKind::Linear), ("v", VirtualJointKind::Linear));
 
 impl Virtualization for Planar {
     fn name(&self) -> &str {
@@ -27,8 +27,8 @@ impl Virtualization for Planar {
         &JOINTS
     }
 
-    fn kernel(&self) -> Option<Kernel> {
-        Some(Kernel::Planar)
+    fn as_built_in(&self) -> Option<BuiltIn> {
+        Some(BuiltIn::Planar)
     }
 
     #[inline]

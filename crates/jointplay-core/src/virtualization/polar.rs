@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::platform::unit;
-use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization};
+use super::{BuiltIn, Platform, Sockets, VirtualJoint, VirtualJointKind, Virtualization};
 
 /// Sockets in polar coordinates about O_p: p_k = l_k u(β_k + φ_k).
 ///
@@ -15,7 +15,7 @@ use super::{Kernel, Motion, Platform, Sockets, VirtualJoint, Virtualization};
 pub struct Polar;
 
 static JOINTS: [VirtualJoint; 6] =
-    VirtualJoint::pairs(("l", Motion::Linear), ("phi", Motion::Angular));
+    VirtualJoint::pairs(("l", VirtualJointKind::Linear), ("phi", VirtualJointKind::Angular));
 
 impl Virtualization for Polar {
     fn name(&self) -> &str {
@@ -27,8 +27,8 @@ impl Virtualization for Polar {
         &JOINTS
     }
 
-    fn kernel(&self) -> Option<Kernel> {
-        Some(Kernel::Polar)
+    fn as_built_in(&self) -> Option<BuiltIn> {
+        Some(BuiltIn::Polar)
     }
 
     #[inline]

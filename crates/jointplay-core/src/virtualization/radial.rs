@@ -1,6 +1,6 @@
 //! Three radial slides, one at each socket.
 
-use super::{Kernel, Motion, Platform, Sides, Sockets, VirtualJoint, Virtualization};
+use super::{BuiltIn, Platform, Sides, Sockets, VirtualJoint, VirtualJointKind, Virtualization};
 
 /// Sockets that slide along their radii: p_k = l_k u(β_k).
 ///
@@ -12,7 +12,7 @@ use super::{Kernel, Motion, Platform, Sides, Sockets, VirtualJoint, Virtualizati
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Radial;
 
-static JOINTS: [VirtualJoint; 3] = VirtualJoint::on_each_limb("l", Motion::Linear);
+static JOINTS: [VirtualJoint; 3] = VirtualJoint::on_each_limb("l", VirtualJointKind::Linear);
 
 impl Virtualization for Radial {
     fn name(&self) -> &str {
@@ -24,8 +24,8 @@ impl Virtualization for Radial {
         &JOINTS
     }
 
-    fn kernel(&self) -> Option<Kernel> {
-        Some(Kernel::Radial)
+    fn as_built_in(&self) -> Option<BuiltIn> {
+        Some(BuiltIn::Radial)
     }
 
     #[inline]

@@ -213,7 +213,9 @@ fn side_gaps(wanted: &Sides, found: &Sides) -> Vector3<f64> {
 mod tests {
     use super::*;
     use crate::gpr::Gpr;
-    use crate::virtualization::{Motion, Offset, Planar, Polar, Radial, VirtualJoint, built_in};
+    use crate::virtualization::{
+        Offset, Planar, Polar, Radial, VirtualJoint, VirtualJointKind, built_in,
+    };
 
     /// A virtualization of any number of joints, whose sockets are no numbers once they leave the nominal place.
     struct Broken {
@@ -223,7 +225,7 @@ mod tests {
 
     impl Broken {
         fn with(count: usize, closed_form: bool) -> Self {
-            let joint = VirtualJoint { symbol: "x", limb: 0, motion: Motion::Linear };
+            let joint = VirtualJoint { symbol: "x", limb: 0, motion: VirtualJointKind::Linear };
             Self { joints: vec![joint; count], closed_form }
         }
     }

@@ -7,7 +7,7 @@ pub const MAX_VIRTUAL_JOINTS: usize = 12;
 
 /// Whether a virtual joint slides or turns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Motion {
+pub enum VirtualJointKind {
     /// Its coordinate is a length [m].
     Linear,
     /// Its coordinate is an angle [rad].
@@ -22,12 +22,12 @@ pub struct VirtualJoint {
     /// The limb it belongs to, counted from 0.
     pub limb: usize,
     /// Whether it slides or turns.
-    pub motion: Motion,
+    pub motion: VirtualJointKind,
 }
 
 impl VirtualJoint {
     /// Three joints of one kind, one for each limb.
-    pub(crate) const fn on_each_limb(symbol: &'static str, motion: Motion) -> [Self; 3] {
+    pub(crate) const fn on_each_limb(symbol: &'static str, motion: VirtualJointKind) -> [Self; 3] {
         [
             Self { symbol, limb: 0, motion },
             Self { symbol, limb: 1, motion },
@@ -37,8 +37,8 @@ impl VirtualJoint {
 
     /// Two kinds on each limb: the first kind on all limbs, then the second.
     pub(crate) const fn pairs(
-        first: (&'static str, Motion),
-        second: (&'static str, Motion),
+        first: (&'static str, VirtualJointKind),
+        second: (&'static str, VirtualJointKind),
     ) -> [Self; 6] {
         let a = Self::on_each_limb(first.0, first.1);
         let b = Self::on_each_limb(second.0, second.1);

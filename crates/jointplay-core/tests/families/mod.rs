@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test says what it expects")]
 #![allow(clippy::cast_precision_loss, reason = "counts of stages")]
 
-use jointplay_core::mechanism::{Joint, JointKind, Mechanism, Play};
+use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism};
 use jointplay_core::nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 use jointplay_core::spatial::Pose;
 
@@ -24,8 +24,8 @@ fn revolute(name: String, links: [usize; 2], frames: [Pose; 2], guess: f64) -> J
         actuated: false,
         guess: vec![guess],
         limits: Vec::new(),
-        clearance: Play::default(),
-        stiffness: Play::default(),
+        clearance: LinearAndAngular::default(),
+        stiffness: LinearAndAngular::default(),
     }
 }
 

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test says what it expects")]
 
 use jointplay_core::mechanism::{
-    Carrier, Joint, JointKind, Mechanism, Play, VirtualJoint, VirtualMotion,
+    Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
 };
 use jointplay_core::nalgebra::{
     DVector, Matrix3, Rotation3, Translation3, Unit, UnitVector3, Vector3,
@@ -77,8 +77,8 @@ pub(crate) fn joint(
         actuated: false,
         guess: Vec::new(),
         limits: Vec::new(),
-        clearance: Play::default(),
-        stiffness: Play::default(),
+        clearance: LinearAndAngular::default(),
+        stiffness: LinearAndAngular::default(),
     }
 }
 

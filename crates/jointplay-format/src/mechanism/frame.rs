@@ -121,7 +121,7 @@ fn one(
 }
 
 /// The coordinate axis that is most nearly perpendicular to a direction; the first of equals.
-pub(crate) fn some_perpendicular(z: Unit<Vector3<f64>>) -> Unit<Vector3<f64>> {
+pub fn some_perpendicular(z: Unit<Vector3<f64>>) -> Unit<Vector3<f64>> {
     let axes = [Vector3::x_axis(), Vector3::y_axis(), Vector3::z_axis()];
     let along = |axis: &Unit<Vector3<f64>>| axis.dot(&z).abs();
     let best = axes.into_iter().min_by(|a, b| along(a).total_cmp(&along(b)));
@@ -129,7 +129,7 @@ pub(crate) fn some_perpendicular(z: Unit<Vector3<f64>>) -> Unit<Vector3<f64>> {
 }
 
 /// The frame at a point with this z, and x as near as can be.
-pub(crate) fn pose(point: Vector3<f64>, x: Unit<Vector3<f64>>, z: Unit<Vector3<f64>>) -> Pose {
+pub fn pose(point: Vector3<f64>, x: Unit<Vector3<f64>>, z: Unit<Vector3<f64>>) -> Pose {
     let x = Unit::new_normalize(x.into_inner() - z.scale(x.dot(&z)));
     let rotation = Matrix3::from_columns(&[x.into_inner(), z.cross(&x), z.into_inner()]);
     Pose::from_parts(Translation3::from(point), Rotation3::from_matrix_unchecked(rotation))

@@ -36,7 +36,7 @@ pub struct Units {
 
 impl LengthUnit {
     /// All of them, with their names in files.
-    pub(crate) const ALL: [(&str, Self); 4] = [
+    pub const ALL: [(&str, Self); 4] = [
         ("m", Self::Meter),
         ("mm", Self::Millimeter),
         ("um", Self::Micrometer),
@@ -79,7 +79,7 @@ impl LengthUnit {
 
 impl AngleUnit {
     /// All of them, with their names in files.
-    pub(crate) const ALL: [(&str, Self); 2] = [("deg", Self::Degree), ("rad", Self::Radian)];
+    pub const ALL: [(&str, Self); 2] = [("deg", Self::Degree), ("rad", Self::Radian)];
 
     /// Radians from an angle in this unit.
     #[must_use]

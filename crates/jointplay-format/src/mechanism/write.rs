@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
 use jointplay_core::mechanism::{
-    Carrier, Joint, JointKind, Mechanism, Play, VirtualJoint, VirtualMotion,
+    Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
 };
 use nalgebra::Vector3;
 
@@ -67,7 +67,7 @@ fn write_joint(file: &mut String, mechanism: &Mechanism, joint: &Joint) {
         line(file, "guess", list(&joint.guess));
     }
     for (key, play) in [("clearance", joint.clearance), ("stiffness", joint.stiffness)] {
-        let Play { linear, angular } = play;
+        let LinearAndAngular { linear, angular } = play;
         let entries: Vec<_> = [("linear", linear), ("angular", angular)]
             .into_iter()
             .filter_map(|(key, value)| value.map(|value| format!("{key} = {}", decimal(value))))

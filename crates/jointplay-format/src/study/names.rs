@@ -1,8 +1,8 @@
 //! Names of quantities with their units, and the columns of a study's table.
 
 use jointplay_core::bulk::Quantity;
-use jointplay_core::virtualization::{Motion, Virtualization};
-use jointplay_study::plan::{Dimension, Measure, Plan, TiltForm, Wanted};
+use jointplay_core::virtualization::{VirtualJointKind, Virtualization};
+use jointplay_study::plan::{Dimension, OutputQuantity, Plan, PlatformQuantity, TiltForm};
 
 use super::Problem;
 use crate::place::nearest;
@@ -47,27 +47,42 @@ struct Term {
     /// Its name without unit.
     stem: String,
     units: &'static [Unit],
-    wanted: Wanted,
+    wanted: OutputQuantity,
 }
 
 /// A name that stands for several.
 struct Group {
     name: &'static str,
     units: &'static [Unit],
-    has: fn(&Wanted) -> bool,
+    has: fn(&OutputQuantity) -> bool,
 }
 
 const GROUPS: [Group; 4] = [
-    Group { name: "rods", units: &Unit::LENGTHS, has: |wanted| matches!(wanted, Wanted::Rod(_)) },
-    Group { name: "sides", units: &Unit::LENGTHS, has: |wanted| matches!(wanted, Wanted::Side(_)) },
-    Group { name: "dimensions", units: &[], has: |wanted| matches!(wanted, Wanted::Built { .. }) },
+    Group {
+        name: "rods",
+        units: &Unit::LENGTHS,
+        has: |wanted| matches!(wanted, OutputQuantity::Rod(_)),
+    },
+    Group {
+        name: "sides",
+        units: &Unit::LENGTHS,
+        has: |wanted| matches!(wanted, OutputQuantity::Side(_)),
+    },
+    Group {
+        name: "dimensions",
+        units: &[],
+        has: |wanted| matches!(wanted, OutputQuantity::Built { .. }),
+    },
     Group {
         name: "virtual_joints",
         units: &[],
         has: |wanted| {
             matches!(
                 wanted,
-                Wanted::Model { measure: Measure::Quantity(Quantity::VirtualJoint(_)), .. }
+                OutputQuantity::Model {
+                    measure: PlatformQuantity::Quantity(Quantity::VirtualJoint(_)),
+                    ..
+                }
             )
         },
     },
@@ -76,7 +91,7 @@ const GROUPS: [Group; 4] = [
 /// Something asked for, with the unit that it is to have.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Asked {
-    pub(super) wanted: Wanted,
+    pub(super) wanted: OutputQuantity,
     pub(super) unit: Unit,
 }
 
@@ -89,10 +104,10 @@ fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
     let mut terms = Vec::new();
     let mut free = |stem: String, units, wanted| terms.push(Term { stem, units, wanted });
     for k in 0..3 {
-        free(format!("q{}", k + 1), LENGTHS, Wanted::Rod(k));
+        free(format!("q{}", k + 1), LENGTHS, OutputQuantity::Rod(k));
     }
     for (k, name) in ["L12", "L23", "L31"].into_iter().enumerate() {
-        free(name.to_owned(), LENGTHS, Wanted::Side(k));
+        free(name.to_owned(), LENGTHS, OutputQuantity::Side(k));
     }
     for dimension in Dimension::ALL {
         let (name, units) = match dimension {
@@ -102,25 +117,25 @@ fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
             Dimension::BaseY => ("base_y", LENGTHS),
         };
         for limb in 0..3 {
-            free(format!("{name}_{}", limb + 1), units, Wanted::Built { limb, dimension });
+            free(format!("{name}_{}", limb + 1), units, OutputQuantity::Built { limb, dimension });
         }
     }
     for (model, virtualization) in models.iter().enumerate() {
         let mut add = |stem: &str, units, measure| {
-            let wanted = Wanted::Model { model, measure };
+            let wanted = OutputQuantity::Model { model, measure };
             terms.push(Term { stem: stem.to_owned(), units, wanted });
         };
-        let quantity = Measure::Quantity;
+        let quantity = PlatformQuantity::Quantity;
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             add(&format!("origin_{name}"), LENGTHS, quantity(Quantity::Origin(axis)));
         }
-        add("center_shift", LENGTHS, Measure::CenterShift);
+        add("center_shift", LENGTHS, PlatformQuantity::CenterShift);
         add("axis_height", LENGTHS, quantity(Quantity::AxisHeight));
         add("yaw", ANGLES, quantity(Quantity::Yaw));
         add("pitch", ANGLES, quantity(Quantity::Pitch));
-        add("tilt_x", ANGLES, Measure::TiltX);
-        add("tilt_y", ANGLES, Measure::TiltY);
-        add("tilt_error", ANGLES, Measure::TiltError);
+        add("tilt_x", ANGLES, PlatformQuantity::TiltX);
+        add("tilt_y", ANGLES, PlatformQuantity::TiltY);
+        add("tilt_error", ANGLES, PlatformQuantity::TiltError);
         add("twist", ANGLES, quantity(Quantity::Twist));
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             add(&format!("normal_{name}"), NUMBERS, quantity(Quantity::Normal(axis)));
@@ -133,8 +148,8 @@ fn terms(models: &[&'static (dyn Virtualization + Sync)]) -> Vec<Term> {
         add("iterations", NUMBERS, quantity(Quantity::Iterations));
         for (k, joint) in virtualization.joints().iter().enumerate() {
             let units = match joint.motion {
-                Motion::Linear => LENGTHS,
-                Motion::Angular => ANGLES,
+                VirtualJointKind::Linear => LENGTHS,
+                VirtualJointKind::Angular => ANGLES,
             };
             let stem = format!("{}{}", joint.symbol, joint.limb + 1);
             add(&stem, units, quantity(Quantity::VirtualJoint(k)));
@@ -212,13 +227,13 @@ pub(super) fn commanded(plan: &Plan) -> Vec<(String, Asked, bool)> {
         TiltForm::YawPitch => ("yaw", "pitch"),
         TiltForm::AboutXAndY => ("tilt_x", "tilt_y"),
     };
-    let column = |stem: &str, wanted, unit: Unit, spread: &jointplay_study::plan::Spread| {
+    let column = |stem: &str, wanted, unit: Unit, spread: &jointplay_study::plan::Variation| {
         (format!("{stem}{}", unit.suffix()), Asked { wanted, unit }, !spread.is_random())
     };
     vec![
-        column(first, Wanted::FirstAngle, Unit::Degree, &plan.tilt.first),
-        column(second, Wanted::SecondAngle, Unit::Degree, &plan.tilt.second),
-        column("height", Wanted::Height, Unit::Millimeter, &plan.height),
+        column(first, OutputQuantity::FirstAngle, Unit::Degree, &plan.tilt.first),
+        column(second, OutputQuantity::SecondAngle, Unit::Degree, &plan.tilt.second),
+        column("height", OutputQuantity::Height, Unit::Millimeter, &plan.height),
     ]
 }
 
@@ -241,23 +256,27 @@ pub(super) fn columns(plan: &mut Plan, asked: &[Asked]) -> Vec<Column> {
         columns.push(number(name, &asked, true, listed));
     }
     let terms = terms(&plan.models);
-    let stem = |wanted: &Wanted| {
+    let stem = |wanted: &OutputQuantity| {
         let term = terms.iter().find(|term| term.wanted == *wanted);
         &term.expect("what is asked for was found among the terms").stem
     };
-    for asked in asked.iter().filter(|asked| !matches!(asked.wanted, Wanted::Model { .. })) {
-        let typed = matches!(asked.wanted, Wanted::Built { .. });
+    for asked in asked.iter().filter(|asked| !matches!(asked.wanted, OutputQuantity::Model { .. }))
+    {
+        let typed = matches!(asked.wanted, OutputQuantity::Built { .. });
         let name = format!("{}{}", stem(&asked.wanted), asked.unit.suffix());
         columns.push(number(name, asked, typed, typed && !plan.tolerances.any()));
     }
     for (k, virtualization) in plan.models.iter().enumerate() {
         let model = virtualization.name();
         for asked in asked {
-            if matches!(asked.wanted, Wanted::Model { model, .. } if model == k) {
+            if matches!(asked.wanted, OutputQuantity::Model { model, .. } if model == k) {
                 let name = format!("{model}_{}{}", stem(&asked.wanted), asked.unit.suffix());
                 let repeats = matches!(
                     asked.wanted,
-                    Wanted::Model { measure: Measure::Quantity(Quantity::Iterations), .. }
+                    OutputQuantity::Model {
+                        measure: PlatformQuantity::Quantity(Quantity::Iterations),
+                        ..
+                    }
                 );
                 columns.push(number(name, asked, false, repeats));
             }

@@ -3,7 +3,7 @@
 use jointplay_core::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
-use jointplay_study::plan::{Plan, RodsFrom, Spread, TiltForm, Tilts, Tolerances};
+use jointplay_study::plan::{Plan, RodsFrom, TiltForm, Tilts, Tolerances, Variation};
 use serde::Deserialize;
 use toml::{Spanned, Value};
 
@@ -247,7 +247,7 @@ fn pose(
     text: &str,
     table: &Spanned<PoseTable>,
     working_height: f64,
-) -> Result<(Tilts, Spread), Error> {
+) -> Result<(Tilts, Variation), Error> {
     let pose = table.get_ref();
     let angle = |name, most: f64| Key { name, bounds: (-most, most), to_si: f64::to_radians };
     let keys = [
@@ -272,7 +272,7 @@ fn pose(
             let bounds = (-LONGEST_MM, LONGEST_MM);
             spread::read(text, &Key { name: "height_mm", bounds, to_si: m_from_mm }, height)?
         }
-        None => Spread::Values(vec![working_height]),
+        None => Variation::Values(vec![working_height]),
     };
     Ok((tilt, height))
 }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use jointplay_study::plan::Spread;
+use jointplay_study::plan::Variation;
 use toml::{Spanned, Value};
 
 use super::{Error, Problem};
@@ -20,7 +20,7 @@ pub(super) struct Key {
 const KINDS: [&str; 2] = ["uniform", "normal"];
 
 /// Reads the values of a key.
-pub(super) fn read(text: &str, key: &Key, value: &Spanned<Value>) -> Result<Spread, Error> {
+pub(super) fn read(text: &str, key: &Key, value: &Spanned<Value>) -> Result<Variation, Error> {
     let wrong = |problem| Error::at(text, value.span(), problem);
     let name = key.name;
     let numbers = match value.get_ref() {
@@ -42,10 +42,15 @@ pub(super) fn read(text: &str, key: &Key, value: &Spanned<Value>) -> Result<Spre
     for &number in &numbers {
         within(key, number).map_err(wrong)?;
     }
-    Ok(Spread::Values(numbers.into_iter().map(key.to_si).collect()))
+    Ok(Variation::Values(numbers.into_iter().map(key.to_si).collect()))
 }
 
-fn drawn(text: &str, key: &Key, span: Range<usize>, table: &toml::Table) -> Result<Spread, Error> {
+fn drawn(
+    text: &str,
+    key: &Key,
+    span: Range<usize>,
+    table: &toml::Table,
+) -> Result<Variation, Error> {
     let wrong = |problem| Error::at(text, span.clone(), problem);
     let name = key.name;
     let mut entries = table.iter();
@@ -70,13 +75,13 @@ fn drawn(text: &str, key: &Key, span: Range<usize>, table: &toml::Table) -> Resu
         if first >= second {
             return Err(wrong(Problem::Reversed { key: name, from: first, to: second }));
         }
-        return Ok(Spread::Uniform { from: (key.to_si)(first), to: (key.to_si)(second) });
+        return Ok(Variation::Uniform { from: (key.to_si)(first), to: (key.to_si)(second) });
     }
     if second <= 0.0 {
         return Err(wrong(Problem::Deviation { key: name, value: second }));
     }
     within(key, second).map_err(wrong)?;
-    Ok(Spread::Normal { mean: (key.to_si)(first), deviation: (key.to_si)(second) })
+    Ok(Variation::Normal { mean: (key.to_si)(first), deviation: (key.to_si)(second) })
 }
 
 fn numbers(entries: &[Value]) -> Option<Vec<f64>> {

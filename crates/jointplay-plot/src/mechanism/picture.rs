@@ -14,7 +14,7 @@ use super::view::View;
 /// Joints whose position along their axis is arbitrary are drawn at a visible position: a prismatic joint in the middle of its telescope, hinges with intersecting axes around the intersection.
 ///
 /// ```
-/// use jointplay_core::mechanism::{Joint, JointKind, Mechanism, Play};
+/// use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism};
 /// use jointplay_core::spatial::Pose;
 /// use jointplay_plot::MechanismPicture;
 /// use nalgebra::DVector;
@@ -27,8 +27,8 @@ use super::view::View;
 ///     actuated: true,
 ///     guess: vec![],
 ///     limits: vec![],
-///     clearance: Play::default(),
-///     stiffness: Play::default(),
+///     clearance: LinearAndAngular::default(),
+///     stiffness: LinearAndAngular::default(),
 /// };
 /// let links = vec!["wall".to_owned(), "door".to_owned()];
 /// let door = Mechanism::new("Door", links, vec![hinge])?;

@@ -1,6 +1,6 @@
 //! Pictures of mechanisms as SVG and PNG.
 
-use jointplay_core::mechanism::{Kinematics, exaggerated};
+use jointplay_core::mechanism::{Kinematics, exaggerate_play};
 
 use super::page;
 use super::picture::MechanismPicture;
@@ -20,7 +20,7 @@ impl MechanismPicture<'_> {
         let mut scene =
             Scene::of(self.mechanism, &kinematics.link_poses(&self.coordinates)?, None)?;
         if let Some(factor) = self.exaggeration {
-            scene.exaggerate(&exaggerated(self.mechanism, &self.coordinates, factor)?);
+            scene.exaggerate(&exaggerate_play(self.mechanism, &self.coordinates, factor)?);
         }
         let ghost = match &self.ghost {
             None => None,

@@ -1,6 +1,6 @@
 //! Links and joints in space, in lengths relative to the size of the mechanism.
 
-use jointplay_core::mechanism::{Carrier, Exaggerated, JointKind, Mechanism, VirtualMotion};
+use jointplay_core::mechanism::{Carrier, ExaggeratedPlay, JointKind, Mechanism, VirtualMotion};
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector3};
 
@@ -194,7 +194,7 @@ impl Scene {
     }
 
     /// Moves the ends of links away from their joints by the exaggerated play.
-    pub(super) fn exaggerate(&mut self, shown: &Exaggerated) {
+    pub(super) fn exaggerate(&mut self, shown: &ExaggeratedPlay) {
         self.exaggeration = Some(shown.factor);
         for (link, body) in self.links.iter_mut().enumerate() {
             for (&j, end) in body.joints.iter().zip(&mut body.ends) {

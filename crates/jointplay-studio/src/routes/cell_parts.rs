@@ -6,10 +6,10 @@ use axum::extract::{Path, State};
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 
-use super::cell::desk;
-use crate::app::App;
+use super::lookup::unknown_key;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::Binary;
 use crate::wire::cell::{InstructionsPage, OverviewRequest, ViolationsPage};
 
@@ -18,19 +18,13 @@ const PAGE: usize = 100;
 /// What a key names never changes.
 const FOREVER: &str = "private, max-age=31536000, immutable";
 
-/// A plan, a window or a picture of that key is not remembered.
-pub(super) fn forgotten() -> Problem {
-    let detail = "nothing of this key is remembered: plan the texts again, which names new ones";
-    Problem::request(StatusCode::NOT_FOUND, detail)
-}
-
 fn named<T>(path: Result<Path<T>, PathRejection>) -> Result<T, Problem> {
-    path.map(|Path(named)| named).map_err(|_| forgotten())
+    path.map(|Path(named)| named).map_err(|_| unknown_key())
 }
 
 /// Part of a list.
 fn page<T: Clone>(all: &[T], page: &str) -> Result<Vec<T>, Problem> {
-    let number: usize = page.parse().map_err(|_| forgotten())?;
+    let number: usize = page.parse().map_err(|_| unknown_key())?;
     let start = number.saturating_mul(PAGE).min(all.len());
     Ok(all[start..(start + PAGE).min(all.len())].to_vec())
 }
@@ -49,11 +43,11 @@ fn page<T: Clone>(all: &[T], page: &str) -> Result<Vec<T>, Problem> {
     )
 )]
 pub(crate) async fn instructions(
-    State(app): State<App>,
+    State(state): State<AppState>,
     path: Result<Path<(String, String)>, PathRejection>,
 ) -> Result<Json<InstructionsPage>, Problem> {
     let (key, number) = named(path)?;
-    let plan = desk(&app)?.planned(&key).ok_or_else(forgotten)?;
+    let plan = state.session()?.kept_plan(&key).ok_or_else(unknown_key)?;
     let all = plan.report.as_ref().map_or(&[][..], |report| &report.instructions);
     Ok(Json(InstructionsPage { of: all.len(), instructions: page(all, &number)? }))
 }
@@ -70,11 +64,11 @@ pub(crate) async fn instructions(
     )
 )]
 pub(crate) async fn violations(
-    State(app): State<App>,
+    State(state): State<AppState>,
     path: Result<Path<(String, String)>, PathRejection>,
 ) -> Result<Json<ViolationsPage>, Problem> {
     let (key, number) = named(path)?;
-    let plan = desk(&app)?.planned(&key).ok_or_else(forgotten)?;
+    let plan = state.session()?.kept_plan(&key).ok_or_else(unknown_key)?;
     let all = plan.report.as_ref().map_or(&[][..], |report| &report.violations);
     Ok(Json(ViolationsPage { of: all.len(), violations: page(all, &number)? }))
 }
@@ -94,10 +88,10 @@ pub(crate) async fn violations(
     )
 )]
 pub(crate) async fn overview(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(OverviewRequest { plan, windows }): Body<OverviewRequest>,
 ) -> Result<Response, Problem> {
-    let plan = desk(&app)?.planned(&plan).ok_or_else(forgotten)?;
+    let plan = state.session()?.kept_plan(&plan).ok_or_else(unknown_key)?;
     let count = plan.timeline.as_ref().map_or(0, |timeline| timeline.windows.len());
     if let Some(place) = windows.iter().position(|&window| window >= count) {
         let detail = format!("there is no window {}, there are {count}", windows[place]);
@@ -105,9 +99,9 @@ pub(crate) async fn overview(
     }
     let bytes = move || match (&plan.timeline, plan.recording()) {
         (Some(timeline), Some(recording)) => Ok(timeline.overview(&recording, &windows)),
-        _ => Err(forgotten()),
+        _ => Err(unknown_key()),
     };
-    let bytes = app.work.run(bytes).await?;
+    let bytes = state.work.run(bytes).await?;
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], bytes).into_response())
 }
 
@@ -127,15 +121,15 @@ pub(crate) async fn overview(
     )
 )]
 pub(crate) async fn window(
-    State(app): State<App>,
+    State(state): State<AppState>,
     path: Result<Path<String>, PathRejection>,
 ) -> Result<Response, Problem> {
-    let (desk, key) = (desk(&app)?, named(path)?);
+    let (session, key) = (state.session()?, named(path)?);
     let content = move || {
-        let content = desk.window(&key).ok_or_else(forgotten)?;
+        let content = session.window(&key).ok_or_else(unknown_key)?;
         content.map_err(|error| Problem::request(StatusCode::CONFLICT, error.to_string()))
     };
-    let bytes = app.work.run(content).await?;
+    let bytes = state.work.run(content).await?;
     let kind = (header::CONTENT_TYPE, "application/octet-stream");
     Ok(([kind, (header::CACHE_CONTROL, FOREVER)], bytes).into_response())
 }
@@ -154,10 +148,10 @@ pub(crate) async fn window(
     )
 )]
 pub(crate) async fn scene(
-    State(app): State<App>,
+    State(state): State<AppState>,
     path: Result<Path<String>, PathRejection>,
 ) -> Result<Response, Problem> {
-    let scene = desk(&app)?.scene(&named(path)?).ok_or_else(forgotten)?;
+    let scene = state.session()?.scene(&named(path)?).ok_or_else(unknown_key)?;
     let kind = (header::CONTENT_TYPE, "model/gltf-binary");
     Ok(([kind, (header::CACHE_CONTROL, FOREVER)], scene.file.clone()).into_response())
 }

@@ -2,15 +2,15 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, CompareReport};
 use jointplay::gpr::{AxisHeight, Gpr};
+use jointplay::report::{self, CompareReport};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::built_in;
 
 use super::allowed;
-use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::question::{CompareRequest, MOST_PITCHES};
 use crate::wire::{angle, length, pitch};
 
@@ -30,11 +30,11 @@ use crate::wire::{angle, length, pitch};
     )
 )]
 pub(crate) async fn compare(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<CompareRequest>,
 ) -> Result<Json<CompareReport>, Problem> {
-    let robot = app.robot.clone();
-    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let robot = state.robot.clone();
+    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: CompareRequest) -> Result<CompareReport, Problem> {

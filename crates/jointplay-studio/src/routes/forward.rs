@@ -2,13 +2,13 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, ForwardReport};
 use jointplay::gpr::Gpr;
+use jointplay::report::{self, ForwardReport};
 
 use super::allowed;
-use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::question::ForwardRequest;
 use crate::wire::rods;
 
@@ -28,11 +28,11 @@ use crate::wire::rods;
     )
 )]
 pub(crate) async fn forward(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<ForwardRequest>,
 ) -> Result<Json<ForwardReport>, Problem> {
-    let robot = app.robot.clone();
-    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let robot = state.robot.clone();
+    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: ForwardRequest) -> Result<ForwardReport, Problem> {

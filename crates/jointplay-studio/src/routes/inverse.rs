@@ -2,13 +2,13 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, ForwardReport};
 use jointplay::gpr::Gpr;
+use jointplay::report::{self, ForwardReport};
 
 use super::{allowed, reached};
-use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::question::CommandRequest;
 
 /// Which rods tilt the platform so, and where it then is
@@ -27,11 +27,11 @@ use crate::wire::question::CommandRequest;
     )
 )]
 pub(crate) async fn inverse(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<CommandRequest>,
 ) -> Result<Json<ForwardReport>, Problem> {
-    let robot = app.robot.clone();
-    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let robot = state.robot.clone();
+    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: CommandRequest) -> Result<ForwardReport, Problem> {

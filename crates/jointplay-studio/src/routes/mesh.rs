@@ -5,9 +5,9 @@ use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use jointplay::format::robot::Robot;
 
-use crate::app::App;
 use crate::meshes::media_type;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::Binary;
 
 /// What the base looks like, in the base frame
@@ -22,8 +22,8 @@ use crate::wire::Binary;
         (status = 404, description = "The robot file names none, or it is gone", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub(crate) async fn base_mesh(State(app): State<App>) -> Result<Response, Problem> {
-    mesh(app, |robot| robot.base_mesh.as_ref()).await
+pub(crate) async fn base_mesh(State(state): State<AppState>) -> Result<Response, Problem> {
+    mesh(state, |robot| robot.base_mesh.as_ref()).await
 }
 
 /// What the platform looks like, in the platform frame
@@ -38,20 +38,20 @@ pub(crate) async fn base_mesh(State(app): State<App>) -> Result<Response, Proble
         (status = 404, description = "The robot file names none, or it is gone", body = Problem, content_type = "application/problem+json"),
     )
 )]
-pub(crate) async fn platform_mesh(State(app): State<App>) -> Result<Response, Problem> {
-    mesh(app, |robot| robot.platform_mesh.as_ref()).await
+pub(crate) async fn platform_mesh(State(state): State<AppState>) -> Result<Response, Problem> {
+    mesh(state, |robot| robot.platform_mesh.as_ref()).await
 }
 
 async fn mesh(
-    app: App,
+    state: AppState,
     of: fn(&Robot) -> Option<&jointplay::format::robot::Mesh>,
 ) -> Result<Response, Problem> {
-    let work = app.work.clone();
+    let work = state.work.clone();
     let read = move || {
         let missing = |why: String| Problem::request(StatusCode::NOT_FOUND, why);
         let mesh =
-            of(&app.robot).ok_or_else(|| missing("the robot file names no such mesh".into()))?;
-        let bytes = app.folder.read(mesh).map_err(|error| missing(error.to_string()))?;
+            of(&state.robot).ok_or_else(|| missing("the robot file names no such mesh".into()))?;
+        let bytes = state.meshes.read(mesh).map_err(|error| missing(error.to_string()))?;
         Ok((media_type(mesh.format), bytes))
     };
     let (kind, bytes) = work.run(read).await?;

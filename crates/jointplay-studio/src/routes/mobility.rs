@@ -2,15 +2,15 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, MobilityReport};
 use jointplay::gpr::Gpr;
 use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
+use jointplay::report::{self, MobilityReport};
 use jointplay::virtualization::{Planar, SolveOptions};
 
 use super::allowed;
-use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::question::MobilityRequest;
 use crate::wire::rods;
 
@@ -30,11 +30,11 @@ use crate::wire::rods;
     )
 )]
 pub(crate) async fn mobility(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<MobilityRequest>,
 ) -> Result<Json<MobilityReport>, Problem> {
-    let robot = app.robot.clone();
-    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let robot = state.robot.clone();
+    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: MobilityRequest) -> Result<MobilityReport, Problem> {

@@ -3,9 +3,13 @@
 pub(crate) mod cell;
 pub(crate) mod cell_jog;
 pub(crate) mod cell_parts;
+pub(crate) mod cell_plan;
+pub(crate) mod cell_samples;
+pub(crate) mod cell_station;
 pub(crate) mod compare;
 pub(crate) mod forward;
 pub(crate) mod inverse;
+mod lookup;
 pub(crate) mod mesh;
 pub(crate) mod mobility;
 pub(crate) mod pose;

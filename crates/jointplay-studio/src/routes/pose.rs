@@ -9,9 +9,9 @@ use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions, Virtualization};
 
 use super::reached;
-use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::pose::{
     AnswerDocument, MOST_MODELS, MobilityDocument, ModelDocument, PoseDocument, PoseRequest,
 };
@@ -34,11 +34,11 @@ use crate::wire::{self, ModelChoice, Rods};
     )
 )]
 pub(crate) async fn pose(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<PoseRequest>,
 ) -> Result<Json<PoseDocument>, Problem> {
-    let robot = app.robot.clone();
-    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let robot = state.robot.clone();
+    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
@@ -66,7 +66,7 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
     let from = from.map(|Rods(from)| wire::rods(from, "from_rods_m")).transpose()?;
     let within = |from: &[f64; 3]| gpr.limits().broken(from, gpr.plane_tilt(from)).is_empty();
     let (rods, broken, stopped_by) = match from.filter(within) {
-        Some(from) => (gpr.last_within_limits(&from, &rods), Vec::new(), broken),
+        Some(from) => (gpr.clamp_to_limits(&from, &rods), Vec::new(), broken),
         None => (rods, broken, Vec::new()),
     };
     let approximate = gpr.approximate(gpr.plane_tilt(&rods), gpr.plane_height(&rods))?;

@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 
-use crate::app::App;
+use crate::state::AppState;
 use crate::wire::robot::RobotDocument;
 
 /// The robot that this server serves
@@ -13,6 +13,6 @@ use crate::wire::robot::RobotDocument;
     operation_id = "robot",
     responses((status = 200, description = "The robot, and what may be asked of it", body = RobotDocument))
 )]
-pub(crate) async fn robot(State(app): State<App>) -> Json<RobotDocument> {
-    Json(RobotDocument::new(&app.robot, app.desk.is_some()))
+pub(crate) async fn robot(State(state): State<AppState>) -> Json<RobotDocument> {
+    Json(RobotDocument::new(&state.robot, state.cell.is_some()))
 }

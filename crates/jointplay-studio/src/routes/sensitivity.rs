@@ -2,14 +2,14 @@
 
 use axum::Json;
 use axum::extract::State;
-use jointplay::format::report::{self, SensitivityReport};
 use jointplay::gpr::Gpr;
+use jointplay::report::{self, SensitivityReport};
 use jointplay::spatial::Tilt;
 
 use super::{allowed, reached};
-use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::wire::question::CommandRequest;
 
 /// How far the virtual joints move for a tilt, and what first order says of it
@@ -29,11 +29,11 @@ use crate::wire::question::CommandRequest;
     )
 )]
 pub(crate) async fn sensitivity(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<CommandRequest>,
 ) -> Result<Json<SensitivityReport>, Problem> {
-    let robot = app.robot.clone();
-    app.work.run(move || compute(&robot.gpr, request)).await.map(Json)
+    let robot = state.robot.clone();
+    state.work.run(move || compute(&robot.gpr, request)).await.map(Json)
 }
 
 fn compute(gpr: &Gpr, request: CommandRequest) -> Result<SensitivityReport, Problem> {

@@ -4,9 +4,9 @@ use axum::extract::State;
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 
-use crate::app::App;
 use crate::body::Body;
 use crate::problem::Problem;
+use crate::state::AppState;
 use crate::study::{self, Study};
 use crate::wire::Binary;
 use crate::wire::study::StudyRequest;
@@ -29,10 +29,10 @@ use crate::wire::study::StudyRequest;
     )
 )]
 pub(crate) async fn study(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<StudyRequest>,
 ) -> Result<Response, Problem> {
-    let body = study::arrow(&app, Study::new(app.robot.clone(), request)?)?;
+    let body = study::arrow(&state, Study::new(state.robot.clone(), request)?)?;
     let kind = (header::CONTENT_TYPE, "application/vnd.apache.arrow.stream");
     Ok(([kind], body).into_response())
 }
@@ -52,10 +52,10 @@ pub(crate) async fn study(
     )
 )]
 pub(crate) async fn study_csv(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<StudyRequest>,
 ) -> Result<Response, Problem> {
-    let body = study::csv(&app, Study::new(app.robot.clone(), request)?)?;
+    let body = study::csv(&state, Study::new(state.robot.clone(), request)?)?;
     let headers = [
         (header::CONTENT_TYPE, "text/csv; charset=utf-8"),
         (header::CONTENT_DISPOSITION, "attachment; filename=\"study.csv\""),
@@ -78,10 +78,10 @@ pub(crate) async fn study_csv(
     )
 )]
 pub(crate) async fn study_parquet(
-    State(app): State<App>,
+    State(state): State<AppState>,
     Body(request): Body<StudyRequest>,
 ) -> Result<Response, Problem> {
-    let body = study::parquet(&app, Study::new(app.robot.clone(), request)?).await?;
+    let body = study::parquet(&state, Study::new(state.robot.clone(), request)?).await?;
     let headers = [
         (header::CONTENT_TYPE, "application/vnd.apache.parquet"),
         (header::CONTENT_DISPOSITION, "attachment; filename=\"study.parquet\""),

@@ -9,16 +9,17 @@ use axum::http::{Method, Request, StatusCode, header};
 use jointplay::format::robot;
 use serde_json::{Value, json};
 
-use super::{Answer, HOST, PORT, app, get, send_to};
-use crate::cell::{CellFiles, Desk};
+use super::{Answer, HOST, PORT, get, send_to, state};
+use crate::cell_files::CellFiles;
+use crate::session::WorkcellSession;
 
 /// A program that is planned quickly.
 pub(super) const SHORT: &str = "HOME\nGET LP1 SLOT 1 WITH A\nPUT LP1 SLOT 1 WITH A\n";
 
 pub(super) fn server(files: CellFiles) -> Router {
-    let mut app = app(robot::paper(), None).unwrap();
-    app.desk = Some(Desk::new(files));
-    crate::app::router(app, PORT)
+    let mut state = state(robot::paper(), None).unwrap();
+    state.cell = Some(WorkcellSession::new(files));
+    crate::router::router(state, PORT)
 }
 
 pub(super) fn ask(server: &Router, method: Method, path: &str, body: &Value) -> Answer {
@@ -143,15 +144,15 @@ fn a_program_is_planned_shown_and_told() {
 
 #[test]
 fn a_changed_station_is_planned_with_what_the_last_plan_came_to() {
-    let desk = Desk::new(CellFiles::example());
+    let session = WorkcellSession::new(CellFiles::example());
     let program = "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\nTRANSFER ALIGN TO PM1 WITH A\n";
     let texts = CellFiles::example().into_texts();
-    desk.plan(texts.0.clone(), program.to_owned(), &|| false).unwrap();
-    assert_eq!(desk.reuse().known, 0);
+    session.plan(texts.0.clone(), program.to_owned(), &|| false).unwrap();
+    assert_eq!(session.reuse().known, 0);
     let moved = texts.0.replace("[800.0, 0.0, 620.18]", "[800.0, 0.0, 620.17]");
-    let plan = desk.plan(moved, program.to_owned(), &|| false).unwrap();
+    let plan = session.plan(moved, program.to_owned(), &|| false).unwrap();
     assert!(plan.report.is_some());
-    let reuse = desk.reuse();
+    let reuse = session.reuse();
     assert!(reuse.known > reuse.anew && reuse.anew > 0, "{reuse:?}");
 }
 
@@ -350,7 +351,7 @@ fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
     let path = folder.path().join("wrong.toml");
     std::fs::write(&path, "kind = \"cell\"\nsize = 3\n").unwrap();
     let files = CellFiles::open(&path).unwrap();
-    let wrong = files.wrong();
+    let wrong = files.errors();
     assert!(wrong.iter().any(|one| one.contains("wrong.toml:2:1")), "{wrong:?}");
     let server = server(files);
     let found = plan(&server, &json!({}));
@@ -359,7 +360,7 @@ fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
     let mended =
         plan(&server, &json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT }));
     assert_eq!(mended["report"]["verdict"], "sound");
-    assert_eq!(CellFiles::example().wrong(), Vec::<String>::new());
+    assert_eq!(CellFiles::example().errors(), Vec::<String>::new());
     assert!(CellFiles::open(Path::new("nowhere.toml")).unwrap_err().contains("nowhere.toml"));
 }
 

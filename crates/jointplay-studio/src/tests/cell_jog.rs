@@ -5,7 +5,7 @@ use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
 
 use super::cell::{SHORT, ask, server, steps};
-use crate::cell::CellFiles;
+use crate::cell_files::CellFiles;
 
 #[track_caller]
 fn jog(server: &Router, mut body: Value) -> Value {

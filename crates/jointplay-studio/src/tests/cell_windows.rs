@@ -10,8 +10,9 @@ use serde_json::{Value, json};
 use tower::ServiceExt as _;
 
 use super::cell::{SHORT, ask, fetch, plan, server, unpacked, window};
-use super::{HOST, PORT, app};
-use crate::cell::{CellFiles, Desk};
+use super::{HOST, PORT, state};
+use crate::cell_files::CellFiles;
+use crate::session::WorkcellSession;
 
 /// A wafer there and back, so many times.
 fn long(lines: usize) -> String {
@@ -184,11 +185,11 @@ fn samples_of_a_long_motion_are_asked_for_in_stretches() {
 
 #[test]
 fn a_plan_that_nobody_awaits_is_stopped() {
-    let mut app = app(robot::paper(), None).unwrap();
-    let desk = Desk::new(CellFiles::example());
-    app.desk = Some(desk.clone());
-    let work = app.work.clone();
-    let server = crate::app::router(app, PORT);
+    let mut state = state(robot::paper(), None).unwrap();
+    let session = WorkcellSession::new(CellFiles::example());
+    state.cell = Some(session.clone());
+    let work = state.work.clone();
+    let server = crate::router::router(state, PORT);
     let body = json!({ "cell": cell(), "program": long(8_000) }).to_string();
     let request = Request::post("/api/v1/cell/plan").header(header::HOST, HOST);
     let request = request.header(header::CONTENT_TYPE, "application/json");
@@ -206,7 +207,7 @@ fn a_plan_that_nobody_awaits_is_stopped() {
             tokio::task::yield_now().await;
         }
     });
-    assert_eq!(desk.remembered(), Vec::<String>::new(), "it was stopped before it was done");
-    let plan = desk.plan(cell(), SHORT.to_owned(), &|| false).unwrap();
+    assert_eq!(session.plan_keys(), Vec::<String>::new(), "it was stopped before it was done");
+    let plan = session.plan(cell(), SHORT.to_owned(), &|| false).unwrap();
     assert!(plan.report.is_some());
 }

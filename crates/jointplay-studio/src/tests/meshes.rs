@@ -7,7 +7,7 @@ use axum::body::Body;
 use axum::http::{Request, StatusCode, header};
 use jointplay::format::robot::{self, Robot};
 
-use super::{Answer, HOST, PORT, app, get, send_to};
+use super::{Answer, HOST, PORT, get, send_to, state};
 
 fn with_mesh(path: &str) -> Robot {
     let kind = format!("kind = \"gpr\"\nbase_mesh = \"{path}\"");
@@ -24,8 +24,8 @@ fn a_mesh_is_served() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("shapes")).unwrap();
     std::fs::write(folder.path().join("shapes/base.stl"), "solid base").unwrap();
-    let app = app(with_mesh("shapes/base.stl"), Some(folder.path())).unwrap();
-    let server = || crate::app::router(app.clone(), PORT);
+    let state = state(with_mesh("shapes/base.stl"), Some(folder.path())).unwrap();
+    let server = || crate::router::router(state.clone(), PORT);
     let robot = ask(server(), "/api/v1/robot").json();
     assert_eq!(robot["base_mesh"]["url"], "/api/v1/meshes/base");
     assert_eq!(robot["base_mesh"]["format"], "stl");
@@ -42,7 +42,7 @@ fn a_mesh_is_served() {
 
 #[track_caller]
 fn refused(path: &str, folder: Option<&Path>, why: &str) {
-    let Err(error) = app(with_mesh(path), folder) else { panic!("{path} is served") };
+    let Err(error) = state(with_mesh(path), folder) else { panic!("{path} is served") };
     let shown = error.with_excerpt("my.toml");
     assert!(shown.starts_with("my.toml:7:13: the mesh") && shown.contains(why), "{shown}");
 }
@@ -74,9 +74,9 @@ fn links_do_not_lead_out() {
     // Nor where the file is replaced by a link while the server runs.
     std::fs::remove_file(&link).unwrap();
     std::fs::write(&link, "own").unwrap();
-    let app = app(with_mesh("base.stl"), Some(folder.path())).unwrap();
+    let state = state(with_mesh("base.stl"), Some(folder.path())).unwrap();
     std::fs::remove_file(&link).unwrap();
     std::os::unix::fs::symlink(&secret, &link).unwrap();
-    let mesh = ask(crate::app::router(app, PORT), "/api/v1/meshes/base");
+    let mesh = ask(crate::router::router(state, PORT), "/api/v1/meshes/base");
     assert_eq!(mesh.status, StatusCode::NOT_FOUND);
 }

@@ -19,9 +19,10 @@ use jointplay::format::robot::{self, Robot};
 use serde_json::Value;
 use tower::ServiceExt as _;
 
-use crate::app::{self, App};
-use crate::meshes::Folder;
-use crate::work::Patience;
+use crate::meshes::MeshFolder;
+use crate::router;
+use crate::state::AppState;
+use crate::work::Deadlines;
 
 const PORT: u16 = 4816;
 const HOST: &str = "127.0.0.1:4816";
@@ -45,13 +46,13 @@ impl Answer {
     }
 }
 
-fn app(robot: Robot, folder: Option<&Path>) -> Result<App, robot::Error> {
-    let folder = Folder::of(folder, &robot)?;
-    Ok(App::new(robot, folder, Patience::default()))
+fn state(robot: Robot, folder: Option<&Path>) -> Result<AppState, robot::Error> {
+    let folder = MeshFolder::of(folder, &robot)?;
+    Ok(AppState::new(robot, folder, Deadlines::default()))
 }
 
 fn server() -> Router {
-    app::router(app(robot::paper(), None).unwrap(), PORT)
+    router::router(state(robot::paper(), None).unwrap(), PORT)
 }
 
 /// Sends one request to a server of the paper's robot.
@@ -129,7 +130,7 @@ fn the_robot_is_told() {
 fn the_description_is_served() {
     let answer = get("/api/v1/openapi.json");
     assert_eq!(answer.header("content-type"), "application/json");
-    assert_eq!(answer.bytes, app::description().into_bytes());
+    assert_eq!(answer.bytes, router::description().into_bytes());
 }
 
 #[test]

@@ -15,9 +15,10 @@ use jointplay::virtualization::{Polar, SolveOptions, Solver};
 use tower::ServiceExt as _;
 
 use super::{HOST, PORT, post, refused};
-use crate::app::{self, App};
-use crate::meshes::Folder;
-use crate::work::Patience;
+use crate::meshes::MeshFolder;
+use crate::router;
+use crate::state::AppState;
+use crate::work::Deadlines;
 
 const STUDY: &str = "/api/v1/study";
 const PAPER: &str =
@@ -178,8 +179,8 @@ fn long_study() -> Request<Body> {
 
 #[test]
 fn whoever_goes_away_ends_the_study() {
-    let app = super::app(robot::paper(), None).unwrap();
-    let router = app::router(app.clone(), PORT);
+    let state = super::state(robot::paper(), None).unwrap();
+    let router = router::router(state.clone(), PORT);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async {
         let ask = || router.clone().oneshot(long_study());
@@ -205,17 +206,17 @@ fn whoever_goes_away_ends_the_study() {
         }
         assert_eq!(again.status(), StatusCode::OK, "its place is free again");
         // The end of the server cuts them off: a stream that is not whole must not look so.
-        app.work.stop();
+        state.work.stop();
         let cut = again.into_body().collect().await;
         assert!(cut.is_err());
     });
 }
 
-/// The paper's robot, served with little patience.
-fn impatient(patience: Patience) -> App {
+/// The paper's robot, served with little deadlines.
+fn impatient(deadlines: Deadlines) -> AppState {
     let robot = robot::paper();
-    let folder = Folder::of(None, &robot).unwrap();
-    App::new(robot, folder, patience)
+    let folder = MeshFolder::of(None, &robot).unwrap();
+    AppState::new(robot, folder, deadlines)
 }
 
 #[test]
@@ -223,7 +224,7 @@ fn what_takes_too_long_is_ended() {
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
     runtime.block_on(async {
         let short = Duration::from_millis(20);
-        let hurried = impatient(Patience { request: short, ..Patience::default() });
+        let hurried = impatient(Deadlines { request: short, ..Deadlines::default() });
         // All turns are taken: the request waits for one, and longer than it may.
         for _ in 0..std::thread::available_parallelism().unwrap().get() {
             let work = hurried.work.clone();
@@ -239,14 +240,14 @@ fn what_takes_too_long_is_ended() {
             .header(header::HOST, HOST)
             .header(header::CONTENT_TYPE, "application/json")
             .body(Body::from(pose));
-        let answer = app::router(hurried, PORT).oneshot(ask.unwrap()).await.unwrap();
+        let answer = router::router(hurried, PORT).oneshot(ask.unwrap()).await.unwrap();
         assert_eq!(answer.status(), StatusCode::SERVICE_UNAVAILABLE);
         let problem = answer.into_body().collect().await.unwrap().to_bytes();
         assert!(String::from_utf8_lossy(&problem).contains("longer than 0.02 s"), "{problem:?}");
 
         // A study has begun to answer: it can only be cut off, and must not look whole.
-        let hurried = impatient(Patience { study: Duration::ZERO, ..Patience::default() });
-        let answer = app::router(hurried, PORT).oneshot(long_study()).await.unwrap();
+        let hurried = impatient(Deadlines { study: Duration::ZERO, ..Deadlines::default() });
+        let answer = router::router(hurried, PORT).oneshot(long_study()).await.unwrap();
         assert_eq!(answer.status(), StatusCode::OK);
         let cut = answer.into_body().collect().await.unwrap_err();
         assert!(cut.to_string().contains("longer than 0 s"), "{cut}");

@@ -2,8 +2,8 @@
 
 use jointplay::format::cell::Change;
 use jointplay::format::place::Place;
-use jointplay::format::report::{CellReport, InstructionReport, ViolationReport};
 use jointplay::nalgebra::Vector3;
+use jointplay::report::{CellReport, InstructionReport, ViolationReport};
 use jointplay::spatial::Tilt;
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -11,7 +11,7 @@ use utoipa::ToSchema;
 use super::cell_chain::ChainDocument;
 use super::cell_parts::{BodyDocument, RobotParts, StationDocument, WaferDocument, ZoneDocument};
 use super::{Pair, Triple};
-use crate::cell::CellFiles;
+use crate::cell_files::CellFiles;
 use crate::problem::Problem;
 use crate::strict;
 

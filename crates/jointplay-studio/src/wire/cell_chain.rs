@@ -2,7 +2,7 @@
 
 use jointplay::cell::robot::{self, Arm};
 use jointplay::cell::workcell::Cell;
-use jointplay::format::export::HeldAt;
+use jointplay::interop::export::HeldAt;
 use serde::Serialize;
 use utoipa::ToSchema;
 

@@ -178,7 +178,7 @@ pub(crate) struct SlotJog {
 }
 
 /// Where to, with its values checked.
-pub(crate) enum Aim {
+pub(crate) enum JogTarget {
     Axes(Vec<f64>),
     Platform { tilt: Tilt, height: f64 },
     World(WaferTarget),
@@ -186,7 +186,7 @@ pub(crate) enum Aim {
 }
 
 impl JogFields {
-    pub(crate) fn read(self, cell: &Cell) -> Result<Aim, Problem> {
+    pub(crate) fn read(self, cell: &Cell) -> Result<JogTarget, Problem> {
         let Self(value) = self;
         let kinds = ["axes", "platform", "world", "slot"];
         let jog = match body::kind(&value, "to", &kinds)? {
@@ -196,8 +196,10 @@ impl JogFields {
             _ => Jog::Slot(body::read(value, "to")?),
         };
         match jog {
-            Jog::Axes(found) => positions(cell, found.positions, "to.positions").map(Aim::Axes),
-            Jog::Platform(found) => Ok(Aim::Platform {
+            Jog::Axes(found) => {
+                positions(cell, found.positions, "to.positions").map(JogTarget::Axes)
+            }
+            Jog::Platform(found) => Ok(JogTarget::Platform {
                 tilt: lean(found.about_x_rad, found.about_y_rad)?,
                 height: length(found.height_m, "to.height_m")?,
             }),
@@ -205,13 +207,13 @@ impl JogFields {
                 for (k, &value) in found.center_m.0.iter().enumerate() {
                     length(value, &format!("to.center_m[{k}]"))?;
                 }
-                Ok(Aim::World(WaferTarget {
+                Ok(JogTarget::World(WaferTarget {
                     center: Vector3::from(found.center_m.0),
                     normal: lean(found.about_x_rad, found.about_y_rad)?.normal(),
                     heading: Some(angle(found.heading_rad, "to.heading_rad")?),
                 }))
             }
-            Jog::Slot(found) => Ok(Aim::Slot(FromSlot {
+            Jog::Slot(found) => Ok(JogTarget::Slot(FromSlot {
                 radial: length(found.radial_m, "to.radial_m")?,
                 turn: angle(found.turn_rad, "to.turn_rad")?,
                 height: length(found.height_m, "to.height_m")?,

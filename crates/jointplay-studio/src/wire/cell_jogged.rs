@@ -8,7 +8,7 @@ use jointplay::cell::station::{SlotId, teach};
 use jointplay::cell::wafer::{DroopError, Unreachable};
 use jointplay::cell::workcell::Cell;
 use jointplay::format::cell::explain::{explain_branch, explain_stopped};
-use jointplay::format::export::Frame;
+use jointplay::interop::export::Frame;
 use jointplay::nalgebra::Vector3;
 use jointplay::spatial::{Pose, Tilt};
 use serde::Serialize;

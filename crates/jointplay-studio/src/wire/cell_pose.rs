@@ -1,7 +1,7 @@
 //! One pose of the cell, checked.
 
 use jointplay::cell::check::{Kind, PairDistance, Report, Violation};
-use jointplay::format::report::explain_violation;
+use jointplay::report::explain_violation;
 use serde::Serialize;
 use utoipa::ToSchema;
 

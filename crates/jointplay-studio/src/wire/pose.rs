@@ -1,7 +1,9 @@
 //! One pose, with all that one picture of it needs.
 
 use jointplay::format::explain::explain_limit;
-use jointplay::gpr::{Approximate, Bounded, BrokenLimit, Forward, Gpr, TiltPlay, ball_sides};
+use jointplay::gpr::{
+    ApproximatePose, BrokenLimit, EvaluatedBounds, Gpr, PlatformPose, TiltPlay, ball_sides,
+};
 use jointplay::mobility::{FiniteMobility, InstantaneousMobility};
 use jointplay::spatial::{Pose, Tilt};
 use jointplay::virtualization::Virtualization;
@@ -277,8 +279,8 @@ impl From<&Pose> for PlacedDocument {
     }
 }
 
-impl From<&Approximate> for ApproximateDocument {
-    fn from(found: &Approximate) -> Self {
+impl From<&ApproximatePose> for ApproximateDocument {
+    fn from(found: &ApproximatePose) -> Self {
         Self {
             pose: (&found.base_from_platform).into(),
             gaps_m: found.gaps.map(|gap| Triple(gap.into())),
@@ -293,7 +295,7 @@ impl PoseDocument {
         rods: [f64; 3],
         broken: &[BrokenLimit],
         stopped_by: &[BrokenLimit],
-        approximate: &Approximate,
+        approximate: &ApproximatePose,
     ) -> Self {
         let balls = gpr.ball_centers(&rods);
         Self {
@@ -314,7 +316,7 @@ impl PoseDocument {
 impl AnswerDocument {
     pub(crate) fn new(
         gpr: &Gpr,
-        pose: &Forward,
+        pose: &PlatformPose,
         virtualization: &(dyn Virtualization + Sync),
         play: Option<&TiltPlay>,
         augmented: Option<&InstantaneousMobility>,
@@ -345,7 +347,7 @@ impl AnswerDocument {
 
 impl From<&TiltPlay> for PlayDocument {
     fn from(play: &TiltPlay) -> Self {
-        let bounds = |derivatives_at, found: &Bounded| BoundsDocument {
+        let bounds = |derivatives_at, found: &EvaluatedBounds| BoundsDocument {
             derivatives_at,
             lower_m: found.bounds.lower,
             upper_m: found.bounds.upper,

@@ -2,7 +2,7 @@
 
 use jointplay::format::robot::{Mesh, MeshFormat, Robot};
 use jointplay::gpr::Gpr;
-use jointplay::virtualization::{MAX_VIRTUAL_JOINTS, Motion, Virtualization, built_in};
+use jointplay::virtualization::{MAX_VIRTUAL_JOINTS, VirtualJointKind, Virtualization, built_in};
 use serde::Serialize;
 use utoipa::ToSchema;
 
@@ -202,8 +202,8 @@ fn joints(gpr: &Gpr, virtualization: &dyn Virtualization) -> Vec<JointDocument> 
         symbol: joint.symbol,
         limb: joint.limb,
         motion: match joint.motion {
-            Motion::Linear => MotionName::Linear,
-            Motion::Angular => MotionName::Angular,
+            VirtualJointKind::Linear => MotionName::Linear,
+            VirtualJointKind::Angular => MotionName::Angular,
         },
         nominal,
     });

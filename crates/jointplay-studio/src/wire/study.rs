@@ -5,7 +5,7 @@ use jointplay::format::steps;
 use jointplay::gpr::{AxisHeight, Gpr};
 use jointplay::spatial::Tilt;
 use jointplay::study::{KeyMotion, KeyPose, Order, Raster};
-use jointplay::virtualization::{Motion, Virtualization};
+use jointplay::virtualization::{VirtualJointKind, Virtualization};
 use serde::Deserialize;
 use serde_json::Value;
 use utoipa::ToSchema;
@@ -340,8 +340,8 @@ pub(crate) fn columns(
             QuantityName::VirtualJoints => {
                 for (k, joint) in model.joints().iter().enumerate() {
                     let unit = match joint.motion {
-                        Motion::Linear => "m",
-                        Motion::Angular => "rad",
+                        VirtualJointKind::Linear => "m",
+                        VirtualJointKind::Angular => "rad",
                     };
                     let name = format!("{}{}_{unit}", joint.symbol, joint.limb + 1);
                     tell(&name, Quantity::VirtualJoint(k));

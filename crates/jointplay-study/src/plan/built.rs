@@ -3,7 +3,7 @@
 use jointplay_core::Error;
 use jointplay_core::gpr::{Gpr, Limb};
 
-use super::Spread;
+use super::Variation;
 use super::random::{DIMENSION_STREAMS, Stream};
 
 /// A dimension of a limb.
@@ -38,19 +38,19 @@ pub enum RodsFrom {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tolerances {
     /// Of r_k [m].
-    pub socket_radius: Option<Spread>,
+    pub socket_radius: Option<Variation>,
     /// Of β_k [rad].
-    pub socket_angle: Option<Spread>,
+    pub socket_angle: Option<Variation>,
     /// Of the e_b1 coordinate of B_k [m].
-    pub base_x: Option<Spread>,
+    pub base_x: Option<Variation>,
     /// Of the e_b2 coordinate of B_k [m].
-    pub base_y: Option<Spread>,
+    pub base_y: Option<Variation>,
 }
 
 impl Tolerances {
     /// Of one dimension.
     #[must_use]
-    pub fn of(&self, dimension: Dimension) -> Option<&Spread> {
+    pub fn of(&self, dimension: Dimension) -> Option<&Variation> {
         match dimension {
             Dimension::SocketRadius => self.socket_radius.as_ref(),
             Dimension::SocketAngle => self.socket_angle.as_ref(),
@@ -82,13 +82,13 @@ pub(super) fn value(mut limb: Limb, dimension: Dimension) -> f64 {
 }
 
 /// Draws robots.
-pub(super) struct Workshop<'a> {
+pub(super) struct RobotSampler<'a> {
     design: &'a Gpr,
     /// What differs: limb, dimension, by how much, and its random numbers.
-    errors: Vec<(usize, Dimension, &'a Spread, Stream)>,
+    errors: Vec<(usize, Dimension, &'a Variation, Stream)>,
 }
 
-impl<'a> Workshop<'a> {
+impl<'a> RobotSampler<'a> {
     pub(super) fn new(design: &'a Gpr, tolerances: &'a Tolerances, seed: u64) -> Self {
         let errors = (0..3)
             .flat_map(|limb| (0..).zip(Dimension::ALL).map(move |(k, d)| (limb, k, d)))

@@ -7,11 +7,11 @@ use jointplay_core::gpr::{BrokenLimit, BrokenLimits, Gpr, ball_sides};
 
 use super::block::{Block, Outcome};
 use super::built::RodsFrom;
-use super::built::{Workshop, value};
+use super::built::{RobotSampler, value};
 use super::definition::Plan;
 use super::inputs::Inputs;
 use super::moments::Moments;
-use super::wanted::{self, Wanted};
+use super::wanted::{self, OutputQuantity};
 use crate::Error;
 
 /// Computes samples of a plan.
@@ -44,7 +44,7 @@ pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
         if plan.rods_from == RodsFrom::Nominal {
             work.inverse(&nominal, all)?;
         }
-        let mut workshop = Workshop::new(&plan.gpr, &plan.tolerances, plan.seed);
+        let mut workshop = RobotSampler::new(&plan.gpr, &plan.tolerances, plan.seed);
         let mut first = 0;
         for same in inputs.draw.chunk_by(|a, b| a == b) {
             let part = first..first + same.len();
@@ -69,18 +69,18 @@ pub fn compute(plan: &Plan, samples: &[u64]) -> Result<Block, Error> {
         .wanted
         .iter()
         .map(|wanted| match *wanted {
-            Wanted::Height => inputs.height.clone(),
-            Wanted::FirstAngle => inputs.angles[0].clone(),
-            Wanted::SecondAngle => inputs.angles[1].clone(),
-            Wanted::Rod(k) => rods[k].clone(),
-            Wanted::Side(k) => sides[k].clone(),
-            Wanted::Built { limb, dimension } if built.is_empty() => {
+            OutputQuantity::Height => inputs.height.clone(),
+            OutputQuantity::FirstAngle => inputs.angles[0].clone(),
+            OutputQuantity::SecondAngle => inputs.angles[1].clone(),
+            OutputQuantity::Rod(k) => rods[k].clone(),
+            OutputQuantity::Side(k) => sides[k].clone(),
+            OutputQuantity::Built { limb, dimension } if built.is_empty() => {
                 vec![value(plan.gpr.limbs()[limb], dimension); samples.len()]
             }
-            Wanted::Built { limb, dimension } => {
+            OutputQuantity::Built { limb, dimension } => {
                 built.iter().map(|limbs| value(limbs[limb], dimension)).collect()
             }
-            Wanted::Model { model, measure } => {
+            OutputQuantity::Model { model, measure } => {
                 measure.values(&models[model].columns, |i| inputs.tilt(i))
             }
         })
@@ -112,7 +112,7 @@ struct Model {
 
 fn models(plan: &Plan, len: usize) -> Result<Vec<Model>, Error> {
     for wanted in &plan.wanted {
-        if let Wanted::Model { model, measure } = *wanted {
+        if let OutputQuantity::Model { model, measure } = *wanted {
             let count = plan.models.len();
             let virtualization =
                 plan.models.get(model).ok_or(Error::NoSuchModel { found: model, count })?;
@@ -121,7 +121,7 @@ fn models(plan: &Plan, len: usize) -> Result<Vec<Model>, Error> {
     }
     let of = |wanted: usize| {
         let measures = plan.wanted.iter().filter_map(move |entry| match *entry {
-            Wanted::Model { model, measure } if model == wanted => Some(measure),
+            OutputQuantity::Model { model, measure } if model == wanted => Some(measure),
             _ => None,
         });
         let outcomes = vec![Outcome::NoRobot; len];

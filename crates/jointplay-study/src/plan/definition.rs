@@ -5,8 +5,8 @@ use jointplay_core::virtualization::{SolveOptions, Virtualization};
 
 use super::block::BLOCK;
 use super::built::{RodsFrom, Tolerances};
-use super::spread::Spread;
-use super::wanted::Wanted;
+use super::spread::Variation;
+use super::wanted::OutputQuantity;
 use crate::Error;
 
 /// Two angles that say a tilt.
@@ -24,9 +24,9 @@ pub struct Tilts {
     /// What the two angles are.
     pub form: TiltForm,
     /// Yaw, or the angle about e_b1.
-    pub first: Spread,
+    pub first: Variation,
     /// Pitch, or the angle about e_b2.
-    pub second: Spread,
+    pub second: Variation,
 }
 
 /// What a study computes.
@@ -38,7 +38,7 @@ pub struct Plan {
     /// The robot as designed.
     pub gpr: Gpr,
     /// Where the platform plane crosses the base axis, as commanded [m].
-    pub height: Spread,
+    pub height: Variation,
     /// Tilts, as commanded [rad].
     pub tilt: Tilts,
     /// How dimensions of the robot differ from the design.
@@ -54,7 +54,7 @@ pub struct Plan {
     /// How their virtual joints are found.
     pub options: SolveOptions,
     /// What is wanted of each sample, a column each.
-    pub wanted: Vec<Wanted>,
+    pub wanted: Vec<OutputQuantity>,
 }
 
 impl Plan {
@@ -63,7 +63,7 @@ impl Plan {
     /// # Errors
     /// [`Error::NoValues`] for an empty list, [`Error::TooManySamples`].
     pub fn grid(&self) -> Result<u64, Error> {
-        let sizes = [&self.height, &self.tilt.first, &self.tilt.second].map(Spread::values);
+        let sizes = [&self.height, &self.tilt.first, &self.tilt.second].map(Variation::values);
         if sizes.contains(&0) {
             return Err(Error::NoValues);
         }
@@ -97,7 +97,7 @@ impl Plan {
     #[must_use]
     pub fn draws_anything(&self) -> bool {
         let poses = [&self.height, &self.tilt.first, &self.tilt.second];
-        poses.into_iter().any(Spread::is_random) || self.tolerances.any()
+        poses.into_iter().any(Variation::is_random) || self.tolerances.any()
     }
 
     fn too_many(&self) -> Error {

@@ -2,7 +2,7 @@
 //!
 //! | to… | use |
 //! | --- | --- |
-//! | say what is varied, and what is wanted | [`Plan`], [`Spread`], [`Tolerances`], [`Wanted`] |
+//! | say what is varied, and what is wanted | [`Plan`], [`Variation`], [`Tolerances`], [`OutputQuantity`] |
 //! | compute some samples | [`compute`] → [`Block`] |
 //! | compute all of them over all cores, in order, in memory that does not grow | [`run`] |
 //! | sum columns up on the way | [`Totals`], [`Moments`] |
@@ -16,15 +16,15 @@
 //!
 //! let plan = Plan {
 //!     gpr: Gpr::paper(),
-//!     height: Spread::Values(vec![0.5]),
-//!     tilt: Tilts { form: TiltForm::YawPitch, first: Spread::Uniform { from: 0.0, to: 6.28 }, second: Spread::Values(vec![0.01, 0.02]) },
+//!     height: Variation::Values(vec![0.5]),
+//!     tilt: Tilts { form: TiltForm::YawPitch, first: Variation::Uniform { from: 0.0, to: 6.28 }, second: Variation::Values(vec![0.01, 0.02]) },
 //!     tolerances: Tolerances::default(),
 //!     rods_from: RodsFrom::Nominal,
 //!     draws: 1000,
 //!     seed: 7,
 //!     models: vec![&Planar],
 //!     options: SolveOptions::default(),
-//!     wanted: vec![Wanted::Model { model: 0, measure: Measure::CenterShift }],
+//!     wanted: vec![OutputQuantity::Model { model: 0, measure: PlatformQuantity::CenterShift }],
 //! };
 //! let block = compute(&plan, &[0, 1999])?;
 //! assert_eq!((plan.samples()?, block.columns[0].len()), (2000, 2));
@@ -51,6 +51,6 @@ pub use definition::{Plan, TiltForm, Tilts};
 pub use moments::Moments;
 pub use quantiles::{QUANTILE_SAMPLES, quantiles};
 pub use run::run;
-pub use spread::Spread;
+pub use spread::Variation;
 pub use totals::{Outcomes, Totals};
-pub use wanted::{Measure, Wanted};
+pub use wanted::{OutputQuantity, PlatformQuantity};

@@ -4,7 +4,7 @@ use super::random::Stream;
 
 /// The values that something takes, in its SI unit.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Spread {
+pub enum Variation {
     /// These, each with each value of the others: a direction of the grid.
     Values(Vec<f64>),
     /// Drawn, every value of a range as likely as the others.
@@ -23,7 +23,7 @@ pub enum Spread {
     },
 }
 
-impl Spread {
+impl Variation {
     /// How many values it gives to the grid: one where it is drawn.
     #[must_use]
     pub fn values(&self) -> u64 {

@@ -10,7 +10,7 @@ use crate::Error;
 
 /// A number that each sample has, in its SI unit; indices count from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Wanted {
+pub enum OutputQuantity {
     /// Height, as commanded [m].
     Height,
     /// First angle of the tilt, as commanded [rad].
@@ -33,13 +33,13 @@ pub enum Wanted {
         /// Which of the plan's virtualizations.
         model: usize,
         /// What.
-        measure: Measure,
+        measure: PlatformQuantity,
     },
 }
 
 /// A number that the platform has under a virtualization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Measure {
+pub enum PlatformQuantity {
     /// What the core tells of many poses.
     Quantity(Quantity),
     /// How far O_p stands off the base axis [m].
@@ -55,7 +55,7 @@ pub enum Measure {
 /// Columns of the core with what they hold.
 pub(super) type Columns = Vec<(Quantity, Vec<f64>)>;
 
-impl Measure {
+impl PlatformQuantity {
     /// What it is made of.
     fn made_of(self) -> Vec<Quantity> {
         match self {
@@ -96,9 +96,9 @@ impl Measure {
 }
 
 /// Columns for all that measures are made of, each once.
-pub(super) fn columns(measures: impl Iterator<Item = Measure>, len: usize) -> Columns {
+pub(super) fn columns(measures: impl Iterator<Item = PlatformQuantity>, len: usize) -> Columns {
     let mut columns = Columns::new();
-    for quantity in measures.flat_map(Measure::made_of) {
+    for quantity in measures.flat_map(PlatformQuantity::made_of) {
         if columns.iter().all(|(known, _)| *known != quantity) {
             columns.push((quantity, vec![f64::NAN; len]));
         }

@@ -1,7 +1,7 @@
 //! What first order sees: singular values near level, and bounds beside the truth.
 
 use jointplay::Error;
-use jointplay::gpr::{Bounded, Gpr};
+use jointplay::gpr::{EvaluatedBounds, Gpr};
 use jointplay::mobility::{RANK_THRESHOLD, instantaneous_mobility};
 use jointplay::plot::{Axis, Colour, Curve, Dash, Figure, Panel, Style};
 use jointplay::virtualization::{Metric, Planar, Radial, Solver};
@@ -68,7 +68,7 @@ pub(crate) fn bounds() -> Result<Figure, Error> {
                 plays.iter().map(|play| play.displacement * 1e6).collect(),
                 Style::line(Colour::BLACK, Dash::Solid).with_width(2.4),
             ));
-    let places: [(&str, Vec<&Bounded>, Colour); 3] = [
+    let places: [(&str, Vec<&EvaluatedBounds>, Colour); 3] = [
         ("start", plays.iter().map(|play| &play.at_start).collect(), Colour::GREY),
         ("half way", plays.iter().map(|play| &play.at_midpoint).collect(), Colour::BLUE),
         ("end", plays.iter().map(|play| &play.at_end).collect(), Colour::VERMILLION),

@@ -1,6 +1,6 @@
 //! The inverse of the whole chain: rods from the plane, height from the arm's plane, motors from the point within it.
 
-use jointplay_core::gpr::Forward;
+use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{Translation3, Vector2, Vector3};
 
@@ -349,7 +349,7 @@ fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
 /// The target's centre and heading in the platform frame.
 fn within(
     base_from_platform: &Pose,
-    platform: &Forward,
+    platform: &PlatformPose,
     target: &WaferTarget,
 ) -> (Vector2<f64>, Option<f64>) {
     let center = base_from_platform.rotation.inverse()

@@ -11,7 +11,7 @@ mod revolutions;
 
 use std::fmt;
 
-use jointplay_core::spatial::{Pose, leaning};
+use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::Vector3;
 
 use super::Positions;
@@ -32,7 +32,7 @@ impl WaferTarget {
     #[must_use]
     pub fn of(base_from_wafer: &Pose) -> Self {
         let normal = base_from_wafer.rotation * Vector3::z();
-        let level = leaning(&normal).inverse() * (base_from_wafer.rotation * Vector3::x());
+        let level = tilt_rotation(&normal).inverse() * (base_from_wafer.rotation * Vector3::x());
         let heading = Some(level.y.atan2(level.x));
         Self { center: base_from_wafer.translation.vector, normal, heading }
     }

@@ -1,7 +1,7 @@
 //! How far positions are from a target, and Newton's method on the whole chain.
 
 use jointplay_core::linalg::svd;
-use jointplay_core::spatial::{Pose, leaning};
+use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::super::{EffectorId, HybridRobot, Positions};
@@ -37,7 +37,7 @@ impl Missing {
     pub(super) fn of(base_from_wafer: &Pose, target: &WaferTarget, normal: &Vector3<f64>) -> Self {
         let rotation = base_from_wafer.rotation.matrix();
         let found = rotation.column(2).into_owned();
-        let level = leaning(normal);
+        let level = tilt_rotation(normal);
         let x = level.inverse() * rotation.column(0);
         let heading = x.y.atan2(x.x);
         Self {
@@ -78,7 +78,7 @@ impl HybridRobot {
             let axes = self.axes_of(id)?;
             let rows = if with_heading { 6 } else { 5 };
             // Two directions of the plane, for the tilt has no part along the normal.
-            let level = leaning(normal);
+            let level = tilt_rotation(normal);
             let (e_1, e_2) = (level * Vector3::x(), level * Vector3::y());
             let mut a = DMatrix::zeros(rows, axes.len());
             let mut b = DVector::zeros(rows);

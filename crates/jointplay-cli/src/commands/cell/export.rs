@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use jointplay::format::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
-use jointplay::format::export::{self, Recording};
 use jointplay::format::number::{counted, number};
-use jointplay::format::{place, table};
+use jointplay::format::place;
+use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
+use jointplay::interop::export::{self, Recording};
+use jointplay::report::table;
 use serde::Serialize;
 
 use super::input::{InputArgs, Planned};

@@ -52,8 +52,7 @@ impl Format {
             .map_err(|problems| Failure::Invalid(diagnostics(&problems, &label)))?;
         match &self.program {
             Some(path) if self.write && path == Path::new(STANDARD) => {
-                let text =
-                    "--write needs a file, not standard input; without --write the program is printed";
+                let text = "--write needs a file, not standard input; without --write the program is printed";
                 Err(Failure::Usage(text.to_owned()))
             }
             Some(path) if self.write && formatted != text => {

@@ -9,10 +9,10 @@ use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, nam
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
-use jointplay::format::export::{Flaw, Recording};
 use jointplay::format::number::counted;
-use jointplay::format::place;
-use jointplay::format::{cell, program, report};
+use jointplay::format::{cell, place, program};
+use jointplay::interop::export::{self, Flaw, Recording};
+use jointplay::report;
 
 use crate::failure::{Diagnostic, Failure};
 use crate::output::FormatArgs;
@@ -184,7 +184,8 @@ impl InputArgs {
         let reporter = progress.reporter();
         reporter.stage("expanding");
         let cell = &input.cell.cell;
-        let steps = planner.expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
+        let steps =
+            planner.expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
         if steps.is_empty() {
             return Err(Failure::Robot(format!(
                 "{}: the program contains no motion (all axes stay at home)",
@@ -201,7 +202,7 @@ impl InputArgs {
         reporter.stage("checking");
         let report = planner.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = report::flaws(&report);
+        let flaws = export::flaws(&report);
         Ok(Planned { input, motion, report, flaws })
     }
 }
@@ -227,7 +228,8 @@ impl Input {
 
     /// The failure for errors of the program in its cell: infeasible if all of them concern reach and limits, else invalid input.
     fn refused(&self, errors: &[ProgramError]) -> Failure {
-        let all = errors.iter().map(|one| program_diagnostic(one, &self.text, &self.label)).collect();
+        let all =
+            errors.iter().map(|one| program_diagnostic(one, &self.text, &self.label)).collect();
         let out_of_reach = |one: &ProgramError| {
             matches!(
                 one.problem,

@@ -3,7 +3,7 @@
 use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::workcell::{Body, Carrier};
-use jointplay::format::export;
+use jointplay::interop::export;
 use jointplay::plot;
 use jointplay::plot::cell::{EffectorPath, Gantt, TopView};
 

@@ -7,10 +7,10 @@ use clap::Args;
 use jointplay::format::cell::{self, Change};
 use jointplay::format::number::number;
 use jointplay::format::place::not_known;
-use jointplay::format::report::{self, StationReport, TeachReport};
 use jointplay::format::units::m_from_mm;
 use jointplay::nalgebra::Vector3;
 use jointplay::plot::cell::Taught;
+use jointplay::report::{self, StationReport, TeachReport};
 
 use super::input::{CellArgs, CellSource};
 use super::pictures::PNG_WIDTH;
@@ -67,9 +67,9 @@ struct Point(Vector3<f64>);
 
 fn point(text: &str) -> Result<Point, String> {
     let values = text.split(',').map(length).collect::<Result<Vec<f64>, String>>()?;
-    let values: [f64; 3] = values.try_into().map_err(|values: Vec<f64>| {
-        format!("expected 3 coordinates, got {}", values.len())
-    })?;
+    let values: [f64; 3] = values
+        .try_into()
+        .map_err(|values: Vec<f64>| format!("expected 3 coordinates, got {}", values.len()))?;
     Ok(Point(Vector3::from(values.map(m_from_mm))))
 }
 

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use jointplay::cell::check::{Kind, Violation};
 use jointplay::cell::program::Place;
 use jointplay::format::number::counted;
-use jointplay::format::report::{CellReport, InstructionReport, ShareReport, explain_violation};
+use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
 
 use super::input::Planned;
 use crate::output::fixed;
@@ -21,9 +21,9 @@ const WAFER: &str = "wafer ";
 /// Verdict, violations, and a table by program line.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     let mut text = format!("{} with {}\n", report.cell, report.robot);
-    let metric = report.metric_mm.map_or(String::new(), |length| {
-        format!(", characteristic length {} mm", fixed(length, 3))
-    });
+    let metric = report
+        .metric_mm
+        .map_or(String::new(), |length| format!(", characteristic length {} mm", fixed(length, 3)));
     let _ = writeln!(
         text,
         "  platform             {} virtualization, {}{metric}",

@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use jointplay::format::report::{self, SHARES, TotalsReport};
-use jointplay::format::study::{self, StudyFile, Table, TableError, TableKind};
+use jointplay::format::study::{self, StudyFile};
+use jointplay::report::study_table::{Table, TableError, TableKind};
+use jointplay::report::{self, SHARES, TotalsReport};
 use jointplay::study::parallel::MOST_THREADS;
 use jointplay::study::plan::{self, Block};
 

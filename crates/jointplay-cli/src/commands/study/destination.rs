@@ -3,7 +3,8 @@
 use std::io::Write as _;
 use std::path::Path;
 
-use jointplay::format::study::{Encoded, StudyFile, Table};
+use jointplay::format::study::StudyFile;
+use jointplay::report::study_table::{Encoded, Table};
 use jointplay::study::plan::{Block, Totals};
 
 use super::part_file::PartFile;

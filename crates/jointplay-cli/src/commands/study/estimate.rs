@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use jointplay::format::study::{StudyFile, Table};
+use jointplay::format::study::StudyFile;
+use jointplay::report::study_table::Table;
 use jointplay::study::plan;
 
 use crate::failure::Failure;

@@ -11,7 +11,8 @@ use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use jointplay::format::study::{Encoded, Index, Marker, StudyFile, Table, TableKind, parse};
+use jointplay::format::study::{StudyFile, parse};
+use jointplay::report::study_table::{Encoded, Index, Marker, Table, TableKind};
 use jointplay::study::plan::{Block, Totals};
 
 use crate::failure::Failure;

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use jointplay::format::report::{ColumnReport, OutcomeReport, TotalsReport};
 use jointplay::format::study::StudyFile;
+use jointplay::report::{ColumnReport, OutcomeReport, TotalsReport};
 
 use super::estimate::Estimate;
 use crate::failure::Failure;

@@ -3,7 +3,7 @@
 use super::walk::{Frame, Walk};
 
 #[derive(Debug, Clone)]
-pub(super) struct TreeWalk {
+pub(super) struct TreeEdge {
     pub(super) from: usize,
     pub(super) to: usize,
     pub(super) walk: Walk,
@@ -45,7 +45,7 @@ impl Meeting {
 
 /// Unknowns on the way to one side of a loop but not the other.
 pub(super) fn moved_by(
-    tree: &[TreeWalk],
+    tree: &[TreeEdge],
     links: [usize; 2],
     sides: &[Walk; 2],
 ) -> Vec<(usize, f64, usize)> {

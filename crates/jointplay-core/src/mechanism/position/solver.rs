@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 use super::elimination::Elimination;
-use super::opening::{Closing, Meeting, TreeWalk, moved_by};
+use super::opening::{Closing, Meeting, TreeEdge, moved_by};
 use super::walk::{Frame, Part, Screw, Turned, Walk};
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension, System};
@@ -41,7 +41,7 @@ const MAX_ITERATIONS: usize = 50;
 /// Own derivation, `docs/explanation/mechanisms.md`
 #[derive(Debug, Clone)]
 pub struct PositionSolver {
-    tree: Vec<TreeWalk>,
+    tree: Vec<TreeEdge>,
     closings: Vec<Closing>,
     balls: Vec<Ball>,
     unknowns: Vec<Unknown>,
@@ -169,14 +169,14 @@ impl PositionSolver {
         let mut walk =
             |j: usize, part: Part| Walk::new(&chains[j], part, column, ball_at, &mut turns);
 
-        let tree: Vec<TreeWalk> = branches
+        let tree: Vec<TreeEdge> = branches
             .iter()
             .map(|&(j, against)| {
                 let [first, second] = mechanism.joints()[j].links;
                 if against {
-                    TreeWalk { from: second, to: first, walk: walk(j, Part::Backward) }
+                    TreeEdge { from: second, to: first, walk: walk(j, Part::Backward) }
                 } else {
-                    TreeWalk { from: first, to: second, walk: walk(j, Part::Forward) }
+                    TreeEdge { from: first, to: second, walk: walk(j, Part::Forward) }
                 }
             })
             .collect();
@@ -309,7 +309,7 @@ impl PositionSolver {
 
     /// Walks all joints; the largest mismatch, in radians and characteristic lengths.
     fn mismatch(&mut self, coordinates: &[f64]) -> f64 {
-        for TreeWalk { from, to, walk } in &self.tree {
+        for TreeEdge { from, to, walk } in &self.tree {
             let mut frame = self.links[*from];
             walk.follow(
                 &mut frame,

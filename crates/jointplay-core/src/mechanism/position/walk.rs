@@ -4,7 +4,7 @@ use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
 use crate::mechanism::joint::Factor;
 use crate::mechanism::kinematics::{Chain, Element};
-use crate::spatial::{Pose, leaning};
+use crate::spatial::{Pose, tilt_rotation};
 
 /// Displacements that differ from none by less than this are none: round-off of their making.
 const NOTHING: f64 = 1e-15;
@@ -297,11 +297,11 @@ impl Turned {
 /// A frame at a point with its z along an axis.
 fn along_z(axis: &Vector3<f64>, point: &Vector3<f64>) -> Pose {
     let rotation = if axis.z > -0.5 {
-        leaning(axis)
+        tilt_rotation(axis)
     } else {
-        // Seen upside down: leaning by a half turn has no direction.
+        // Seen upside down: a half turn has no direction.
         let flip = Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::PI);
-        flip * leaning(&(flip.inverse() * axis))
+        flip * tilt_rotation(&(flip.inverse() * axis))
     };
     Pose::from_parts(Translation3::from(*point), rotation)
 }

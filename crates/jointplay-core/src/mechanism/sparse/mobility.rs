@@ -7,7 +7,7 @@ use super::system::SparseSystem;
 use crate::Error;
 use crate::constraint::{ACCEPTED_RESIDUAL, Dimension};
 use crate::linalg::svd;
-use crate::mechanism::kinematics::Motion;
+use crate::mechanism::kinematics::TwistAndRate;
 use crate::mechanism::{MechanismSystem, blocks};
 use crate::mobility::{SecondOrder, finite_mobility};
 use crate::random::Random;
@@ -47,9 +47,9 @@ pub struct SparseMobility {
     /// Largest singular value.
     pub largest: f64,
     /// Least singular value that counts, if there is one.
-    pub smallest_counted: Option<f64>,
+    pub smallest_nonzero: Option<f64>,
     /// Largest singular value that counts as zero, if one does.
-    pub largest_uncounted: Option<f64>,
+    pub largest_zero: Option<f64>,
     /// Values at or below this one count as zero.
     pub threshold: f64,
     /// Length by which lengths and angles are compared [m].
@@ -96,8 +96,8 @@ impl SparseMobility {
             upper_bound: 0,
             motions: Vec::new(),
             largest: 0.0,
-            smallest_counted: None,
-            largest_uncounted: None,
+            smallest_nonzero: None,
+            largest_zero: None,
             threshold: 0.0,
             characteristic_length,
         }
@@ -120,10 +120,10 @@ impl SparseMobility {
         });
         self.motions.extend(motions);
         self.largest = self.largest.max(block.largest);
-        let counted = [self.smallest_counted, block.smallest_counted].into_iter().flatten();
-        self.smallest_counted = counted.reduce(f64::min);
-        let uncounted = [self.largest_uncounted, block.largest_uncounted].into_iter().flatten();
-        self.largest_uncounted = uncounted.reduce(f64::max);
+        let counted = [self.smallest_nonzero, block.smallest_nonzero].into_iter().flatten();
+        self.smallest_nonzero = counted.reduce(f64::min);
+        let uncounted = [self.largest_zero, block.largest_zero].into_iter().flatten();
+        self.largest_zero = uncounted.reduce(f64::max);
         self.threshold = self.threshold.max(block.threshold);
     }
 }
@@ -298,8 +298,8 @@ impl SparseSystem<'_> {
             upper_bound,
             motions,
             largest: spectrum.largest,
-            smallest_counted: spectrum.values.get(spectrum.zeros).copied(),
-            largest_uncounted: spectrum.zeros.checked_sub(1).map(|last| spectrum.values[last]),
+            smallest_nonzero: spectrum.values.get(spectrum.zeros).copied(),
+            largest_zero: spectrum.zeros.checked_sub(1).map(|last| spectrum.values[last]),
             threshold: relative_threshold * spectrum.largest,
             characteristic_length: self.length,
         })
@@ -403,7 +403,7 @@ impl SparseSystem<'_> {
                     let linear = x.fixed_rows::<3>(6 * link + 3) + angular.cross(&joint.arms[0]);
                     (angular, linear * self.length)
                 });
-            let from = Motion { velocity: (angular, at_point), acceleration: (still, still) };
+            let from = TwistAndRate { velocity: (angular, at_point), acceleration: (still, still) };
             let no_rates = vec![still; self.kinematics.chains()[j].elements.len()];
             let beyond = self.kinematics.through(&linear.screws, &no_rates, j, rates, &from);
             let (angular, linear) = beyond.acceleration;

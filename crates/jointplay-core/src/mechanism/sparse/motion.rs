@@ -7,7 +7,7 @@ use super::system::SparseSystem;
 use crate::Error;
 use crate::constraint::{CLOSURE_TOLERANCE, Dimension};
 use crate::mechanism::motion::{DEAD, MAX_CORRECTIONS, on_branch};
-use crate::mechanism::{Drive, Motion, Stop, Waypoint};
+use crate::mechanism::{Drive, DrivenMotion, Stop, Waypoint};
 use crate::mobility::RANK_THRESHOLD;
 
 /// Changes of a step below this share of it are the end: Newton's method mends the rest.
@@ -146,25 +146,30 @@ impl SparseSystem<'_> {
     ///
     /// # Errors
     /// [`Error::NotReached`] if the start does not close.
-    /// A motion that stops is not an error: see [`Motion::stopped`].
+    /// A motion that stops is not an error: see [`DrivenMotion::stopped`].
     ///
     /// # Numerics
     /// Least singular values are told at each waypoint, but singular configurations between them are not looked for.
-    pub fn drive(self, drives: &[Drive], still: &[usize], count: usize) -> Result<Motion, Error> {
-        self.drive_watched(drives, still, count, &mut |_| {})
+    pub fn drive(
+        self,
+        drives: &[Drive],
+        still: &[usize],
+        count: usize,
+    ) -> Result<DrivenMotion, Error> {
+        self.drive_with_progress(drives, still, count, &mut |_| {})
     }
 
     /// As [`Self::drive`], and tells `progress` the number of steps done after each.
     ///
     /// # Errors
     /// Those of [`Self::drive`].
-    pub fn drive_watched(
+    pub fn drive_with_progress(
         mut self,
         drives: &[Drive],
         still: &[usize],
         count: usize,
         progress: &mut dyn FnMut(usize),
-    ) -> Result<Motion, Error> {
+    ) -> Result<DrivenMotion, Error> {
         let driven = drives.iter().map(|drive| drive.coordinate);
         let held = self.held(driven.chain(still.iter().copied()));
         self.correct(&held, MAX_CORRECTIONS)?;
@@ -176,7 +181,7 @@ impl SparseSystem<'_> {
         let first = self.waypoint(0.0, &held, None)?;
         let regular = first.free_mobility;
         let mut motion =
-            Motion { waypoints: vec![first], singular: Vec::new(), stopped: None, steps: 0 };
+            DrivenMotion { waypoints: vec![first], singular: Vec::new(), stopped: None, steps: 0 };
         let mut step = 1.0;
         #[expect(clippy::cast_precision_loss, reason = "counts of steps")]
         for k in 1..=count {

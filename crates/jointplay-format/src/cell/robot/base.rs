@@ -2,7 +2,7 @@
 
 use jointplay_cell::robot::PlatformModel;
 use jointplay_core::gpr::{Gpr, Limb, Limits};
-use jointplay_core::virtualization::{Kernel, Metric, SolveOptions, Solver};
+use jointplay_core::virtualization::{BuiltIn, Metric, SolveOptions, Solver};
 use nalgebra::Vector2;
 
 use super::super::problem::Fault;
@@ -76,10 +76,10 @@ pub(super) fn platform(table: &Table) -> Option<PlatformModel> {
     let Some(entry) = table.entry("platform") else { return Some(PlatformModel::default()) };
     let table = entry.table(reader, "`[platform]`")?;
     let kernels = [
-        ("radial", Kernel::Radial),
-        ("polar", Kernel::Polar),
-        ("offset", Kernel::Offset),
-        ("planar", Kernel::Planar),
+        ("radial", BuiltIn::Radial),
+        ("polar", BuiltIn::Polar),
+        ("offset", BuiltIn::Offset),
+        ("planar", BuiltIn::Planar),
     ];
     let kernel = table
         .needed("virtualization")
@@ -87,7 +87,7 @@ pub(super) fn platform(table: &Table) -> Option<PlatformModel> {
     let (solver, metric) = (table.entry("solver"), table.entry("metric"));
     table.finish();
     let virtualization = kernel?;
-    let has_angles = matches!(virtualization, Kernel::Polar | Kernel::Offset);
+    let has_angles = matches!(virtualization, BuiltIn::Polar | BuiltIn::Offset);
     let mut options = SolveOptions::default();
     let mut solvers = vec![Solver::Newton, Solver::LeastNorm];
     if has_angles {
@@ -120,11 +120,11 @@ pub(super) fn platform(table: &Table) -> Option<PlatformModel> {
 
 /// How files and people call a virtualization.
 #[must_use]
-pub fn virtualization_name(kernel: Kernel) -> &'static str {
+pub fn virtualization_name(kernel: BuiltIn) -> &'static str {
     match kernel {
-        Kernel::Radial => "radial",
-        Kernel::Polar => "polar",
-        Kernel::Offset => "offset",
-        Kernel::Planar => "planar",
+        BuiltIn::Radial => "radial",
+        BuiltIn::Polar => "polar",
+        BuiltIn::Offset => "offset",
+        BuiltIn::Planar => "planar",
     }
 }

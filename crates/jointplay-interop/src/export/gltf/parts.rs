@@ -1,0 +1,207 @@
+//! What is seen: bodies of the cell, and simple shapes for what it gives none.
+
+use jointplay_cell::geometry::Shape;
+use jointplay_cell::station::Station;
+use jointplay_cell::workcell::{Body, Carrier, Cell, ZoneRule};
+use jointplay_core::spatial::Pose;
+use nalgebra::UnitQuaternion;
+use serde_json::json;
+
+use super::document::Document;
+use super::material::Material;
+use super::numbers::single;
+use crate::export::scene::Part;
+
+/// Radius of what stands for a rod or a link without a body [m].
+const BAR: f64 = 0.008;
+/// Half the thickness of what stands for a platform without a body [m].
+const PLATE: f64 = 0.004;
+/// Half the thickness of what marks a slot, and how much wider than a wafer it is [m].
+const SLOT: [f64; 2] = [0.000_2, 0.004];
+
+/// Meshes that are used more than once.
+#[derive(Default)]
+pub(super) struct Parts {
+    wafer: Option<usize>,
+    slot: Option<usize>,
+}
+
+impl Parts {
+    /// Nodes of what moves with a track.
+    pub(super) fn of_track(
+        &mut self,
+        document: &mut Document,
+        cell: &Cell,
+        part: Part,
+    ) -> Vec<usize> {
+        let robot = &cell.robot;
+        let carrier = match part {
+            Part::Wafer(_) => {
+                let made = *self.wafer.get_or_insert_with(|| {
+                    let half_height = 0.5 * cell.wafer.thickness;
+                    let shape = Shape::Cylinder { radius: 0.5 * cell.wafer.diameter, half_height };
+                    let up = Pose::translation(0.0, 0.0, half_height);
+                    document
+                        .mesh_at("wafer", &shape, &up, Material::Wafer)
+                        .expect("a wafer is a body")
+                });
+                return vec![document.node("wafer", made, &Pose::identity())];
+            }
+            Part::Rod(k) => {
+                let low = robot.axes[k].min.max(2.0 * BAR);
+                let shape = Shape::Capsule { ends: [[0.0, 0.0, -low], [0.0; 3]], radius: BAR };
+                return document.show("rod", &shape, &Pose::identity(), Material::Robot);
+            }
+            Part::Platform => Carrier::Platform,
+            Part::Link { arm, link } => Carrier::Link { arm, link },
+        };
+        let material = match part {
+            Part::Link { arm: 0, .. } => Material::Arm,
+            Part::Link { .. } => Material::OtherArm,
+            _ => Material::Robot,
+        };
+        let bodies = bodies(document, cell, carrier, material);
+        if !bodies.is_empty() {
+            return bodies;
+        }
+        match part {
+            Part::Link { arm, link } => {
+                let arm = &robot.arms[arm];
+                let last = link + 1 == arm.joints.len();
+                let ends: Vec<[f64; 3]> = if last {
+                    arm.effectors.iter().map(|effector| effector.wafer_center).collect()
+                } else {
+                    vec![[arm.joints[link].length, arm.joints[link].offset, 0.0]]
+                };
+                let shown = ends.into_iter().flat_map(|end| {
+                    let shape = Shape::Capsule { ends: [[0.0; 3], end], radius: BAR };
+                    document.show("link", &shape, &Pose::identity(), material)
+                });
+                shown.collect()
+            }
+            _ => {
+                let radius = robot.gpr.platform().mean_radius();
+                let shape = Shape::Cylinder { radius, half_height: PLATE };
+                document.show("plate", &shape, &Pose::translation(0.0, 0.0, -PLATE), material)
+            }
+        }
+    }
+
+    /// Nodes of what stands still: bodies, stations, zones.
+    pub(super) fn of_world(&mut self, document: &mut Document, cell: &Cell) -> Vec<usize> {
+        let mut nodes = bodies(document, cell, Carrier::World, Material::Body);
+        for station in &cell.stations {
+            let mesh = *self.slot.get_or_insert_with(|| {
+                let [half_height, wider] = SLOT;
+                let radius = 0.5 * cell.wafer.diameter + wider;
+                let down = Pose::translation(0.0, 0.0, -2.0 * half_height);
+                let shape = Shape::Cylinder { radius, half_height };
+                document
+                    .mesh_at("slot", &shape, &down, Material::Station)
+                    .expect("a slot is a body")
+            });
+            for slot in 1..=station.slots {
+                let name = slot_name(station, slot);
+                let node = document.node(&name, mesh, &station.slot_frame(slot));
+                document.nodes[node]["extras"] = json!({ "station": station.name });
+                nodes.push(node);
+            }
+        }
+        for zone in &cell.zones {
+            let material = match zone.rule {
+                ZoneRule::KeepOut => Material::KeepOut,
+                ZoneRule::Safe => Material::Safe,
+            };
+            nodes.extend(document.show(&zone.name, &zone.shape, &zone.base_from_shape, material));
+        }
+        nodes
+    }
+}
+
+/// What the node of a slot is called.
+pub(super) fn slot_name(station: &Station, slot: usize) -> String {
+    format!("{} {slot}", station.name)
+}
+
+/// Nodes of the bodies with one carrier; those of stations tell which.
+fn bodies(
+    document: &mut Document,
+    cell: &Cell,
+    carrier: Carrier,
+    material: Material,
+) -> Vec<usize> {
+    let carried = cell.bodies.iter().filter(|body| body.carrier == carrier);
+    let show = |body: &Body| {
+        let shown = document.show(&body.name, &body.shape, &body.carrier_from_shape, material);
+        if let (Some(station), &[node]) = (body.station, shown.as_slice()) {
+            let name = &cell.stations[station].name;
+            document.nodes[node]["extras"] = json!({ "station": name });
+        }
+        shown
+    };
+    carried.flat_map(show).collect()
+}
+
+impl Document {
+    /// A shape at its place, as a node; none where it has no surface.
+    fn show(&mut self, name: &str, shape: &Shape, at: &Pose, material: Material) -> Vec<usize> {
+        let mesh = self.mesh_at(name, shape, &Pose::identity(), material);
+        mesh.map(|mesh| self.node(name, mesh, at)).into_iter().collect()
+    }
+
+    /// A mesh of a shape that is displaced within it.
+    fn mesh_at(
+        &mut self,
+        name: &str,
+        shape: &Shape,
+        at: &Pose,
+        material: Material,
+    ) -> Option<usize> {
+        let surface = shape.surface();
+        if surface.triangles.is_empty() {
+            return None;
+        }
+        let placed = |corner: &[f64; 3]| {
+            let corner = at * nalgebra::Point3::from(*corner);
+            [corner.x, corner.y, corner.z].map(single)
+        };
+        let vertices: Vec<[f32; 3]> = surface.vertices.iter().map(placed).collect();
+        let material = self.material(material);
+        let position = self.buffer.vertices(&vertices);
+        let indices = self.buffer.triangles(&surface.triangles);
+        self.meshes.push(json!({
+            "name": name,
+            "primitives": [{
+                "attributes": { "POSITION": position },
+                "indices": indices,
+                "material": material,
+            }],
+        }));
+        Some(self.meshes.len() - 1)
+    }
+
+    /// Index of a material, which is described when it is first used.
+    fn material(&mut self, material: Material) -> usize {
+        let known = self.materials.iter().position(|&one| one == material);
+        known.unwrap_or_else(|| {
+            self.materials.push(material);
+            self.materials.len() - 1
+        })
+    }
+
+    /// A node with a mesh.
+    fn node(&mut self, name: &str, mesh: usize, at: &Pose) -> usize {
+        let turn: [f64; 4] =
+            UnitQuaternion::from_rotation_matrix(&at.rotation).into_inner().coords.into();
+        let place: [f64; 3] = at.translation.vector.into();
+        let mut node = json!({ "name": name, "mesh": mesh });
+        if place != [0.0; 3] {
+            node["translation"] = json!(place.map(single));
+        }
+        if turn[3] != 1.0 {
+            node["rotation"] = json!(turn.map(single));
+        }
+        self.nodes.push(node);
+        self.nodes.len() - 1
+    }
+}

@@ -1,0 +1,37 @@
+//! A cell's motion for other programs, as text or bytes.
+//!
+//! | to… | use | units |
+//! | --- | --- | --- |
+//! | a spreadsheet or a data frame | [`samples`](fn@samples), then [`jointplay_report::table::csv`] or [`jointplay_report::table::parquet`] | mm, degrees, in the names of the columns |
+//! | a viewer that shows a part of a long motion | [`Timeline`]: windows of steps, each by itself | m, rad |
+//! | a 3D viewer | [`gltf`](fn@gltf): one binary file with an animation | m, y up |
+//! | Foxglove, PlotJuggler or ROS 2 | `mcap::write`: JointState, JointTrajectory and transforms | m, rad |
+//! | SolidWorks | [`solidworks`](fn@solidworks): a file for each motor, and a macro that loads them | mm, degrees |
+//! | a controller | [`dialect::Dialect`]: lines from templates | those of the dialect |
+//!
+//! Each begins at 0 and ends at the very duration of the motion.
+//! What is wrong with the motion is told in each of them.
+
+mod channel;
+pub mod dialect;
+mod error;
+mod flaw;
+mod gltf;
+#[cfg(feature = "mcap")]
+pub mod mcap;
+mod peaks;
+mod recording;
+mod samples;
+mod scene;
+mod segment;
+mod solidworks;
+mod timeline;
+
+pub use error::Error;
+pub use flaw::{Flaw, flaws};
+pub use gltf::gltf;
+pub use recording::{MOST_SAMPLES, Recording};
+pub use samples::{samples, samples_in_parts, samples_with_peaks, samples_within, tracks};
+pub use scene::{Frame, frames};
+pub use solidworks::{MACRO, loader, motor, motors, solidworks, solidworks_names};
+pub use timeline::{Envelope, HeldAt, Timeline, Window, wafers_at_start};

@@ -1,0 +1,183 @@
+//! A motion as a table: one row a sample.
+
+use jointplay_cell::robot::{AxisKind, ChainPose, EffectorId};
+use jointplay_cell::trajectory::Sample;
+
+use super::error::Error;
+use super::peaks;
+use super::recording::Recording;
+use jointplay_format::units::{deg, mm};
+use jointplay_report::table::{Column, Values};
+
+/// All columns: time, line of the program, step; position, speed and acceleration of each axis; the wafer centre of each effector; and how many violations there are, where there are any.
+///
+/// # Arguments
+/// * `rate` – rows a second; the last row is the end of the motion [Hz]
+///
+/// # Errors
+/// [`Error::Rate`], [`Error::TooManySamples`], [`Error::Placing`]
+pub fn samples(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
+    recording.check_rate(rate)?;
+    table(recording, recording.motion.samples(rate))
+}
+
+/// Rows of a table that are held at a time.
+const PART: usize = 1 << 16;
+
+/// The table of [`samples`], a part after the other: what is held does not grow with the duration.
+///
+/// # Arguments
+/// * `rate` – rows a second; the last row is the end of the motion [Hz]
+/// * `take` – takes the next rows, as columns that are the same in all parts
+///
+/// # Errors
+/// As [`samples`], and those of `take`.
+pub fn samples_in_parts<E: From<Error>>(
+    recording: &Recording<'_>,
+    rate: f64,
+    mut take: impl FnMut(&[Column]) -> Result<(), E>,
+) -> Result<(), E> {
+    recording.check_rate(rate)?;
+    let mut samples = recording.motion.samples(rate).peekable();
+    while samples.peek().is_some() {
+        take(&table(recording, samples.by_ref().take(PART))?)?;
+    }
+    Ok(())
+}
+
+/// The same with rows between the even times, so that lines drawn from row to row are the motion: at the ends of steps, at peaks of speeds and where accelerations bend.
+///
+/// # Arguments
+/// * `rate` – rows a second at least [Hz]
+///
+/// # Errors
+/// As [`samples`].
+pub fn samples_with_peaks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
+    recording.check_rate(rate)?;
+    let times = peaks::times(recording, rate, [0.0, recording.motion.duration()]);
+    table(recording, times.into_iter().map(|time| recording.motion.at(time)))
+}
+
+/// [`samples`], or [`samples_with_peaks`], of a stretch of time.
+///
+/// # Arguments
+/// * `rate` – rows a second at least [Hz]
+/// * `peaks` – whether there are rows between the even times
+/// * `from`, `to` – first and last time; rows outside are left out [s]
+///
+/// # Errors
+/// As [`samples`].
+pub fn samples_within(
+    recording: &Recording<'_>,
+    rate: f64,
+    peaks: bool,
+    [from, to]: [f64; 2],
+) -> Result<Vec<Column>, Error> {
+    recording.check_rate(rate)?;
+    let motion = recording.motion;
+    if peaks {
+        let times = peaks::times(recording, rate, [from, to]);
+        return table(recording, times.into_iter().map(|time| motion.at(time)));
+    }
+    let times = motion.sample_times(rate).filter(|time| (from..=to).contains(time));
+    table(recording, times.map(|time| motion.at(time)))
+}
+
+fn table(
+    recording: &Recording<'_>,
+    samples: impl Iterator<Item = Sample>,
+) -> Result<Vec<Column>, Error> {
+    let Recording { cell, motion, flaws, .. } = *recording;
+    let axes = &cell.robot.axes;
+    let effectors: Vec<_> = cell.robot.effectors().collect();
+    let mut time = Vec::new();
+    let (mut line, mut step) = (Vec::new(), Vec::new());
+    let mut violations = Vec::new();
+    let mut states: Vec<[Vec<f64>; 3]> = vec![Default::default(); axes.len()];
+    let mut centers: Vec<[Vec<f64>; 3]> = vec![Default::default(); effectors.len()];
+    for sample in samples {
+        let pose =
+            placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
+        time.push(sample.time);
+        let count = |value: usize| u32::try_from(value).unwrap_or(u32::MAX);
+        line.push(count(motion.steps.get(sample.step).map_or(0, |step| step.place.line)));
+        step.push(count(sample.step + 1));
+        let here = |flaw: &&super::flaw::Flaw| flaw.from <= sample.time && sample.time <= flaw.to;
+        violations.push(count(flaws.iter().filter(here).count()));
+        let told = [&sample.positions, &sample.velocities, &sample.accelerations];
+        for (axis, columns) in states.iter_mut().enumerate() {
+            let unit: fn(f64) -> f64 = if turns(axes[axis].kind) { deg } else { mm };
+            for (column, values) in columns.iter_mut().zip(told) {
+                column.push(unit(values[axis]));
+            }
+        }
+        for (columns, id) in centers.iter_mut().zip(&effectors) {
+            let center = pose.base_from_wafer[id.arm][id.effector].translation.vector;
+            for (column, &value) in columns.iter_mut().zip(center.iter()) {
+                column.push(mm(value));
+            }
+        }
+    }
+    let real = |name: String, values| Column { name, values: Values::Real(values) };
+    let count =
+        |name: &str, values| Column { name: name.to_owned(), values: Values::Count(values) };
+    let mut columns =
+        vec![real("time_s".to_owned(), time), count("line", line), count("step", step)];
+    for (axis, state) in axes.iter().zip(states) {
+        let unit = if turns(axis.kind) { "deg" } else { "mm" };
+        for (end, values) in ["", "_per_s", "_per_s2"].iter().zip(state) {
+            columns.push(real(format!("{}_{unit}{end}", axis.name), values));
+        }
+    }
+    for (&id, center) in effectors.iter().zip(centers) {
+        for (axis, values) in ["x", "y", "z"].iter().zip(center) {
+            columns.push(real(format!("{}_{axis}_mm", recording.effector_name(id)), values));
+        }
+    }
+    if !flaws.is_empty() {
+        columns.push(count("violations", violations));
+    }
+    Ok(columns)
+}
+
+/// Where the wafer centre of each effector goes: x and y in the base frame at even times [m].
+///
+/// # Arguments
+/// * `rate` – points a second [Hz]
+///
+/// # Errors
+/// As [`samples`].
+pub fn tracks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Vec<[f64; 2]>>, Error> {
+    recording.check_rate(rate)?;
+    let effectors: Vec<_> = recording.cell.robot.effectors().collect();
+    let mut tracks = vec![Vec::new(); effectors.len()];
+    for sample in recording.motion.samples(rate) {
+        let pose =
+            placed(recording, sample.time, &sample.positions, loaded(recording, sample.step))?;
+        for (track, id) in tracks.iter_mut().zip(&effectors) {
+            let center = pose.base_from_wafer[id.arm][id.effector].translation.vector;
+            track.push([center.x, center.y]);
+        }
+    }
+    Ok(tracks)
+}
+
+/// Where everything is at positions of all axes, arms drooping.
+pub(super) fn placed(
+    recording: &Recording<'_>,
+    time: f64,
+    positions: &[f64],
+    loaded: &[EffectorId],
+) -> Result<ChainPose, Error> {
+    let failed = |source| Error::Placing { time, source: Box::new(source) };
+    recording.cell.drooping(positions, loaded).map_err(failed)
+}
+
+/// Who carries a wafer in a step.
+pub(super) fn loaded<'a>(recording: &Recording<'a>, step: usize) -> &'a [EffectorId] {
+    recording.motion.steps.get(step).map_or(&[], |step| &step.loaded)
+}
+
+pub(super) fn turns(kind: AxisKind) -> bool {
+    kind == AxisKind::Rotary
+}

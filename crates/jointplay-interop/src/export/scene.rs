@@ -1,0 +1,374 @@
+//! What moves in a cell, as frames with their ways: rods, platform, links, wafers.
+
+use jointplay_cell::program::Handover;
+use jointplay_cell::robot::{ChainPose, EffectorId, RODS};
+use jointplay_cell::station::SlotId;
+use jointplay_cell::workcell::Cell;
+use jointplay_core::spatial::Pose;
+use nalgebra::{SVector, UnitQuaternion, Vector4};
+
+use super::error::Error;
+use super::recording::Recording;
+use super::samples::{loaded, placed};
+
+/// How much before and after a sample it is looked where things are, to find how fast they go [s].
+const MOMENT: f64 = 1e-5;
+
+/// Most poses of frames that are held at once: 112 bytes each.
+const MOST_POSES: f64 = 2e7;
+
+/// A frame that may move.
+pub(super) struct Track {
+    pub(super) name: String,
+    /// What it is of.
+    pub(super) of: Part,
+    /// Index of the track that its poses are told in; `None` for the base.
+    pub(super) parent: Option<usize>,
+    /// Origin in the parent, at each time [m].
+    pub(super) places: Vec<[f64; 3]>,
+    /// Unit quaternion x, y, z, w in the parent, at each time; neighbours on the same side.
+    pub(super) turns: Vec<[f64; 4]>,
+    /// How fast both change, at each time; empty where that is not asked for.
+    pub(super) rates: Vec<Rate>,
+    /// Of a wafer: in which slots it lies, and when.
+    pub(super) lies: Vec<Lying>,
+}
+
+/// How fast a frame goes in its parent.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Rate {
+    /// Of its origin [m/s].
+    pub(super) place: [f64; 3],
+    /// Of its unit quaternion, a second.
+    pub(super) turn: [f64; 4],
+}
+
+/// A wafer lying in a slot.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Lying {
+    pub(super) slot: SlotId,
+    /// From when on, and until when [s].
+    pub(super) from: f64,
+    pub(super) to: f64,
+}
+
+/// What a track is of.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    Rod(usize),
+    Platform,
+    Link {
+        arm: usize,
+        link: usize,
+    },
+    /// Counted as those of slots, then those of effectors.
+    Wafer(usize),
+}
+
+/// All frames that move.
+pub(super) struct Scene {
+    /// [s].
+    pub(super) times: Vec<f64>,
+    /// Parents before children.
+    pub(super) tracks: Vec<Track>,
+}
+
+/// Where a wafer is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Held {
+    /// Lying somewhere, in the base frame.
+    Lying(Pose),
+    /// On an effector, in its wafer frame.
+    On(EffectorId, Pose),
+}
+
+pub(super) struct Wafer {
+    name: String,
+    pub(super) held: Held,
+    lies: Vec<Lying>,
+}
+
+impl Wafer {
+    /// Where it is, the robot being posed like this.
+    fn place(&self, pose: &ChainPose) -> Pose {
+        match self.held {
+            Held::Lying(at) => at,
+            Held::On(id, at) => pose.base_from_wafer[id.arm][id.effector] * at,
+        }
+    }
+}
+
+impl Scene {
+    /// The frames of a motion at even times and at its end.
+    ///
+    /// # Arguments
+    /// * `with_rates` – whether it is told how fast they go
+    pub(super) fn of(
+        recording: &Recording<'_>,
+        rate: f64,
+        with_rates: bool,
+    ) -> Result<Self, Error> {
+        recording.check_rate(rate)?;
+        let Recording { cell, motion, .. } = *recording;
+        let mut scene = Self { times: Vec::new(), tracks: tracks(cell) };
+        let mut wafers = Wafers::new(recording);
+        scene.tracks.extend(wafers.tracks());
+        let found = motion.duration() * rate * scene.tracks.len() as f64;
+        if found > MOST_POSES {
+            return Err(Error::TooManyPoses { found, allowed: MOST_POSES });
+        }
+        for sample in motion.samples(rate) {
+            wafers.until(recording, sample.time)?;
+            let carried = loaded(recording, sample.step);
+            let pose = |moment: f64| {
+                let gone = sample.positions.iter().zip(&sample.velocities);
+                let positions: Vec<f64> = gone.map(|(at, speed)| at + moment * speed).collect();
+                placed(recording, sample.time, &positions, carried)
+            };
+            let now = pose(0.0)?;
+            scene.times.push(sample.time);
+            for track in &mut scene.tracks {
+                track.push(&track.pose(cell, &wafers.all, &now));
+            }
+            if !with_rates {
+                continue;
+            }
+            if sample.velocities.iter().all(|&speed| speed == 0.0) {
+                scene.tracks.iter_mut().for_each(|track| track.rates.push(Rate::default()));
+                continue;
+            }
+            let [before, after] = [pose(-MOMENT)?, pose(MOMENT)?];
+            for track in &mut scene.tracks {
+                let poses = [&before, &now, &after].map(|it| track.pose(cell, &wafers.all, it));
+                track.push_rate(&poses);
+            }
+        }
+        for track in &mut scene.tracks {
+            if let Part::Wafer(k) = track.of {
+                track.lies = std::mem::take(&mut wafers.all[k].lies);
+            }
+        }
+        Ok(scene)
+    }
+}
+
+impl Track {
+    fn new(name: &str, of: Part, parent: Option<usize>) -> Self {
+        let name = name.to_owned();
+        let (places, turns, rates) = (Vec::new(), Vec::new(), Vec::new());
+        Self { name, of, parent, places, turns, rates, lies: Vec::new() }
+    }
+
+    /// Where it is in its parent, the robot being posed like this.
+    fn pose(&self, cell: &Cell, wafers: &[Wafer], pose: &ChainPose) -> Pose {
+        let platform = &pose.platform;
+        match self.of {
+            Part::Rod(k) => {
+                let base = cell.robot.gpr.base_points()[k];
+                Pose::translation(base.x, base.y, platform.rods[k])
+            }
+            Part::Platform => platform.base_from_platform,
+            Part::Link { arm, link: 0 } => {
+                platform.base_from_platform.inverse() * pose.base_from_link[arm][0]
+            }
+            Part::Link { arm, link } => {
+                let links = &pose.base_from_link[arm];
+                links[link - 1].inverse() * links[link]
+            }
+            Part::Wafer(k) => wafers[k].place(pose),
+        }
+    }
+
+    fn push(&mut self, pose: &Pose) {
+        let turn = self.turn(pose);
+        // What does not move is told as such, round-off or not.
+        self.places.push(<[f64; 3]>::from(pose.translation.vector).map(|part| rounded(part, 1e9)));
+        self.turns.push(<[f64; 4]>::from(turn).map(|part| rounded(part, 1e12)));
+    }
+
+    /// How fast it goes where it was pushed last, by where it is a [`MOMENT`] before, then, and as much after.
+    fn push_rate(&mut self, poses: &[Pose; 3]) {
+        // As most wafers do.
+        if poses[0] == poses[1] && poses[1] == poses[2] {
+            return self.rates.push(Rate::default());
+        }
+        let place = slower(poses.each_ref().map(|pose| pose.translation.vector));
+        let turn = slower(poses.each_ref().map(|pose| self.turn(pose)));
+        self.rates.push(Rate { place, turn });
+    }
+
+    /// The unit quaternion x, y, z, w of a pose.
+    fn turn(&self, pose: &Pose) -> Vector4<f64> {
+        let turn = UnitQuaternion::from_rotation_matrix(&pose.rotation).into_inner().coords;
+        // q and −q are one rotation; what is interpolated between must not go the long way round.
+        let other_side =
+            self.turns.last().is_some_and(|&last| turn.dot(&Vector4::from(last)) < 0.0);
+        if other_side { -turn } else { turn }
+    }
+}
+
+/// How fast something goes, of both differences of neighbours the smaller: where the droop jumps, at the edge of what is known of it, the other holds the jump.
+fn slower<const N: usize>([before, now, after]: [SVector<f64, N>; 3]) -> [f64; N] {
+    let (one, other) = (now - before, after - now);
+    let gone = if one.norm() < other.norm() { one } else { other };
+    <[f64; N]>::from(gone / MOMENT).map(|part| rounded(part, 1e6))
+}
+
+/// A number to the nearest fraction.
+pub(super) fn rounded(value: f64, fractions: f64) -> f64 {
+    // Without a minus before a zero, which would be another number than zero for those who compare bits.
+    (value * fractions).round() / fractions + 0.0
+}
+
+/// Whether sample `k` of a series has to be told for the rest to follow by straight interpolation: the ends, and wherever it differs from a neighbour.
+pub(super) fn is_key<T: PartialEq>(series: &[T], k: usize) -> bool {
+    k == 0 || k + 1 == series.len() || series[k] != series[k - 1] || series[k] != series[k + 1]
+}
+
+/// Frames of the robot, nowhere yet.
+fn tracks(cell: &Cell) -> Vec<Track> {
+    let robot = &cell.robot;
+    let rods = (0..RODS).map(|k| Track::new(&robot.axes[k].name, Part::Rod(k), None));
+    let mut tracks: Vec<Track> = rods.collect();
+    let platform = tracks.len();
+    tracks.push(Track::new("platform", Part::Platform, None));
+    for (k, arm) in robot.arms.iter().enumerate() {
+        for link in 0..arm.joints.len() {
+            let parent = if link == 0 { platform } else { tracks.len() - 1 };
+            let name = format!("{} link {}", arm.name, link + 1);
+            tracks.push(Track::new(&name, Part::Link { arm: k, link }, Some(parent)));
+        }
+    }
+    tracks
+}
+
+/// All wafers, those of slots first.
+pub(super) struct Wafers {
+    pub(super) all: Vec<Wafer>,
+    in_slot: Vec<(SlotId, usize)>,
+    /// The step that may hand one over next.
+    step: usize,
+}
+
+impl Wafers {
+    /// Where they are at the start.
+    pub(super) fn new(recording: &Recording<'_>) -> Self {
+        let (cell, to) = (recording.cell, recording.motion.duration());
+        let in_slots = cell.occupied.iter().map(|&slot| {
+            let station = &cell.stations[slot.station];
+            let name = format!("wafer of {} {}", station.name, slot.slot);
+            let held = Held::Lying(station.slot_frame(slot.slot));
+            Wafer { name, held, lies: vec![Lying { slot, from: 0.0, to }] }
+        });
+        let carried = cell.carried.iter().map(|&id| {
+            let name = format!("wafer of {}", recording.effector_name(id));
+            Wafer { name, held: Held::On(id, Pose::identity()), lies: Vec::new() }
+        });
+        let in_slot = cell.occupied.iter().copied().enumerate().map(|(k, slot)| (slot, k));
+        Self { all: in_slots.chain(carried).collect(), in_slot: in_slot.collect(), step: 0 }
+    }
+
+    /// A track for each, nowhere yet.
+    fn tracks(&self) -> impl Iterator<Item = Track> {
+        let named = self.all.iter().enumerate();
+        named.map(|(k, wafer)| Track::new(&wafer.name, Part::Wafer(k), None))
+    }
+
+    /// Hands over what is handed over until a time [s].
+    fn until(&mut self, recording: &Recording<'_>, time: f64) -> Result<(), Error> {
+        let motion = recording.motion;
+        while self.step < motion.steps.len() && motion.times[self.step + 1] <= time {
+            self.next_step(recording)?;
+        }
+        Ok(())
+    }
+
+    /// Hands over what is handed over at the end of the next step: index of that wafer and its new slot, which is `None` for an effector.
+    pub(super) fn next_step(
+        &mut self,
+        recording: &Recording<'_>,
+    ) -> Result<Option<(usize, Option<SlotId>)>, Error> {
+        let (motion, step) = (recording.motion, self.step);
+        self.step += 1;
+        let Some(handover) = motion.steps[step].handover else { return Ok(None) };
+        let time = motion.times[step + 1];
+        let at = motion.at(time);
+        // Up to then the arm droops as in the step that ends.
+        let pose = placed(recording, time, &at.positions, loaded(recording, step))?;
+        Ok(self.hand_over(handover, &pose, [time, motion.duration()]))
+    }
+
+    /// From then on the wafer moves with what holds it, from exactly where it is.
+    fn hand_over(
+        &mut self,
+        handover: Handover,
+        pose: &ChainPose,
+        [time, end]: [f64; 2],
+    ) -> Option<(usize, Option<SlotId>)> {
+        let Self { all: wafers, in_slot, .. } = self;
+        let effector = |id: EffectorId| pose.base_from_wafer[id.arm][id.effector];
+        match handover {
+            Handover::Picked(id, slot) => {
+                let found = in_slot.iter().position(|&(one, _)| one == slot)?;
+                let (_, k) = in_slot.remove(found);
+                if let Held::Lying(at) = wafers[k].held {
+                    wafers[k].held = Held::On(id, effector(id).inverse() * at);
+                }
+                if let Some(lying) = wafers[k].lies.last_mut() {
+                    lying.to = time;
+                }
+                Some((k, None))
+            }
+            Handover::Placed(id, slot) => {
+                let on = |wafer: &Wafer| matches!(wafer.held, Held::On(with, _) if with == id);
+                let k = wafers.iter().position(on)?;
+                if let Held::On(_, at) = wafers[k].held {
+                    wafers[k].held = Held::Lying(effector(id) * at);
+                    wafers[k].lies.push(Lying { slot, from: time, to: end });
+                    in_slot.push((slot, k));
+                }
+                Some((k, Some(slot)))
+            }
+        }
+    }
+}
+
+/// A frame that moves, in the one that it moves with; named and nested as in [`gltf`](fn@super::gltf).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// What it is called.
+    pub name: String,
+    /// Its origin [m].
+    pub place: [f64; 3],
+    /// Its unit quaternion x, y, z, w.
+    pub turn: [f64; 4],
+}
+
+/// Where all would be at a moment of the motion if the axes stood elsewhere, and who carries a wafer then.
+///
+/// # Arguments
+/// * `time` – the moment that tells which wafers are where [s]
+/// * `positions` – of all axes, rods first ([m], [rad])
+///
+/// # Errors
+/// [`Error::Placing`]
+pub fn frames(
+    recording: &Recording<'_>,
+    time: f64,
+    positions: &[f64],
+) -> Result<(Vec<Frame>, Vec<EffectorId>), Error> {
+    let mut wafers = Wafers::new(recording);
+    wafers.until(recording, time)?;
+    let carried = wafers.all.iter().filter_map(|wafer| match wafer.held {
+        Held::On(id, _) => Some(id),
+        Held::Lying(_) => None,
+    });
+    let carried: Vec<EffectorId> = carried.collect();
+    let pose = placed(recording, time, positions, &carried)?;
+    let frame = |mut track: Track| {
+        track.push(&track.pose(recording.cell, &wafers.all, &pose));
+        Frame { place: track.places[0], turn: track.turns[0], name: track.name }
+    };
+    let tracks = tracks(recording.cell).into_iter().chain(wafers.tracks());
+    Ok((tracks.map(frame).collect(), carried))
+}

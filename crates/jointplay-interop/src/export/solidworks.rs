@@ -1,0 +1,168 @@
+//! A motion for SolidWorks: time and value for each motor, and a macro that loads them.
+
+use std::fmt::Write as _;
+
+use jointplay_cell::robot::Axis;
+use jointplay_cell::trajectory::Sample;
+use jointplay_cell::workcell::Cell;
+
+use super::error::Error;
+use super::recording::Recording;
+use super::samples::turns;
+use jointplay_format::units::{deg, mm};
+
+/// Name of the macro's file; `NOT-SAFE-` stands before it, and before those of the motors, where something is wrong with the motion.
+pub const MACRO: &str = "load-motors.bas";
+/// Lines of numbers have no room for words: the names say it.
+const MARK: &str = "NOT-SAFE-";
+
+/// A file `motor-NAME.csv` for each axis with lines `time,value` in s and mm or degrees, and [`MACRO`], as names and contents.
+///
+/// The macro gives their motion to the motors of a motion study that have the names of the axes.
+///
+/// # Arguments
+/// * `rate` – lines a second; the last line is the end of the motion [Hz]
+///
+/// # Errors
+/// [`Error::Rate`], [`Error::TooManySamples`]
+pub fn solidworks(recording: &Recording<'_>, rate: f64) -> Result<Vec<(String, String)>, Error> {
+    let motors = motors(recording).into_iter().enumerate();
+    let text = |(axis, name): (usize, String)| {
+        let mut bytes = Vec::new();
+        motor(recording, rate, axis, &mut bytes)?.expect("writing into memory does not fail");
+        Ok((name, String::from_utf8(bytes).expect("numbers are UTF-8")))
+    };
+    let mut files = motors.map(text).collect::<Result<Vec<_>, Error>>()?;
+    files.push(loader(recording));
+    Ok(files)
+}
+
+/// Names of the motors' files, in the order of the axes.
+#[must_use]
+pub fn motors(recording: &Recording<'_>) -> Vec<String> {
+    let mut names = names(recording.cell, mark(recording));
+    names.pop();
+    names
+}
+
+/// The file of one motor, to where it is kept.
+///
+/// # Arguments
+/// * `axis` – which, by index
+/// * `rate` – lines a second; the last line is the end of the motion [Hz]
+///
+/// # Errors
+/// [`Error::Rate`], [`Error::TooManySamples`]; within, those of the writer
+///
+/// # Panics
+/// If the robot has no such axis.
+pub fn motor(
+    recording: &Recording<'_>,
+    rate: f64,
+    axis: usize,
+    writer: &mut dyn std::io::Write,
+) -> Result<std::io::Result<()>, Error> {
+    recording.check_rate(rate)?;
+    let unit: fn(f64) -> f64 = if turns(recording.cell.robot.axes[axis].kind) { deg } else { mm };
+    // Every digit: the end of the last line is the end of the motion.
+    let mut samples = recording.motion.samples(rate);
+    let line = |at: Sample| writeln!(writer, "{},{}", at.time, unit(at.positions[axis]));
+    Ok(samples.try_for_each(line))
+}
+
+fn mark(recording: &Recording<'_>) -> &'static str {
+    if recording.flaws.is_empty() { "" } else { MARK }
+}
+
+/// Names of all files that [`solidworks`] may make for a cell, of sound motions and of others.
+#[must_use]
+pub fn solidworks_names(cell: &Cell) -> Vec<String> {
+    ["", MARK].into_iter().flat_map(|mark| names(cell, mark)).collect()
+}
+
+/// Names of the motors' files, and of the macro.
+fn names(cell: &Cell, mark: &str) -> Vec<String> {
+    let motor = |axis: &Axis| format!("{mark}motor-{}.csv", file_name(&axis.name));
+    let motors = cell.robot.axes.iter().map(motor);
+    motors.chain(std::iter::once(format!("{mark}{MACRO}"))).collect()
+}
+
+/// A name that every system takes for a file.
+fn file_name(name: &str) -> String {
+    let plain = |letter: char| if letter.is_ascii_alphanumeric() { letter } else { '_' };
+    name.chars().map(plain).collect()
+}
+
+/// Text as it may stand in a string of Visual Basic.
+fn quoted(text: &str) -> String {
+    let plain: String =
+        text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    format!("\"{}\"", plain.replace('"', "\"\""))
+}
+
+/// Name and text of the macro.
+#[must_use]
+pub fn loader(recording: &Recording<'_>) -> (String, String) {
+    let mut loads = String::new();
+    for (axis, file) in recording.cell.robot.axes.iter().zip(&motors(recording)) {
+        let _ = writeln!(loads, "    Load {}, folder & {}", quoted(&axis.name), quoted(file));
+    }
+    let warning = recording.warning().map_or_else(String::new, |warning| {
+        let shown = quoted(&warning);
+        let comment: String = warning.split_whitespace().collect::<Vec<_>>().join(" ");
+        format!("    ' {comment}\n    MsgBox {shown}, vbExclamation\n")
+    });
+    let text = format!(
+        r#"Attribute VB_Name = "LoadMotors"
+' Gives the motors of a motion study the motion in the files beside this macro.
+' The study has to be a Trajectory Analysis, and its motors have to have the names of the axes.
+' Times are in s, displacements in mm for linear and in degrees for rotary motors: set the units of the document so.
+' Import this file into a new macro, whose references to the libraries of SolidWorks it needs.
+Option Explicit
+
+Const STUDY_NAME As String = "Trajectory Study 1"
+' How it interpolates between the points, as in SolidWorks' own examples.
+Const SCHEME As Long = 1
+
+Dim model As Object
+Dim study As Object
+Dim missing As String
+
+Sub main()
+    Dim app As Object, folder As String
+    Set app = Application.SldWorks
+    Set model = app.ActiveDoc
+    If model Is Nothing Then MsgBox "Open the assembly first.": Exit Sub
+    Set study = model.Extension.GetMotionStudyManager().GetMotionStudy(STUDY_NAME)
+    If study Is Nothing Then MsgBox "There is no " & STUDY_NAME & ".": Exit Sub
+    study.Activate
+{warning}    folder = Left(app.GetCurrentMacroPathName(), InStrRev(app.GetCurrentMacroPathName(), "\"))
+    missing = ""
+{loads}    study.SetDuration {duration}
+    If missing <> "" Then MsgBox "No motor could be given its motion for:" & missing
+End Sub
+
+Private Sub Load(name As String, file As String)
+    Dim features As Variant, feature As Object, motor As Object, kind As String, k As Long
+    features = study.GetMotionFeatures()
+    If IsArray(features) Then
+        For k = LBound(features) To UBound(features)
+            Set feature = features(k)
+            kind = feature.GetTypeName()
+            If (kind = "AEMLinearMotor" Or kind = "AEMRotationalMotor") And feature.Name = name Then
+                Set motor = feature.GetDefinition()
+                motor.InterpolatedMotor swSimulationMotorDrive_Displacement, SCHEME
+                If motor.LoadSplineData(file) Then
+                    If feature.ModifyDefinition(motor, model, Nothing) Then Exit Sub
+                End If
+            End If
+        Next k
+    End If
+    missing = missing & " " & name
+End Sub
+"#,
+        duration = recording.motion.duration(),
+    );
+    // As the editor of Visual Basic writes them.
+    (format!("{}{MACRO}", mark(recording)), text.replace('\n', "\r\n"))
+}

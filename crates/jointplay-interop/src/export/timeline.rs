@@ -1,0 +1,265 @@
+//! A motion in windows of steps, each of which is described by itself: for viewers that show a part of a long motion.
+
+mod cut;
+mod encode;
+mod envelope;
+mod held_at;
+mod phase;
+mod relative_time;
+
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use jointplay_cell::robot::EffectorId;
+use jointplay_cell::trajectory::Trajectory;
+use jointplay_cell::workcell::Cell;
+
+use self::envelope::of_step;
+use self::phase::phase;
+use self::relative_time::since;
+use super::error::Error;
+use super::recording::Recording;
+use super::scene::Wafers;
+use super::segment::Segment;
+use jointplay_report::ViolationReport;
+
+pub use envelope::Envelope;
+pub use held_at::{HeldAt, wafers_at_start};
+
+/// Steps of a window, unless a motion has so many that there would be more than [`MOST_WINDOWS`].
+const STEPS: usize = 96;
+/// Most windows of a motion, about.
+const MOST_WINDOWS: usize = 2048;
+
+/// A motion in windows of steps.
+///
+/// The content of a window depends on its steps, on where the wafers are at its start and on the violations in it, and not on when it starts.
+/// Its key is a hash of all that its content depends on: windows with the same key are the same.
+pub struct Timeline {
+    /// In order; together they hold all steps.
+    pub windows: Vec<Window>,
+    /// Of each step, a hash of what happens in it.
+    marks: Vec<u64>,
+    /// Of each step, a hash of how the axes move in it.
+    motions: Vec<u64>,
+    /// Where wafers go, in order.
+    changes: Vec<Change>,
+    /// Hash of what all windows of the cell depend on.
+    shared: u64,
+    /// Those that were asked for last, of this motion and the ones before.
+    segments: Arc<Mutex<Segments>>,
+}
+
+/// Segments by hashes of the cell and of the motion, and by the effectors that carry a wafer.
+type Segments = BTreeMap<(u64, u64, Vec<EffectorId>), Arc<Segment>>;
+
+/// Segments that are remembered.
+const MOST_SEGMENTS: usize = 512;
+
+/// Some steps of a motion.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Window {
+    /// Hash of its content, as hexadecimal digits.
+    pub key: String,
+    /// Its steps.
+    pub steps: Range<usize>,
+    /// When it starts [s].
+    pub start: f64,
+    /// Index of its first instruction.
+    pub instruction: usize,
+    /// Line of that.
+    pub line: usize,
+}
+
+/// A wafer that changes hands at the end of a step.
+#[derive(Debug, Clone, Copy)]
+struct Change {
+    step: usize,
+    wafer: usize,
+    to: HeldAt,
+}
+
+impl Timeline {
+    /// Cuts a motion into windows.
+    ///
+    /// # Arguments
+    /// * `violations` – all of the motion
+    /// * `previous` – windows of another motion: where steps at the beginning and at the end are those of it, so are the windows
+    ///
+    /// # Errors
+    /// [`Error::Placing`]
+    pub fn new(
+        recording: &Recording<'_>,
+        violations: &[ViolationReport],
+        previous: Option<&Self>,
+    ) -> Result<Self, Error> {
+        let motion = recording.motion;
+        let changes = changes(recording)?;
+        let motions = motion.fingerprints();
+        let marks: Vec<u64> =
+            (0..motion.steps.len()).map(|k| mark(motion, motions[k], k)).collect();
+        let starts = |step: usize| {
+            step == 0 || motion.steps[step].instruction != motion.steps[step - 1].instruction
+        };
+        let most = STEPS.max(motion.steps.len() / MOST_WINDOWS);
+        let known = previous.map(|previous| (previous.marks.as_slice(), previous.edges()));
+        let edges = cut::edges(&marks, &starts, most, known);
+        let shared = shared(recording.cell);
+        let segments = previous.map_or_else(Arc::default, |one| Arc::clone(&one.segments));
+        let mut timeline = Self { windows: Vec::new(), marks, motions, changes, shared, segments };
+        let mut moved = BTreeMap::new();
+        for pair in edges.windows(2) {
+            let steps = pair[0]..pair[1];
+            let first = &motion.steps[steps.start];
+            let (start, instruction, line) =
+                (motion.times[steps.start], first.instruction, first.place.line);
+            let mut window = Window { key: String::new(), steps, start, instruction, line };
+            window.key = timeline.key(motion, violations, &window, (shared, &moved));
+            for change in timeline.changes_in(&window.steps) {
+                moved.insert(change.wafer, change.to);
+            }
+            timeline.windows.push(window);
+        }
+        Ok(timeline)
+    }
+
+    /// A step as channels.
+    fn segment(&self, recording: &Recording<'_>, step: usize) -> Result<Arc<Segment>, Error> {
+        let known = || self.segments.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (self.shared, self.motions[step], recording.motion.steps[step].loaded.clone());
+        if let Some(segment) = known().get(&key) {
+            return Ok(Arc::clone(segment));
+        }
+        let made = Arc::new(Segment::new(recording, step)?);
+        let mut known = known();
+        if known.len() >= MOST_SEGMENTS {
+            known.clear();
+        }
+        known.insert(key, Arc::clone(&made));
+        Ok(made)
+    }
+
+    fn edges(&self) -> Vec<usize> {
+        let ends = self.windows.iter().map(|window| window.steps.end);
+        std::iter::once(0).chain(ends).collect()
+    }
+
+    /// Index of the window of a key.
+    #[must_use]
+    pub fn find(&self, key: &str) -> Option<usize> {
+        self.windows.iter().position(|window| window.key == key)
+    }
+
+    /// Wafers that have changed hands before a step, by index.
+    fn moved(&self, step: usize) -> BTreeMap<usize, HeldAt> {
+        let before = self.changes.partition_point(|change| change.step < step);
+        self.changes[..before].iter().map(|change| (change.wafer, change.to)).collect()
+    }
+
+    /// Wafers that change hands in some steps.
+    fn changes_in(&self, steps: &Range<usize>) -> &[Change] {
+        let at = |step: usize| self.changes.partition_point(|change| change.step < step);
+        &self.changes[at(steps.start)..at(steps.end)]
+    }
+
+    /// Hash of all that the content of a window depends on.
+    fn key(
+        &self,
+        motion: &Trajectory,
+        violations: &[ViolationReport],
+        window: &Window,
+        (shared, moved): (u64, &BTreeMap<usize, HeldAt>),
+    ) -> String {
+        let digits = |seed: u64| {
+            let mut hasher = DefaultHasher::new();
+            (seed, shared, env!("CARGO_PKG_VERSION")).hash(&mut hasher);
+            for step in window.steps.clone() {
+                let described = &motion.steps[step];
+                self.marks[step].hash(&mut hasher);
+                (described.instruction - window.instruction).hash(&mut hasher);
+                described.place.line.wrapping_sub(window.line).hash(&mut hasher);
+            }
+            for (wafer, held) in moved {
+                wafer.hash(&mut hasher);
+                held.hash_into(&mut hasher);
+            }
+            for change in self.changes_in(&window.steps) {
+                (change.step - window.steps.start, change.wafer).hash(&mut hasher);
+                change.to.hash_into(&mut hasher);
+            }
+            for one in self.violations(motion, violations, window) {
+                (&one.kind, &one.names, &one.message).hash(&mut hasher);
+                for time in [one.start_s, one.end_s] {
+                    since(time, window.start).to_bits().hash(&mut hasher);
+                }
+                one.line.wrapping_sub(window.line).hash(&mut hasher);
+            }
+            hasher.finish()
+        };
+        format!("{:016x}{:016x}", digits(0), digits(1))
+    }
+
+    /// Violations of instructions that are at least partly in a window.
+    fn violations<'v>(
+        &self,
+        motion: &Trajectory,
+        violations: &'v [ViolationReport],
+        window: &Window,
+    ) -> impl Iterator<Item = &'v ViolationReport> + use<'v> {
+        let (start, end) = (window.start, motion.times[window.steps.end]);
+        // By time of start; none lasts beyond its instruction, which begins in this window or the one before.
+        violations.iter().filter(move |one| one.start_s <= end && one.end_s >= start)
+    }
+
+    /// Least and largest values of all axes in some windows, by index; those that are not there are left out.
+    #[must_use]
+    pub fn envelopes(&self, recording: &Recording<'_>, windows: &[usize]) -> Vec<Vec<Envelope>> {
+        let Recording { cell, motion, .. } = *recording;
+        let axes = cell.robot.axes.len();
+        let mut known: BTreeMap<u64, Vec<Envelope>> = BTreeMap::new();
+        let of_window = |window: &Window| {
+            let mut whole = vec![Envelope::NOTHING; axes];
+            for step in window.steps.clone() {
+                let found =
+                    known.entry(self.motions[step]).or_insert_with(|| of_step(motion, step, axes));
+                whole.iter_mut().zip(found).for_each(|(whole, found)| whole.add(found));
+            }
+            whole
+        };
+        windows.iter().filter_map(|&index| self.windows.get(index)).map(of_window).collect()
+    }
+}
+
+/// All wafers that change hands.
+fn changes(recording: &Recording<'_>) -> Result<Vec<Change>, Error> {
+    let mut wafers = Wafers::new(recording);
+    let mut changes = Vec::new();
+    for step in 0..recording.motion.steps.len() {
+        if let Some((wafer, slot)) = wafers.next_step(recording)? {
+            let to = HeldAt::new(&wafers.all[wafer].held, slot);
+            changes.push(Change { step, wafer, to });
+        }
+    }
+    Ok(changes)
+}
+
+/// Hash of what all windows of a cell depend on: numbers are printed so that no two of them look alike.
+fn shared(cell: &Cell) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    format!("{:?} {:?} {:?}", cell.robot, cell.wafer, cell.gravity).hash(&mut hasher);
+    hasher.finish()
+}
+
+/// Hash of what happens in a step, whose axes move so.
+fn mark(motion: &Trajectory, axes: u64, index: usize) -> u64 {
+    let step = &motion.steps[index];
+    let mut hasher = DefaultHasher::new();
+    (axes, phase(step.phase), &step.loaded).hash(&mut hasher);
+    step.handover.is_some().hash(&mut hasher);
+    motion.has_duration(index).hash(&mut hasher);
+    let begins = index == 0 || motion.steps[index - 1].instruction != step.instruction;
+    begins.hash(&mut hasher);
+    hasher.finish()
+}

@@ -1,0 +1,172 @@
+//! A mechanism in the making: links and joints by name, what is ignored, and where each stands in the model.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
+
+use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism, MechanismError};
+use jointplay_core::spatial::Pose;
+use roxmltree::Node;
+
+use super::model::{Dialect, Imported};
+use super::problem::Error;
+use super::xml::{Xml, place};
+
+pub(super) struct Draft<'a> {
+    pub(super) xml: Xml<'a>,
+    root: Range<usize>,
+    links: Named,
+    joints: Named,
+    pub(super) descriptions: Vec<Joint>,
+    /// Names that stand in the model, from which those made up here keep away.
+    taken: BTreeSet<&'a str>,
+    ignored: BTreeMap<String, usize>,
+    remarks: Vec<String>,
+}
+
+/// Names with their numbers and places.
+#[derive(Default)]
+struct Named {
+    names: Vec<String>,
+    numbers: BTreeMap<String, usize>,
+    places: Vec<Range<usize>>,
+}
+
+impl Named {
+    fn add(&mut self, name: String, place: Range<usize>) -> Result<usize, MechanismError> {
+        let number = self.names.len();
+        if self.numbers.contains_key(&name) {
+            return Err(MechanismError::NameTwice { name });
+        }
+        self.numbers.insert(name.clone(), number);
+        self.names.push(name);
+        self.places.push(place);
+        Ok(number)
+    }
+
+    fn place(&self, name: &str) -> Option<Range<usize>> {
+        self.numbers.get(name).map(|&number| self.places[number].clone())
+    }
+}
+
+impl<'a> Draft<'a> {
+    pub(super) fn new(xml: Xml<'a>, root: Node<'a, 'a>) -> Self {
+        Self {
+            xml,
+            root: place(root),
+            links: Named::default(),
+            joints: Named::default(),
+            descriptions: Vec::new(),
+            taken: root.descendants().filter_map(|node| node.attribute("name")).collect(),
+            ignored: BTreeMap::new(),
+            remarks: Vec::new(),
+        }
+    }
+
+    /// Adds a link; the first is the base.
+    pub(super) fn add_link(
+        &mut self,
+        name: impl Into<String>,
+        place: Range<usize>,
+    ) -> Result<usize, Error> {
+        let added = self.links.add(name.into(), place.clone());
+        added.map_err(|error| self.xml.wrong(place, error))
+    }
+
+    pub(super) fn link(&self, name: &str) -> Option<usize> {
+        self.links.numbers.get(name).copied()
+    }
+
+    /// Number of links so far.
+    pub(super) fn links(&self) -> usize {
+        self.links.names.len()
+    }
+
+    pub(super) fn link_name(&self, link: usize) -> &str {
+        &self.links.names[link]
+    }
+
+    pub(super) fn link_place(&self, link: usize) -> Range<usize> {
+        self.links.places[link].clone()
+    }
+
+    pub(super) fn link_names(&self) -> impl Iterator<Item = &str> + Clone {
+        self.links.names.iter().map(String::as_str)
+    }
+
+    pub(super) fn add_joint(&mut self, joint: Joint, place: Range<usize>) -> Result<(), Error> {
+        let added = self.joints.add(joint.name.clone(), place.clone());
+        added.map_err(|error| self.xml.wrong(place, error))?;
+        self.descriptions.push(joint);
+        Ok(())
+    }
+
+    pub(super) fn joint(&self, name: &str) -> Option<usize> {
+        self.joints.numbers.get(name).copied()
+    }
+
+    pub(super) fn joint_names(&self) -> impl Iterator<Item = &str> + Clone {
+        self.joints.names.iter().map(String::as_str)
+    }
+
+    /// A name for what has none: this one, with a number where the model has it already.
+    pub(super) fn fresh(&self, name: String) -> String {
+        let is_free = |name: &str| {
+            !self.taken.contains(name) && self.link(name).is_none() && self.joint(name).is_none()
+        };
+        if is_free(&name) {
+            return name;
+        }
+        let numbered = (2..).map(|number| format!("{name} ({number})"));
+        numbered.into_iter().find(|name| is_free(name)).expect("names are finitely many")
+    }
+
+    pub(super) fn ignore(&mut self, what: impl Into<String>) {
+        *self.ignored.entry(what.into()).or_default() += 1;
+    }
+
+    /// Something to be told beside what is ignored.
+    pub(super) fn remark(&mut self, what: String) {
+        self.remarks.push(what);
+    }
+
+    /// Lists the attributes of an element that are not among those used.
+    pub(super) fn ignore_attributes(&mut self, node: Node, used: &[&str]) {
+        for attribute in node.attributes().filter(|found| !used.contains(&found.name())) {
+            self.ignore(format!("{} of {}", attribute.name(), node.tag_name().name()));
+        }
+    }
+
+    /// The mechanism, its errors with the place of what they are about.
+    pub(super) fn finish(self, name: &str, dialect: Dialect) -> Result<Imported, Error> {
+        let Self { xml, root, links, joints, descriptions, ignored, mut remarks, .. } = self;
+        let mechanism = Mechanism::new(name, links.names.clone(), descriptions);
+        let mechanism = mechanism.map_err(|error| {
+            use MechanismError as E;
+            let found = match &error {
+                E::Dangling { link, .. } => links.place(link),
+                E::JoinedToItself { joint: name, .. }
+                | E::NotFinite { name, .. }
+                | E::LimitsReversed { name, .. } => joints.place(name),
+                _ => None,
+            };
+            xml.wrong(found.unwrap_or(root), error)
+        })?;
+        remarks.extend(ignored.into_iter().map(|(what, count)| format!("{count} × {what}")));
+        Ok(Imported { mechanism, dialect, ignored: remarks })
+    }
+}
+
+/// A joint of which nothing but its place is known.
+pub(super) fn bare(name: String, kind: JointKind, links: [usize; 2], frames: [Pose; 2]) -> Joint {
+    Joint {
+        name,
+        kind,
+        links,
+        frames,
+        actuated: false,
+        guess: Vec::new(),
+        limits: Vec::new(),
+        clearance: LinearAndAngular::default(),
+        stiffness: LinearAndAngular::default(),
+    }
+}

@@ -1,0 +1,35 @@
+//! Mechanisms from model files of other programs: MJCF, SDF and URDF, told apart by their root element.
+//!
+//! What has no place in a mechanism, such as shapes and masses, is listed as ignored.
+//! What would change the mechanism if it were passed over is an error with its place.
+//!
+//! ```
+//! let model = jointplay_interop::import::parse(r#"
+//!     <robot name="door">
+//!       <link name="wall"/>
+//!       <link name="door"><visual/></link>
+//!       <joint name="hinge" type="continuous">
+//!         <parent link="wall"/>
+//!         <child link="door"/>
+//!         <axis xyz="0 0 1"/>
+//!       </joint>
+//!     </robot>"#)?;
+//! assert_eq!(model.mechanism.links(), ["wall", "door"]);
+//! assert_eq!(model.ignored, ["1 × visual"]);
+//! # Ok::<(), jointplay_interop::import::Error>(())
+//! ```
+
+mod draft;
+mod mjcf;
+mod model;
+mod problem;
+mod read;
+mod sdf;
+#[cfg(test)]
+mod testing;
+mod urdf;
+mod xml;
+
+pub use model::{Dialect, Imported};
+pub use problem::{Error, Problem};
+pub use read::{is_model, parse};

@@ -1,0 +1,312 @@
+//! Frames by name: where each is, and to which link it belongs.
+
+use std::collections::BTreeMap;
+
+use jointplay_core::mechanism::MechanismError;
+use jointplay_core::spatial::Pose;
+use roxmltree::Node;
+
+use super::pose::pose;
+use crate::import::problem::{Error, Problem};
+use crate::import::xml::{LONGEST_NAME, Value, Xml, attribute, child, elements, place};
+
+/// The frame of the world.
+pub(super) const WORLD: usize = 0;
+
+/// From this version on, links and joints of one model have different names.
+const UNIQUE_NAMES: (u32, u32) = (1, 7);
+
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Kind {
+    World,
+    Model,
+    Link { is_static: bool },
+    Joint,
+    Frame,
+}
+
+struct Frame<'a> {
+    kind: Kind,
+    /// With the models around it.
+    name: String,
+    /// Its element; of the world, none.
+    node: Option<Node<'a, 'a>>,
+    /// The model or world around it.
+    scope: usize,
+    relative_to: usize,
+    /// As written [m].
+    pose: Pose,
+    /// Of a model: the frame inside it whose place is given in its stead.
+    placed_by: Option<usize>,
+    /// The frame with which it moves; of a link, itself.
+    attached_to: usize,
+    /// [m]
+    world_from: Pose,
+    /// The link, or the world, with which it moves; `None` where attachments go in a circle.
+    link: Option<usize>,
+}
+
+pub(super) struct Frames<'a> {
+    xml: Xml<'a>,
+    version: (u32, u32),
+    frames: Vec<Frame<'a>>,
+    by_name: BTreeMap<String, usize>,
+}
+
+impl<'a> Frames<'a> {
+    pub(super) fn new(xml: Xml<'a>, version: (u32, u32)) -> Self {
+        let world = Frame {
+            kind: Kind::World,
+            name: String::new(),
+            node: None,
+            scope: WORLD,
+            relative_to: WORLD,
+            pose: Pose::identity(),
+            placed_by: None,
+            attached_to: WORLD,
+            world_from: Pose::identity(),
+            link: Some(WORLD),
+        };
+        Self { xml, version, frames: vec![world], by_name: BTreeMap::new() }
+    }
+
+    /// Enters a frame by its name.
+    pub(super) fn add(
+        &mut self,
+        scope: usize,
+        kind: Kind,
+        node: Node<'a, 'a>,
+    ) -> Result<usize, Error> {
+        let name = self.full_name(scope, self.xml.needed_name(node)?);
+        if name.len() > LONGEST_NAME {
+            let value = attribute(node, "name").expect("it was just read");
+            let expected = "at most 1000 bytes long, together with those of the models around it";
+            return Err(self.xml.unusable(&value, expected));
+        }
+        let index = self.frames.len();
+        if self.by_name.contains_key(&name) {
+            if kind != Kind::Joint || self.version >= UNIQUE_NAMES {
+                return Err(self.xml.wrong(place(node), MechanismError::NameTwice { name }));
+            }
+        } else {
+            self.by_name.insert(name.clone(), index);
+        }
+        self.frames.push(Frame {
+            kind,
+            name,
+            node: Some(node),
+            scope,
+            relative_to: scope,
+            pose: pose(self.xml, node)?,
+            placed_by: None,
+            attached_to: index,
+            world_from: Pose::identity(),
+            link: None,
+        });
+        Ok(index)
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.frames.len()
+    }
+
+    pub(super) fn node(&self, frame: usize) -> Node<'a, 'a> {
+        self.frames[frame].node.expect("only the world has no element")
+    }
+
+    /// Its name, with the models around it.
+    pub(super) fn name(&self, frame: usize) -> &str {
+        &self.frames[frame].name
+    }
+
+    pub(super) fn scope(&self, frame: usize) -> usize {
+        self.frames[frame].scope
+    }
+
+    /// Pose in the world, in the reference configuration [m].
+    pub(super) fn world_from(&self, frame: usize) -> Pose {
+        self.frames[frame].world_from
+    }
+
+    pub(super) fn links(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.len()).filter(|&frame| matches!(self.frames[frame].kind, Kind::Link { .. }))
+    }
+
+    pub(super) fn is_static(&self, frame: usize) -> bool {
+        self.frames[frame].kind == Kind::Link { is_static: true }
+    }
+
+    /// The link that stands for the first model.
+    pub(super) fn canonical_link(&self) -> Option<usize> {
+        let model = self.frames.iter().position(|frame| frame.kind == Kind::Model)?;
+        self.link_of(model).ok().filter(|&link| link != WORLD)
+    }
+
+    /// Where the ends of a joint are attached: to a link, or the world.
+    pub(super) fn end(&self, joint: usize, end: &'static str) -> Result<usize, Error> {
+        let frame = self.end_frame(joint, end)?;
+        self.link_of(frame)
+    }
+
+    fn end_frame(&self, joint: usize, end: &'static str) -> Result<usize, Error> {
+        let node = self.node(joint);
+        let value = child(node, end).ok_or_else(|| self.xml.missing(node, end))?;
+        if value.text == "world" {
+            return Ok(WORLD);
+        }
+        self.find(self.frames[joint].scope, &value)
+    }
+
+    /// The frame that an attribute names, if there is one and it is not empty.
+    pub(super) fn named(
+        &self,
+        scope: usize,
+        node: Node<'a, 'a>,
+        name: &str,
+    ) -> Result<Option<usize>, Error> {
+        let value = attribute(node, name).filter(|value| !value.text.is_empty());
+        value.map(|value| self.find(scope, &value)).transpose()
+    }
+
+    fn find(&self, scope: usize, value: &Value<'a>) -> Result<usize, Error> {
+        if value.text == "__model__" && scope != WORLD || value.text == "world" && scope == WORLD {
+            return Ok(scope);
+        }
+        if let Some(model) = value.text.strip_suffix("::__model__") {
+            let found = self.by_name.get(&self.full_name(scope, model)).copied();
+            if let Some(model) = found.filter(|&found| self.frames[found].kind == Kind::Model) {
+                return Ok(model);
+            }
+        }
+        let found = self.by_name.get(&self.full_name(scope, value.text)).copied();
+        found.ok_or_else(|| {
+            let prefix = self.full_name(scope, "");
+            let known = self.by_name.keys().filter_map(|name| name.strip_prefix(&prefix));
+            self.xml.unknown("frame", value, known)
+        })
+    }
+
+    fn full_name(&self, scope: usize, name: &str) -> String {
+        match self.frames[scope].kind {
+            Kind::World => name.to_owned(),
+            _ => format!("{}::{name}", self.frames[scope].name),
+        }
+    }
+
+    /// Follows all references between frames, once all are entered.
+    pub(super) fn resolve(&mut self) -> Result<(), Error> {
+        let mut first_inside = vec![None; self.len()];
+        for index in (1..self.len()).rev() {
+            if matches!(self.frames[index].kind, Kind::Link { .. }) {
+                first_inside[self.frames[index].scope] = Some(index);
+            }
+        }
+        for index in (1..self.len()).rev() {
+            let Frame { kind, scope, .. } = self.frames[index];
+            if kind == Kind::Model && first_inside[scope].is_none() {
+                first_inside[scope] = Some(index);
+            }
+        }
+        for (index, first) in first_inside.into_iter().enumerate().skip(1) {
+            let (node, scope) = (self.node(index), self.frames[index].scope);
+            let (attached_to, beside) = match self.frames[index].kind {
+                Kind::World | Kind::Link { .. } => (index, scope),
+                Kind::Joint => {
+                    let child = self.end_frame(index, "child")?;
+                    (child, child)
+                }
+                Kind::Frame => {
+                    let attached_to = self.named(scope, node, "attached_to")?.unwrap_or(scope);
+                    (attached_to, attached_to)
+                }
+                Kind::Model => {
+                    let canonical = self.named(index, node, "canonical_link")?;
+                    self.frames[index].placed_by = self.named(index, node, "placement_frame")?;
+                    (canonical.or(first).unwrap_or(index), scope)
+                }
+            };
+            let pose = elements(node, "pose").next();
+            let relative_to =
+                pose.map(|pose| self.named(scope, pose, "relative_to")).transpose()?.flatten();
+            self.frames[index].attached_to = attached_to;
+            self.frames[index].relative_to = relative_to.unwrap_or(beside);
+        }
+        self.attach_all();
+        self.place_all()
+    }
+
+    fn place_all(&mut self) -> Result<(), Error> {
+        let mut locals = vec![None; self.len()];
+        let mut is_placed = vec![false; self.len()];
+        is_placed[WORLD] = true;
+        for index in 1..self.len() {
+            let (mut way, mut frame) = (Vec::new(), index);
+            while !is_placed[frame] {
+                if way.len() > self.len() {
+                    return Err(self.circle("the pose of", index));
+                }
+                way.push(frame);
+                frame = self.frames[frame].relative_to;
+            }
+            while let Some(next) = way.pop() {
+                let local = self.local(next, &mut locals)?;
+                let around = self.frames[next].relative_to;
+                self.frames[next].world_from = self.frames[around].world_from * local;
+                is_placed[next] = true;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where a frame is in the one that it is relative to [m].
+    fn local(&self, frame: usize, locals: &mut [Option<Pose>]) -> Result<Pose, Error> {
+        if let Some(known) = locals[frame] {
+            return Ok(known);
+        }
+        let mut local = self.frames[frame].pose;
+        if let Some(inner) = self.frames[frame].placed_by {
+            let (mut model_from_inner, mut at) = (Pose::identity(), inner);
+            let mut steps = 0;
+            while at != frame {
+                steps += 1;
+                if at == WORLD || steps > self.len() {
+                    return Err(self.circle("the pose of", frame));
+                }
+                model_from_inner = self.local(at, locals)? * model_from_inner;
+                at = self.frames[at].relative_to;
+            }
+            local *= model_from_inner.inverse();
+        }
+        locals[frame] = Some(local);
+        Ok(local)
+    }
+
+    /// The link, or the world, with which a frame moves.
+    pub(super) fn link_of(&self, frame: usize) -> Result<usize, Error> {
+        self.frames[frame].link.ok_or_else(|| self.circle("the link of", frame))
+    }
+
+    fn attach_all(&mut self) {
+        let mut is_seen = vec![false; self.len()];
+        is_seen[WORLD] = true;
+        for index in 1..self.len() {
+            let (mut way, mut frame) = (Vec::new(), index);
+            while !std::mem::replace(&mut is_seen[frame], true) {
+                way.push(frame);
+                if let Kind::Link { .. } = self.frames[frame].kind {
+                    self.frames[frame].link = Some(frame);
+                    break;
+                }
+                frame = self.frames[frame].attached_to;
+            }
+            // Of a circle no link is known yet, and none will be.
+            let link = self.frames[frame].link;
+            way.into_iter().for_each(|frame| self.frames[frame].link = link);
+        }
+    }
+
+    fn circle(&self, what: &'static str, frame: usize) -> Error {
+        let name = self.frames[frame].name.clone();
+        self.xml.wrong(place(self.node(frame)), Problem::Circle { what, name })
+    }
+}

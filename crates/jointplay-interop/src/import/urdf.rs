@@ -1,0 +1,352 @@
+//! Robots of ROS (URDF): links in a tree; loops come from a file beside it, see [`jointplay_format::mechanism::with_loops`].
+//!
+//! The root link is the base.
+//! Joints of a transmission, or with a command interface, are actuated.
+
+use std::collections::BTreeSet;
+
+use jointplay_core::mechanism::JointKind;
+use jointplay_core::spatial::Pose;
+use nalgebra::{Rotation3, Translation3, Vector3};
+use roxmltree::Node;
+
+use super::draft::{Draft, bare};
+use super::model::{Dialect, Imported};
+use super::problem::Error;
+use super::xml::{Advice, Value, attribute, children, content, elements, is_foreign, place};
+use jointplay_format::mechanism::frame::{pose, some_perpendicular};
+
+pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {
+    let xml = draft.xml;
+    let name = xml.needed_name(root)?;
+    for node in children(root) {
+        let tag = node.tag_name();
+        match (is_foreign(node), tag.name()) {
+            (false, "link" | "joint" | "transmission" | "ros2_control") => {}
+            (true, _) if tag.namespace().is_some_and(|space| space.contains("xacro")) => {
+                let advice = Advice("expand the file first: xacro FILE > robot.urdf");
+                return Err(xml.unsupported(node, "a macro of xacro", advice));
+            }
+            (true, "joint") => {
+                let advice = Advice("only URDF's own joints are known");
+                return Err(xml.unsupported(node, "a joint of a dialect", advice));
+            }
+            (_, other) => draft.ignore(other),
+        }
+    }
+    let links: Vec<Node> = elements(root, "link").collect();
+    let joints: Vec<Node> = elements(root, "joint").collect();
+    let children_of_joints = joints.iter().filter_map(|joint| elements(*joint, "child").next());
+    let carried: BTreeSet<&str> =
+        children_of_joints.filter_map(|child| child.attribute("link")).map(str::trim).collect();
+    let is_root =
+        |link: &&Node| link.attribute("name").is_some_and(|n| !carried.contains(n.trim()));
+    // Some dialects hang a robot on a world that they do not list among the links.
+    let is_world = |name: Option<&str>| name.map(str::trim) == Some("world");
+    let lists_world = links.iter().any(|link| is_world(link.attribute("name")));
+    let mut parents = joints.iter().flat_map(|joint| elements(*joint, "parent"));
+    let world = parents.find(|parent| !lists_world && is_world(parent.attribute("link")));
+    let base = links.iter().find(is_root).copied();
+    match (world, base) {
+        (Some(world), _) => {
+            draft.add_link("world", place(world))?;
+        }
+        (None, Some(base)) => add_link(&mut draft, base)?,
+        (None, None) => {
+            let advice = Advice("URDF is a tree with one link that no joint carries");
+            return Err(xml.unsupported(root, "a robot without a root link", advice));
+        }
+    }
+    // After the base in the order of the file.
+    for link in links.into_iter().filter(|&link| world.is_some() || Some(link) != base) {
+        add_link(&mut draft, link)?;
+    }
+    let mut is_carried = vec![false; draft.links()];
+    for node in joints {
+        joint(&mut draft, node, &mut is_carried)?;
+    }
+    for section in children(root) {
+        let driven: Vec<Node> = match section.tag_name().name() {
+            "transmission" => elements(section, "joint").collect(),
+            "ros2_control" => elements(section, "joint")
+                .filter(|joint| elements(*joint, "command_interface").next().is_some())
+                .collect(),
+            _ => continue,
+        };
+        for node in driven {
+            // Older files name the joint by the element's text.
+            let value = attribute(node, "name").unwrap_or_else(|| content(node));
+            match draft.joint(value.text) {
+                Some(number) => draft.descriptions[number].actuated = true,
+                None => return Err(xml.unknown("joint", &value, draft.joint_names())),
+            }
+        }
+    }
+    draft.finish(name, Dialect::Urdf)
+}
+
+fn add_link<'a>(draft: &mut Draft<'a>, link: Node<'a, 'a>) -> Result<(), Error> {
+    draft.add_link(draft.xml.needed_name(link)?, place(link))?;
+    children(link).for_each(|part| draft.ignore(part.tag_name().name()));
+    Ok(())
+}
+
+fn joint<'a>(
+    draft: &mut Draft<'a>,
+    node: Node<'a, 'a>,
+    is_carried: &mut [bool],
+) -> Result<(), Error> {
+    let xml = draft.xml;
+    let name = xml.needed_name(node)?;
+    let value = attribute(node, "type").ok_or_else(|| xml.missing(node, "type"))?;
+    let kind = match value.text {
+        "revolute" | "continuous" => JointKind::Revolute,
+        "prismatic" => JointKind::Prismatic,
+        "fixed" => JointKind::Fixed,
+        "floating" => JointKind::Floating,
+        "planar" => JointKind::Planar,
+        "spherical" => JointKind::Spherical,
+        _ => {
+            let expected = "revolute, continuous, prismatic, fixed, floating, planar or spherical";
+            return Err(xml.unusable(&value, expected));
+        }
+    };
+    let (mut ends, mut parts) = ([None, None], [None, None, None]);
+    for part in children(node) {
+        let slot = match part.tag_name().name() {
+            "parent" => &mut ends[0],
+            "child" => &mut ends[1],
+            "origin" => &mut parts[0],
+            "axis" => &mut parts[1],
+            "limit" => &mut parts[2],
+            "mimic" => {
+                let advice = Advice(
+                    "it couples joints, which no joint of a mechanism does; leave it out to go without it",
+                );
+                return Err(xml.unsupported(part, "a joint that mimics another", advice));
+            }
+            other @ ("dynamics" | "calibration" | "safety_controller" | "hardwareInterface") => {
+                draft.ignore(format!("{other} of a joint"));
+                continue;
+            }
+            other => {
+                let advice = Advice("what it would do to the mechanism is not known");
+                return Err(xml.unsupported(part, format!("<{other}> of a joint"), advice));
+            }
+        };
+        if slot.replace(part).is_some() {
+            let advice = Advice("a joint has one at most");
+            let what = format!("a second <{}> of a joint", part.tag_name().name());
+            return Err(xml.unsupported(part, what, advice));
+        }
+    }
+    let [parent, child] = ends;
+    let links = [end(draft, node, parent, "parent")?, end(draft, node, child, "child")?];
+    if std::mem::replace(&mut is_carried[links[1]], true) {
+        let advice =
+            Advice("URDF is a tree; a loop is closed by a joint in a file of loops beside it");
+        let what =
+            format!("link {:?}, which another joint carries already,", draft.link_name(links[1]));
+        return Err(xml.unsupported(child.unwrap_or(node), what, advice));
+    }
+    let [origin, axis, limit] = parts;
+    let parent_from_child =
+        origin.map_or(Ok(Pose::identity()), |origin| place_of(draft, origin))?;
+    let has_axis = matches!(kind, JointKind::Revolute | JointKind::Prismatic | JointKind::Planar);
+    let xyz = axis.filter(|_| has_axis).and_then(|axis| attribute(axis, "xyz"));
+    let z = match xyz {
+        Some(xyz) => xml.direction(&xyz)?,
+        None if has_axis => Vector3::x_axis(),
+        None => Vector3::z_axis(),
+    };
+    let child_from_joint = pose(Vector3::zeros(), some_perpendicular(z), z);
+    let frames = [parent_from_child * child_from_joint, child_from_joint];
+    let mut joint = bare(name.to_owned(), kind, links, frames);
+    if let Some(limit) = limit {
+        draft.ignore_attributes(limit, &["lower", "upper"]);
+        let bounds = [attribute(limit, "lower"), attribute(limit, "upper")];
+        let is_said = bounds.iter().any(Option::is_some);
+        let [least, most] =
+            bounds.map(|bound| bound.map_or(Ok(0.0), |bound: Value| xml.number(&bound)));
+        let (least, most) = (least?, most?);
+        match value.text {
+            "revolute" | "prismatic" if least < most => joint.limits = vec![[least, most]],
+            "revolute" | "prismatic" if is_said => {
+                draft.ignore("limit whose lower is not below its upper");
+            }
+            other if is_said => draft.ignore(format!("limit of a {other} joint")),
+            _ => {}
+        }
+    }
+    draft.add_joint(joint, place(node))
+}
+
+/// The link at an end of a joint.
+fn end<'a>(
+    draft: &Draft<'a>,
+    joint: Node<'a, 'a>,
+    end: Option<Node<'a, 'a>>,
+    name: &'static str,
+) -> Result<usize, Error> {
+    let xml = draft.xml;
+    let end = end.ok_or_else(|| xml.missing(joint, name))?;
+    let link = attribute(end, "link").ok_or_else(|| xml.missing(end, "link"))?;
+    draft.link(link.text).ok_or_else(|| xml.unknown("link", &link, draft.link_names()))
+}
+
+/// Where an `origin` is.
+fn place_of<'a>(draft: &Draft<'a>, origin: Node<'a, 'a>) -> Result<Pose, Error> {
+    let xml = draft.xml;
+    let vector = |name| {
+        let value = attribute(origin, name);
+        value.map(|value| xml.vector(&value)).transpose().map(Option::unwrap_or_default)
+    };
+    let (xyz, rpy) = (vector("xyz")?, vector("rpy")?);
+    let rotation = Rotation3::from_euler_angles(rpy.x, rpy.y, rpy.z);
+    Ok(Pose::from_parts(Translation3::from(xyz), rotation))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::testing;
+
+    const ARM: &str = r#"<robot name="arm">
+  <link name="hand"><visual/></link>
+  <link name="base"/>
+  <joint name="wrist" type="revolute">
+    <origin xyz="0 0 1" rpy="0 0 0.5"/>
+    <parent link="base"/>
+    <child link="hand"/>
+    <axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="5" velocity="1"/>
+    <dynamics damping="1"/>
+  </joint>
+  <transmission name="t"><joint name="wrist"/></transmission>
+</robot>"#;
+
+    #[test]
+    fn the_root_link_is_the_base() {
+        let model = testing::read(ARM);
+        assert_eq!(model.mechanism.links(), ["base", "hand"]);
+        let [wrist] = model.mechanism.joints() else { panic!() };
+        assert!(wrist.actuated);
+        assert_eq!(wrist.limits, [[-1.0, 1.0]]);
+        assert_eq!(wrist.frames[1].rotation * Vector3::z(), Vector3::y());
+        assert_eq!(wrist.frames[0].translation.vector, Vector3::z());
+        let ignored = [
+            "1 × dynamics of a joint",
+            "1 × effort of limit",
+            "1 × velocity of limit",
+            "1 × visual",
+        ];
+        assert_eq!(model.ignored, ignored);
+    }
+
+    #[test]
+    fn every_kind_of_joint_is_taken_over() {
+        for (kind, expected) in [
+            ("revolute", JointKind::Revolute),
+            ("continuous", JointKind::Revolute),
+            ("prismatic", JointKind::Prismatic),
+            ("fixed", JointKind::Fixed),
+            ("floating", JointKind::Floating),
+            ("planar", JointKind::Planar),
+            ("spherical", JointKind::Spherical),
+        ] {
+            let model = testing::read(&ARM.replace("\"revolute\"", &format!("{kind:?}")));
+            let wrist = &model.mechanism.joints()[0];
+            assert_eq!(wrist.kind, expected);
+            let has_limits = matches!(kind, "revolute" | "prismatic");
+            assert_eq!(wrist.limits.len(), usize::from(has_limits), "{kind}");
+            let listed = format!("1 × limit of a {kind} joint");
+            assert_eq!(model.ignored.contains(&listed), !has_limits, "{:?}", model.ignored);
+        }
+    }
+
+    #[test]
+    fn a_world_that_is_not_listed_is_the_base() {
+        let hung = "<joint name=\"hung\" type=\"fixed\"><parent link=\"world\"/><child link=\"base\"/></joint>";
+        let text = ARM.replace("<transmission", &format!("{hung}<transmission"));
+        assert_eq!(testing::read(&text).mechanism.links(), ["world", "hand", "base"]);
+        let listed = text.replace("<transmission", "<link name=\"world\"/><transmission");
+        assert_eq!(testing::read(&listed).mechanism.links(), ["world", "hand", "base"]);
+    }
+
+    #[test]
+    fn a_namespace_of_all_elements_is_no_dialect() {
+        let all = ARM.replace("<robot", "<robot xmlns=\"http://www.ros.org\"");
+        assert_eq!(testing::read(&all).mechanism, testing::read(ARM).mechanism);
+    }
+
+    #[test]
+    fn joints_with_a_command_are_actuated() {
+        let control = "<ros2_control><joint name=\"wrist\"><command_interface name=\"position\"/></joint></ros2_control>";
+        let transmission = "<transmission name=\"t\"><joint name=\"wrist\"/></transmission>";
+        let is_actuated = |text: &str| testing::read(text).mechanism.joints()[0].actuated;
+        assert!(is_actuated(&ARM.replace(transmission, control)));
+        assert!(!is_actuated(&ARM.replace(transmission, &control.replace("command", "state"))));
+        assert!(is_actuated(&ARM.replace("<joint name=\"wrist\"/>", "<joint>wrist</joint>")));
+    }
+
+    #[test]
+    fn what_would_change_the_mechanism_is_refused() {
+        let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
+        refuse("\"revolute\"", "\"hinge\"", "hinge", "revolute, continuous");
+        refuse(
+            "<dynamics damping=\"1\"/>",
+            "<mimic joint=\"x\"/>",
+            "<mimic joint=\"x\"/>",
+            "couples joints",
+        );
+        refuse("<dynamics damping=\"1\"/>", "<axes/>", "<axes/>", "<axes> of a joint cannot");
+        refuse("<dynamics damping=\"1\"/>", "<axis/>", "<axis/>", "a second <axis>");
+        refuse("\"0 1 0\"", "\"0 0 0\"", "0 0 0", "a direction that is not 0");
+        refuse("\"0 1 0\"", "\"0 1\"", "0 1", "3 numbers");
+        refuse("\"0 0 0.5\"", "\"0 0 nan\"", "0 0 nan", "3 numbers");
+        refuse(
+            "<parent link=\"base\"/>",
+            "<parent link=\"bass\"/>",
+            "bass",
+            "did you mean `base`?",
+        );
+        refuse("<parent link=\"base\"/>", "<parent/>", "<parent/>", "`parent` needs `link`");
+        refuse(
+            "<parent link=\"base\"/>",
+            "",
+            "<joint name=\"wrist\" type=\"revolute\">",
+            "needs `parent`",
+        );
+        refuse(
+            "<parent link=\"base\"/>",
+            "<parent link=\"hand\"/>",
+            "<joint name=\"wrist\" type=\"revolute\">",
+            "to itself",
+        );
+        refuse(
+            "<link name=\"base\"/>",
+            "<link name=\"base\"/><link name=\"x\"/>",
+            "<link name=\"x\"/>",
+            "not connected to the base",
+        );
+        refuse(
+            "<link name=\"base\"/>",
+            "<link name=\"hand\"/>",
+            "<robot name=\"arm\">",
+            "without a root link",
+        );
+        refuse(
+            "<joint name=\"wrist\"/>",
+            "<joint name=\"west\"/>",
+            "west",
+            "joint \"west\" is not known",
+        );
+        let second = "<joint name=\"b\" type=\"fixed\"><parent link=\"base\"/><child link=\"hand\"/></joint><transmission";
+        refuse("<transmission", second, "<child link=\"hand\"/>", "a file of loops beside it");
+        let space =
+            "<robot name=\"arm\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:arm/>";
+        refuse("<robot name=\"arm\">", space, "<xacro:arm/>", "xacro FILE > robot.urdf");
+        let space = "<robot name=\"arm\" xmlns:drake=\"d\"><drake:joint/>";
+        refuse("<robot name=\"arm\">", space, "<drake:joint/>", "a joint of a dialect");
+    }
+}

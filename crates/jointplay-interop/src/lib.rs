@@ -1,0 +1,9 @@
+//! Other programs' formats.
+//!
+//! | to… | use |
+//! | --- | --- |
+//! | import a model of MuJoCo, Gazebo or ROS | [`import::parse`] |
+//! | export a cell's motion | [`export`] |
+
+pub mod export;
+pub mod import;

@@ -1,0 +1,677 @@
+//! Exported motions: as long as the motion, at its ends exactly, and with what is wrong with it.
+#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+
+use jointplay_cell::check::{CheckOptions, Moment, check_pose};
+use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
+use jointplay_cell::robot::{
+    Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
+    PlatformModel,
+};
+use jointplay_cell::station::{Approach, Origin, SlotId, Station, Stroke};
+use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
+use jointplay_cell::wafer::{Droop, Material, Support, Wafer};
+use jointplay_cell::workcell::Cell;
+use jointplay_core::gpr::Gpr;
+use jointplay_core::spatial::Pose;
+use jointplay_core::virtualization::BuiltIn;
+use jointplay_format::{cell, program};
+use jointplay_interop::export::dialect::{DIALECTS, Dialect};
+use jointplay_interop::export::{Flaw, Frame, MACRO, Recording, frames, gltf, samples, solidworks};
+use jointplay_report::table::Values;
+use nalgebra::SVector;
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+const PROGRAM: &str = "HOME\nGET port WITH A\nWAIT 0.25\n";
+const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
+const SLOT: SlotId = SlotId { station: 0, slot: 1 };
+
+fn axis(name: &str, kind: AxisKind, [min, max, home]: [f64; 3]) -> Axis {
+    let dynamics = KinematicLimits { velocity: 2.0, acceleration: 10.0, jerk: 100.0 };
+    Axis { name: name.to_owned(), kind, min, max, home, empty: dynamics, loaded: dynamics }
+}
+
+/// A robot with one radial arm before one slot with a wafer.
+fn cell() -> Cell {
+    let gpr = Gpr::paper();
+    let limits = *gpr.limits();
+    let half = std::f64::consts::FRAC_PI_2;
+    let joint = |zero: f64, drives: &[(usize, f64)], length: f64| ArmJoint {
+        kind: AxisKind::Rotary,
+        zero,
+        drives: drives.to_vec(),
+        length,
+        offset: 0.0,
+        rise: 0.01,
+    };
+    let arm = Arm {
+        name: "upper".to_owned(),
+        mount: [0.0, 0.0, 0.1],
+        joints: vec![
+            joint(-half, &[(3, 1.0), (4, 1.0)], 0.2),
+            joint(2.0 * half, &[(4, -2.0)], 0.2),
+            joint(-half, &[(4, 1.0)], 0.0),
+        ],
+        effectors: vec![Effector {
+            name: "A".to_owned(),
+            wafer_center: [0.2, 0.0, 0.004],
+            heading: 0.0,
+            support: Support::Edge,
+            friction: 0.4,
+        }],
+        droop: Droop::Rigid,
+    };
+    let rod = |name: &str| {
+        axis(name, AxisKind::Linear, [limits.rod_min, limits.rod_max, gpr.working_height()])
+    };
+    let axes = vec![
+        rod("q1"),
+        rod("q2"),
+        rod("q3"),
+        axis("T", AxisKind::Rotary, [-3.0, 3.0, 0.0]),
+        axis("R", AxisKind::Rotary, [-1.5, 1.5, 0.2]),
+    ];
+    let robot = HybridRobot {
+        name: "one arm".to_owned(),
+        gpr,
+        model: PlatformModel::default(),
+        axes,
+        arms: vec![arm],
+        assumed: vec![],
+    };
+    let silicon =
+        Material { name: "silicon".to_owned(), young: 147e9, poisson: 0.18, density: 2329.0 };
+    Cell {
+        name: "small".to_owned(),
+        assumed: vec![],
+        robot: robot.checked().unwrap(),
+        wafer: Wafer { diameter: 0.3, thickness: 775e-6, material: silicon },
+        stations: vec![Station {
+            name: "port".to_owned(),
+            base_from_station: Pose::translation(0.5, 0.1, 0.62),
+            origin: Origin::Nominal,
+            slots: 1,
+            pitch: 0.01,
+            stroke: Stroke { below: 0.005, above: 0.005, speed: 0.05 },
+            offset: [0.0; 3],
+            retract_reach: 0.3,
+            via: vec![],
+            approach: Approach::Radial,
+            effectors: vec![ID],
+            process_time: 0.0,
+        }],
+        occupied: vec![SLOT],
+        carried: vec![],
+        bodies: vec![],
+        allowed_pairs: vec![],
+        zones: vec![],
+        play_budget: 1e-4,
+        clearance: 0.001,
+        slot_clearance: 0.001,
+        gravity: 9.81,
+        plane_threshold: 1e-3,
+    }
+}
+
+/// Out, the wafer taken, in with it, and a rest.
+fn motion(cell: &Cell) -> Trajectory {
+    let home: Vec<f64> = cell.robot.axes.iter().map(|axis| axis.home).collect();
+    let mut out = home.clone();
+    (out[3], out[4]) = (0.7, 1.1);
+    let step = |instruction: usize, phase, from: &[f64], to: &[f64], path| Step {
+        instruction,
+        place: Place { line: instruction + 1, column: 1 },
+        phase,
+        from: from.to_vec(),
+        to: to.to_vec(),
+        path,
+        speed: 1.0,
+        blend: 0.0,
+        line_speed: None,
+        loaded: vec![],
+        handover: None,
+        slot: None,
+    };
+    let mut extend = step(1, Phase::Extend, &home, &out, Path::PointToPoint);
+    extend.handover = Some(Handover::Picked(ID, SLOT));
+    let mut retract = step(1, Phase::Retract, &out, &home, Path::PointToPoint);
+    retract.loaded = vec![ID];
+    let mut wait = step(2, Phase::Wait, &home, &home, Path::Dwell(0.25));
+    wait.loaded = vec![ID];
+    plan_trajectory(cell, vec![extend, retract, wait], &TrajectoryOptions::default()).unwrap()
+}
+
+fn flaw() -> Vec<Flaw> {
+    vec![Flaw { from: 0.1, to: 0.2, message: "line 2: slip: the wafer \"slips\"".to_owned() }]
+}
+
+/// Runs a test with a sound recording and one with a flaw.
+fn with(test: impl Fn(&Recording<'_>)) {
+    let cell = cell();
+    let motion = motion(&cell);
+    for flaws in [vec![], flaw()] {
+        test(&Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &flaws });
+    }
+}
+
+#[test]
+fn a_table_ends_with_the_motion() {
+    with(|recording| {
+        let columns = samples(recording, 100.0).unwrap();
+        let real = |name: &str| match &columns.iter().find(|one| one.name == name).unwrap().values {
+            Values::Real(values) => values.clone(),
+            Values::Count(_) => panic!("{name} is counted"),
+        };
+        let duration = recording.motion.duration();
+        let time = real("time_s");
+        assert_eq!(time.last(), Some(&duration));
+        assert_eq!(time[7], 0.07);
+        assert_eq!(real("T_deg").last(), Some(&0.0));
+        let fastest = real("T_deg_per_s").into_iter().fold(0.0, f64::max);
+        assert!(fastest > 10.0 && fastest <= 2_f64.to_degrees() + 1e-9, "{fastest}");
+        let pose = recording.cell.robot.forward(&recording.motion.at(0.0).positions).unwrap();
+        let x = pose.base_from_wafer[0][0].translation.vector.x;
+        assert!((real("A_x_mm")[0] - 1e3 * x).abs() < 1e-9);
+        let violations = columns.iter().find(|one| one.name == "violations");
+        assert_eq!(violations.is_some(), !recording.flaws.is_empty());
+        if let Some(violations) = violations {
+            let Values::Count(counts) = &violations.values else { panic!("not counted") };
+            assert_eq!((counts[0], counts[15], counts[30]), (0, 1, 0));
+        }
+    });
+}
+
+/// The description and the numbers of a binary glTF file.
+fn parts(file: &[u8]) -> (Value, Vec<u8>) {
+    let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap()) as usize;
+    assert_eq!((&file[..4], word(4), word(8)), (&b"glTF"[..], 2, file.len()));
+    let json = word(12);
+    let numbers = 20 + json;
+    assert_eq!(numbers + 8 + word(numbers), file.len());
+    (serde_json::from_slice(&file[20..numbers]).unwrap(), file[numbers + 8..].to_vec())
+}
+
+/// The numbers of an accessor.
+fn numbers(root: &Value, bytes: &[u8], accessor: usize) -> Vec<f32> {
+    let accessor = &root["accessors"][accessor];
+    let view =
+        &root["bufferViews"][usize::try_from(accessor["bufferView"].as_u64().unwrap()).unwrap()];
+    let index = |value: &Value| usize::try_from(value.as_u64().unwrap()).unwrap();
+    let start = index(&view["byteOffset"]);
+    let bytes = &bytes[start..start + index(&view["byteLength"])];
+    bytes.chunks(4).map(|four| f32::from_le_bytes(four.try_into().unwrap())).collect()
+}
+
+#[test]
+fn the_platform_stands_where_the_robots_own_model_puts_it() {
+    let mut shifts = Vec::new();
+    for virtualization in [BuiltIn::Planar, BuiltIn::Radial, BuiltIn::Polar] {
+        let mut cell = cell();
+        cell.robot.model.virtualization = virtualization;
+        let mut motion = motion(&cell);
+        for step in &mut motion.steps {
+            (step.from[0], step.to[0]) = (0.501, 0.501);
+        }
+        let motion = plan_trajectory(&cell, motion.steps, &TrajectoryOptions::default()).unwrap();
+        let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+        let (root, _) = parts(&gltf(&recording, 50.0).unwrap());
+        let nodes = root["nodes"].as_array().unwrap();
+        let node = nodes.iter().find(|node| node["name"] == "platform").unwrap();
+        let pose = cell.robot.forward(&motion.at(0.0).positions).unwrap();
+        let origin = pose.platform.base_from_platform.translation.vector;
+        for k in 0..3 {
+            let shown = node["translation"][k].as_f64().unwrap();
+            assert!((shown - origin[k]).abs() < 1e-7 * origin[k].abs() + 1e-9, "{node} {origin}");
+        }
+        shifts.push(origin.xy());
+        let columns = samples(&recording, 50.0).unwrap();
+        let column = columns.iter().find(|one| one.name == "A_x_mm").unwrap();
+        let Values::Real(values) = &column.values else { panic!("not real") };
+        let x = pose.base_from_wafer[0][0].translation.vector.x;
+        assert!((values[0] - 1e3 * x).abs() < 1e-9, "{values:?} {x}");
+    }
+    assert!((shifts[0] - shifts[1]).norm() > 1e-6 && (shifts[1] - shifts[2]).norm() > 1e-6);
+}
+
+#[test]
+fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
+    with(|recording| {
+        let (root, bytes) = parts(&gltf(recording, 60.0).unwrap());
+        let index = |value: &Value| usize::try_from(value.as_u64().unwrap()).unwrap();
+        let animation = &root["animations"][0];
+        let mut moved = Vec::new();
+        for channel in animation["channels"].as_array().unwrap() {
+            let sampler = &animation["samplers"][index(&channel["sampler"])];
+            let times = numbers(&root, &bytes, index(&sampler["input"]));
+            assert_eq!(times[0], 0.0);
+            assert_eq!(*times.last().unwrap(), recording.motion.duration() as f32);
+            assert!(times.windows(2).all(|pair| pair[0] < pair[1]));
+            let node = &root["nodes"][index(&channel["target"]["node"])];
+            let values = numbers(&root, &bytes, index(&sampler["output"]));
+            moved.push((
+                node["name"].as_str().unwrap().to_owned(),
+                channel["target"]["path"].clone(),
+                values,
+            ));
+        }
+        // Nothing but the arm and the wafer moves.
+        let names: Vec<&str> = moved.iter().map(|(name, ..)| name.as_str()).collect();
+        assert_eq!(
+            names,
+            ["upper link 1", "upper link 2", "upper link 3", "wafer of port 1", "wafer of port 1"]
+        );
+        let (_, _, places) = moved.iter().find(|(_, path, _)| path == "translation").unwrap();
+        let robot = &recording.cell.robot;
+        let at = |time: f64| {
+            robot.forward(&recording.motion.at(time).positions).unwrap().base_from_wafer[0][0]
+        };
+        let taken = at(recording.motion.times[1]);
+        let slot = recording.cell.stations[0].slot_frame(1);
+        let expected = at(recording.motion.duration()) * taken.inverse() * slot;
+        // A key is how fast it comes, where it is, and how fast it goes.
+        let key = &places[places.len() - 9..];
+        let last: Vec<f64> = key[3..6].iter().map(|&one| f64::from(one)).collect();
+        assert_eq!((&key[..3], &key[6..]), (&[0.0; 3][..], &[0.0; 3][..]));
+        let off = nalgebra::Vector3::from_row_slice(&last) - expected.translation.vector;
+        assert!(off.norm() < 1e-6, "{off}");
+        let warned = root["asset"]["extras"]["warning"].is_string();
+        assert_eq!(warned, !recording.flaws.is_empty());
+        assert_eq!(
+            root["asset"]["extras"]["duration_s"].as_f64().unwrap(),
+            recording.motion.duration()
+        );
+    });
+}
+
+#[test]
+fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
+    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    let program = program::parse("HOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\n").unwrap();
+    let motion =
+        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
+            .unwrap();
+    let recording = Recording { cell: &cell, motion: &motion, program: "", flaws: &[] };
+    let pose = |frames: &[Frame], name: &str| {
+        let frame = frames.iter().find(|frame| frame.name == name).unwrap();
+        let [x, y, z] = frame.place;
+        let [i, j, k, w] = frame.turn;
+        let turn = nalgebra::Unit::new_normalize(nalgebra::Quaternion::new(w, i, j, k));
+        Pose::from_parts(nalgebra::Translation3::new(x, y, z), turn.to_rotation_matrix())
+    };
+    let mut drops = Vec::new();
+    for (k, step) in motion.steps.iter().enumerate() {
+        // Within the step: at its end the wafer may change hands.
+        let time = 0.5 * (motion.times[k] + motion.times[k + 1]);
+        let at = motion.at(time).positions;
+        let (frames, carried) = frames(&recording, time, &at).unwrap();
+        assert_eq!(carried, step.loaded);
+        let rigid = cell.robot.forward(&at).unwrap();
+        let last = (1..=4).fold(pose(&frames, "platform"), |link, number| {
+            link * pose(&frames, &format!("upper link {number}"))
+        });
+        let shown = last * rigid.base_from_link[0][3].inverse() * rigid.base_from_wafer[0][0];
+        let drooping = cell.wafer_pose(ID, &at, step.loaded.contains(&ID)).unwrap();
+        let off = (shown.translation.vector - drooping.translation.vector).norm();
+        let turned = (shown.rotation.matrix() - drooping.rotation.matrix()).norm();
+        assert!(off < 1e-8 && turned < 1e-10, "{k}: {off} {turned}");
+        let drop = rigid.base_from_wafer[0][0].translation.z - shown.translation.z;
+        drops.push(drop);
+        // The table tells the same.
+        let columns = samples(&recording, 1.0 / time).unwrap();
+        let column = columns.iter().find(|one| one.name == "A_z_mm").unwrap();
+        let Values::Real(values) = &column.values else { panic!("not real") };
+        assert!((values[1] - 1e3 * drooping.translation.z).abs() < 1e-6, "{k}: {values:?}");
+    }
+    // Nothing where it is folded over its joint, half a millimetre where it reaches out.
+    assert!(drops.iter().all(|drop| (-1e-9..6e-4).contains(drop)), "{drops:?}");
+    assert!(drops.iter().any(|drop| *drop > 5e-4), "{drops:?}");
+    // The wafer lies in its slots, each to a micrometre, and the picture's file tells when.
+    let end = motion.duration();
+    let (frames, _) = frames(&recording, end, &motion.at(end).positions).unwrap();
+    let slot = cell.stations[3].slot_frame(1);
+    let off = pose(&frames, "wafer of LP1 1").translation.vector - slot.translation.vector;
+    assert!(off.norm() < 1e-6, "{off}");
+    let (root, _) = parts(&gltf(&recording, 50.0).unwrap());
+    let nodes = root["nodes"].as_array().unwrap();
+    let named = |name: &str| nodes.iter().find(|node| node["name"] == name).unwrap();
+    // What belongs to a station says so, its slots and its bodies alike.
+    for (name, station) in [("LP1-left", "LP1"), ("LP2 25", "LP2"), ("process-right", "PM1")] {
+        assert_eq!(named(name)["extras"]["station"], station);
+    }
+    for name in ["wall", "slit-below", "optics"] {
+        assert!(named(name).get("extras").is_none(), "{name}");
+    }
+    let node = named("wafer of LP1 1");
+    let handed: Vec<f64> = motion
+        .steps
+        .iter()
+        .zip(&motion.times[1..])
+        .filter_map(|(step, &time)| step.handover.map(|_| time))
+        .collect();
+    let lies = serde_json::json!([
+        { "slot": "LP1 1", "from_s": 0.0, "to_s": handed[0] },
+        { "slot": "PM1 1", "from_s": handed[1], "to_s": end },
+    ]);
+    assert_eq!((node["extras"]["lies"].clone(), handed.len()), (lies, 2));
+}
+
+#[test]
+fn durations_of_controller_text_add_up_to_the_motion() {
+    with(|recording| {
+        let text = Dialect::neutral().write(recording, 100.0).unwrap();
+        let mut total = 0_i64;
+        for line in text.lines() {
+            let words: Vec<&str> = line.split(' ').collect();
+            if matches!(words[0], "MOVE" | "LINE" | "WAIT") {
+                total += words[1].replace('.', "").parse::<i64>().unwrap();
+            }
+        }
+        let duration = recording.motion.duration();
+        assert_eq!(total, (duration * 1e6).round() as i64);
+        assert!(text.ends_with(&format!("END {duration:.6}\n")), "{text}");
+        assert!(text.contains("TAKE A port 1\nMOVE "), "{text}");
+        assert!(text.contains("# line 2: GET port WITH A\nMOVE "), "{text}");
+        assert_eq!(text.starts_with("# NOT SAFE TO RUN: 1 violation"), !recording.flaws.is_empty());
+    });
+}
+
+#[test]
+fn controller_text_says_how_motions_run_into_each_other() {
+    let cell = cell();
+    let [out, back] = [0, 1].map(|k| motion(&cell).steps[k].clone());
+    let mut steps = vec![Step { handover: None, ..out }, Step { loaded: vec![], ..back }];
+    steps.iter_mut().for_each(|step| step.blend = 0.05);
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+    let overlap = motion.blend(0).unwrap().overlap;
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    let text = Dialect::neutral().write(&recording, 100.0).unwrap();
+    let words: Vec<Vec<&str>> = text.lines().map(|line| line.split(' ').collect()).collect();
+    let told: Vec<_> = words.iter().filter(|words| !words[0].starts_with('#')).collect();
+    assert_eq!(told[2][0], "MOVE", "{text}");
+    assert_eq!(told[3], &["BLEND", &format!("{overlap:.6}")], "{text}");
+    assert_eq!(told[4][0], "MOVE", "{text}");
+    let lasts = |k: usize| told[k][1].parse::<f64>().unwrap();
+    assert!((lasts(2) + lasts(4) - motion.duration()).abs() < 2e-6);
+}
+
+#[test]
+fn a_wait_that_takes_no_time_is_no_motion() {
+    let cell = cell();
+    let mut steps = motion(&cell).steps;
+    let wait = Path::ProcessDwell { since: 0, seconds: 0.1 };
+    steps.insert(2, Step { path: wait, ..steps[2].clone() });
+    let motion = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap();
+    assert_eq!(motion.times[2], motion.times[3]);
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    let text = Dialect::neutral().write(&recording, 100.0).unwrap();
+    let told = text.lines().map(|line| line.split(' ').take(2).collect::<Vec<_>>());
+    let waits: Vec<_> = told.filter(|words| words[0] == "WAIT").collect();
+    assert_eq!(waits, [["WAIT", "0.250000"]]);
+    #[cfg(feature = "mcap")]
+    {
+        let file = jointplay_interop::export::mcap::write(&recording, 100.0).unwrap();
+        let messages = mcap::MessageStream::new(&file).unwrap().map(Result::unwrap);
+        let trajectories = messages.filter(|one| one.channel.topic == "/joint_trajectory");
+        assert_eq!(trajectories.count(), 3);
+    }
+    // The others keep their numbers.
+    let columns = samples(&recording, 100.0).unwrap();
+    let column = columns.iter().find(|one| one.name == "step").unwrap();
+    let Values::Count(mut numbers) = column.values.clone() else { panic!("not counted") };
+    numbers.dedup();
+    assert_eq!(numbers, [1, 2, 4]);
+}
+
+#[test]
+fn controller_text_reads_well() {
+    let cell = cell();
+    let motion = motion(&cell);
+    let flaws = flaw();
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &flaws };
+    for entry in DIALECTS {
+        let dialect = Dialect::parse(entry.text).unwrap();
+        insta::assert_snapshot!(entry.name, dialect.write(&recording, 5.0).unwrap());
+    }
+}
+
+#[test]
+fn each_motor_of_solidworks_has_a_file_as_long_as_the_motion() {
+    with(|recording| {
+        let files = solidworks(recording, 100.0).unwrap();
+        let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
+        let (last, motors) = names.split_last().unwrap();
+        assert!(last.ends_with(MACRO), "{last}");
+        assert_eq!(motors.len(), recording.cell.robot.axes.len());
+        let (macro_text, motor_files) = files.split_last().unwrap();
+        for (name, text) in motor_files {
+            let (time, _) = text.lines().last().unwrap().split_once(',').unwrap();
+            assert_eq!(time.parse::<f64>().unwrap(), recording.motion.duration(), "{name}");
+            assert!(macro_text.1.contains(&format!("folder & \"{name}\"")), "{name}");
+            assert_eq!(name.starts_with("NOT-SAFE"), !recording.flaws.is_empty());
+        }
+        assert_eq!(macro_text.1.contains("MsgBox \"NOT SAFE"), !recording.flaws.is_empty());
+        // A quotation mark within a string of Visual Basic is written twice.
+        assert!(recording.flaws.is_empty() || macro_text.1.contains("\"\"slips\"\""));
+    });
+}
+
+#[test]
+fn rates_that_make_no_sense_are_refused() {
+    let cell = cell();
+    let motion = motion(&cell);
+    let recording = Recording { cell: &cell, motion: &motion, program: PROGRAM, flaws: &[] };
+    for rate in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e12] {
+        assert!(samples(&recording, rate).is_err(), "{rate}");
+        assert!(gltf(&recording, rate).is_err(), "{rate}");
+        assert!(solidworks(&recording, rate).is_err(), "{rate}");
+        assert!(Dialect::neutral().write(&recording, rate).is_err(), "{rate}");
+    }
+}
+
+#[cfg(feature = "mcap")]
+#[test]
+fn mcap_has_every_sample_and_the_steps() {
+    use std::collections::BTreeMap;
+
+    with(|recording| {
+        let file = jointplay_interop::export::mcap::write(recording, 100.0).unwrap();
+        let mut counts: BTreeMap<String, usize> = BTreeMap::new();
+        let mut last = 0;
+        for message in mcap::MessageStream::new(&file).unwrap() {
+            let message = message.unwrap();
+            *counts.entry(message.channel.topic.clone()).or_default() += 1;
+            last = last.max(message.log_time);
+            assert_eq!(message.channel.message_encoding, "cdr");
+        }
+        assert_eq!(last, (recording.motion.duration() * 1e9).round() as u64);
+        let rows = recording.motion.samples(100.0).count();
+        assert_eq!((counts["/joint_states"], counts["/tf"]), (rows, rows));
+        assert_eq!((counts["/joint_trajectory"], counts["/program"]), (3, 2));
+        assert_eq!(counts.get("/violations").copied().unwrap_or(0), recording.flaws.len());
+    });
+}
+
+/// Times, and three values for each.
+type Keys = (Vec<f32>, Vec<f32>);
+
+/// What a viewer makes of an animated node at a time [s]: place and turn.
+struct Animated<'a> {
+    root: &'a Value,
+    /// By node and path.
+    channels: BTreeMap<(usize, &'a str), Keys>,
+}
+
+impl<'a> Animated<'a> {
+    fn new(root: &'a Value, bytes: &[u8]) -> Self {
+        let index = |value: &Value| usize::try_from(value.as_u64().unwrap()).unwrap();
+        let animation = &root["animations"][0];
+        let channels = animation["channels"].as_array().unwrap().iter().map(|channel| {
+            let sampler = &animation["samplers"][index(&channel["sampler"])];
+            assert_eq!(sampler["interpolation"], "CUBICSPLINE");
+            let [times, values] =
+                ["input", "output"].map(|which| numbers(root, bytes, index(&sampler[which])));
+            let target = &channel["target"];
+            ((index(&target["node"]), target["path"].as_str().unwrap()), (times, values))
+        });
+        Self { root, channels: channels.collect() }
+    }
+
+    /// The value of a path, by the cubics of the specification.
+    fn value<const N: usize>(&self, node: usize, path: &str, time: f64) -> SVector<f64, N> {
+        let Some((times, values)) = self.channels.get(&(node, path)) else {
+            let at = &self.root["nodes"][node][path];
+            return SVector::from_fn(|k, _| at[k].as_f64().unwrap());
+        };
+        let told = |key: usize, part: usize| {
+            SVector::<f64, N>::from_fn(|k, _| f64::from(values[(3 * key + part) * N + k]))
+        };
+        let after = times.partition_point(|&at| f64::from(at) <= time).clamp(1, times.len() - 1);
+        let [from, to] = [after - 1, after].map(|key| f64::from(times[key]));
+        let (span, s) = (to - from, ((time - from) / (to - from)).min(1.0));
+        let (s2, s3) = (s * s, s * s * s);
+        (2.0 * s3 - 3.0 * s2 + 1.0) * told(after - 1, 1)
+            + span * (s3 - 2.0 * s2 + s) * told(after - 1, 2)
+            + (3.0 * s2 - 2.0 * s3) * told(after, 1)
+            + span * (s3 - s2) * told(after, 0)
+    }
+}
+
+#[test]
+fn between_keys_a_3d_scene_is_where_the_motion_is() {
+    let cell = cell::read(cell::EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap();
+    // Late in a long motion, where single precision tells times only to some 30 µs unless they are of a rate that is a power of two.
+    let text = "WAIT 800 s\nHOME\nTRANSFER LP1 SLOT 1 TO PM1 WITH A\nTRANSFER PM1 TO LP2 SLOT 25 WITH B\nHOME\n";
+    let program = program::parse(text).unwrap();
+    let motion =
+        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
+            .unwrap();
+    let recording = Recording { cell: &cell, motion: &motion, program: text, flaws: &[] };
+    let rate = 32.0;
+    let (root, bytes) = parts(&gltf(&recording, rate).unwrap());
+    let scene = Animated::new(&root, &bytes);
+    let nodes = root["nodes"].as_array().unwrap();
+    let wafer = nodes.iter().position(|node| node["name"] == "wafer of LP1 1").unwrap();
+    // As it is handed over its arm droops at once, for which a viewer takes the time between two keys.
+    let ends = motion.steps.iter().zip(&motion.times[1..]);
+    let handed: Vec<f64> =
+        ends.filter(|(step, _)| step.handover.is_some()).map(|(_, &time)| time).collect();
+    let between = |at: f64| handed.iter().all(|time| (time - at).abs() > 1.0 / rate);
+    let (mut off, mut turned) = (0_f64, 0_f64);
+    let fine = motion.samples(5.0 * rate).filter(|at| at.time > 800.0 && between(at.time));
+    for at in fine {
+        let (frames, _) = frames(&recording, at.time, &at.positions).unwrap();
+        let real = frames.iter().find(|frame| frame.name == "wafer of LP1 1").unwrap();
+        let place = scene.value::<3>(wafer, "translation", at.time);
+        off = off.max((place - SVector::from(real.place)).norm());
+        let (turn, real) = (scene.value::<4>(wafer, "rotation", at.time), SVector::from(real.turn));
+        let turn = turn.normalize();
+        turned = turned.max(2.0 * (turn - real).norm().min((turn + real).norm()));
+    }
+    assert!(off > 0.0 && off < 5e-6 && turned < 20e-6, "{off} m, {turned} rad");
+}
+
+#[test]
+fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
+    // Small balls: on every link and on the platform, and four beside the robot to measure from.
+    let mut text = cell::EXAMPLE.to_owned();
+    let mut balls: Vec<(String, String)> = Vec::new();
+    for (k, arm) in ["upper", "lower"].iter().enumerate() {
+        for link in 1..=4 {
+            let on = format!("on = {{ arm = \"{arm}\", link = {link} }}");
+            balls.push((format!("ball-{k}{link}"), on));
+        }
+    }
+    balls.push(("ball-platform".to_owned(), "on = \"platform\"".to_owned()));
+    let place = |k: usize| [70.0 + 9.0 * k as f64, 11.0 * k as f64 - 40.0, 5.0 - 2.0 * k as f64];
+    let ball = |name: &str, on: &str, at: [f64; 3]| {
+        let shape = "capsule = { from_mm = [0, 0, 0], to_mm = [0, 0, 0.0001], radius_mm = 1.0 }";
+        format!("[[body]]\nname = \"{name}\"\n{on}\nposition_mm = {at:?}\n{shape}\n")
+    };
+    let markers =
+        [[900.0, 0.0, 900.0], [-500.0, 700.0, 300.0], [0.0, -900.0, 1100.0], [100.0, 90.0, 1300.0]];
+    for (k, (name, on)) in balls.iter().enumerate() {
+        text += &ball(name, on, place(k));
+    }
+    for (k, at) in markers.iter().enumerate() {
+        text += &ball(&format!("marker-{k}"), "", *at);
+    }
+    let cell = cell::read(&text, &mut |_| Err("no files".to_owned())).unwrap();
+    let program = "TRANSFER LP1 SLOT 25 TO PM1 WITH B\nTRANSFER PM1 TO LP2 SLOT 25 WITH A\n";
+    let program = program::parse(program).unwrap();
+    let motion =
+        plan_trajectory(&cell, expand(&cell, &program).unwrap(), &TrajectoryOptions::default())
+            .unwrap();
+    let recording = Recording { cell: &cell, motion: &motion, program: "", flaws: &[] };
+    let rate = 64.0;
+    let (root, bytes) = parts(&gltf(&recording, rate).unwrap());
+    let scene = Animated::new(&root, &bytes);
+    let nodes = root["nodes"].as_array().unwrap();
+    let mut parents = vec![0; nodes.len()];
+    for (k, node) in nodes.iter().enumerate() {
+        for child in node["children"].as_array().into_iter().flatten() {
+            parents[usize::try_from(child.as_u64().unwrap()).unwrap()] = k;
+        }
+    }
+    // Where a node's origin is in the frame of the first one, which is the base.
+    let origin = |name: &str, time: f64| {
+        let mut node = nodes.iter().position(|node| node["name"] == name).unwrap();
+        let mut at = SVector::<f64, 3>::zeros();
+        while node != 0 {
+            let has = |path: &str| {
+                scene.channels.contains_key(&(node, path)) || nodes[node].get(path).is_some()
+            };
+            if has("rotation") {
+                let [x, y, z, w] = scene.value::<4>(node, "rotation", time).into();
+                let turn = nalgebra::Quaternion::new(w, x, y, z);
+                at = nalgebra::Unit::new_normalize(turn) * at;
+            }
+            if has("translation") {
+                at += scene.value::<3>(node, "translation", time);
+            }
+            node = parents[node];
+        }
+        at
+    };
+    let handed: Vec<f64> = motion
+        .steps
+        .iter()
+        .zip(&motion.times[1..])
+        .filter_map(|(step, &time)| step.handover.map(|_| time))
+        .collect();
+    let options = CheckOptions { near: 10.0, ..CheckOptions::default() };
+    let (mut state, mut compared, mut lowest) = (7_u64, 0, 0.0_f64);
+    while compared < 24 {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let keys = (motion.duration() * rate) as u64;
+        // At a key, so that nothing is interpolated.
+        let time = (state >> 33) as f64 % keys as f64 / rate;
+        if handed.iter().any(|at| (at - time).abs() < 2.0 / rate) {
+            continue;
+        }
+        compared += 1;
+        let positions = motion.at(time).positions;
+        let moment = Moment { motion: &motion, time, reaches: None };
+        let report = check_pose(&cell, &moment, &positions, &options).unwrap();
+        for (name, _) in &balls {
+            let shown = origin(name, time);
+            for (k, at) in markers.iter().enumerate() {
+                let marker = SVector::from(at.map(|mm| 1e-3 * mm));
+                let expected = (shown - marker).norm() - 2e-3;
+                let pair = [name.clone(), format!("marker-{k}")];
+                let row = report.distances.iter().find(|row| {
+                    row.names == pair || row.names == [pair[1].clone(), pair[0].clone()]
+                });
+                let found = row.unwrap().distance;
+                assert!(
+                    (found - expected).abs() < 1e-6,
+                    "{name} to marker {k} at {time} s: {found} by the check, {expected} shown"
+                );
+            }
+        }
+        let rigid = cell.robot.forward(&positions).unwrap();
+        let tip = rigid.base_from_link[0][3] * nalgebra::Point3::from(place(3).map(|mm| 1e-3 * mm));
+        lowest = lowest.max(tip.z - origin("ball-04", time).z);
+    }
+    // Some of them are where the arm deflects by much.
+    assert!(lowest > 2e-4, "{lowest}");
+}

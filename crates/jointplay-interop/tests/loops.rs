@@ -1,0 +1,120 @@
+//! Loops that close an imported tree: what is read, what is refused and where.
+#![expect(clippy::unwrap_used, reason = "a failing test may panic")]
+
+use jointplay_core::mechanism::JointKind;
+use jointplay_format::mechanism::with_loops;
+use jointplay_interop::import::parse;
+use nalgebra::Vector3;
+use proptest::prelude::*;
+
+/// Two cranks that stand beside each other, turned in their drawing.
+const CRANKS: &str = r#"<robot name="cranks">
+  <link name="base"/><link name="left"/><link name="right"/>
+  <joint name="a" type="continuous">
+<origin rpy="0 0 0.5"/><parent link="base"/><child link="left"/><axis xyz="0 0 1"/>
+  </joint>
+  <joint name="b" type="continuous">
+<origin xyz="0.3 0 0" rpy="0 0 -0.5"/><parent link="base"/><child link="right"/><axis xyz="0 0 1"/>
+  </joint>
+</robot>"#;
+
+const LOOPS: &str = r#"
+kind = "loops"
+units = { length = "mm", angle = "deg" }
+[parameters]
+r = 100
+[[joint]]
+name = "rod"
+kind = "revolute"
+links = ["left", "right"]
+in = "left"
+point = ["r", 0, 0]
+axis = [0, 0, 1]
+"#;
+
+#[test]
+fn a_joint_is_placed_in_a_link_s_frame_or_in_the_base_s() {
+    let chain = parse(CRANKS).unwrap().mechanism;
+    let closed = with_loops(&chain, LOOPS).unwrap();
+    assert_eq!((closed.loops(), closed.links()), (1, chain.links()));
+    let rod = &closed.joints()[2];
+    assert_eq!(rod.kind, JointKind::Revolute);
+    let on_left = rod.frames[0].translation.vector;
+    assert!((on_left - Vector3::x() * 0.1).norm() < 1e-15, "{on_left}");
+    // Where it is in the base frame, from either side.
+    let (sin, cos) = 0.5_f64.sin_cos();
+    let in_base = Vector3::new(0.1 * cos, 0.1 * sin, 0.0);
+    let point = chain.joints()[1].frames[0]
+        * chain.joints()[1].frames[1].inverse()
+        * nalgebra::Point3::from(rod.frames[1].translation.vector);
+    assert!((point.coords - in_base).norm() < 1e-15, "{point}");
+    let text = LOOPS
+        .replace("in = \"left\"\n", "")
+        .replace("[\"r\", 0, 0]", "[\"r * cos(0.5 * 180 / pi)\", \"r * sin(0.5 * 180 / pi)\", 0]");
+    let same = with_loops(&chain, &text).unwrap();
+    for (one, other) in same.joints()[2].frames.iter().zip(&rod.frames) {
+        assert!((one.translation.vector - other.translation.vector).norm() < 1e-15);
+        assert!(((one.rotation * Vector3::z()) - (other.rotation * Vector3::z())).norm() < 1e-15);
+    }
+}
+
+#[test]
+fn frames_place_it_on_each_link() {
+    let chain = parse(CRANKS).unwrap().mechanism;
+    let frames = "frames = [{ point = [1, 0, 0], axis = [0, 0, 1] }, { point = [2, 0, 0], axis = [0, 0, 1] }]";
+    let start = LOOPS.find("in =").unwrap();
+    let closed = with_loops(&chain, &format!("{}{frames}", &LOOPS[..start])).unwrap();
+    let points = closed.joints()[2].frames.map(|frame| frame.translation.x);
+    assert_eq!(points, [0.001, 0.002]);
+}
+
+/// Replaces a piece of the file, and reads the message and what stands above the carets.
+#[track_caller]
+fn refuse(from: &str, to: &str, blamed: &str, message: &str) {
+    assert!(LOOPS.contains(from), "{from:?} is not in the file");
+    let chain = parse(CRANKS).unwrap().mechanism;
+    let error = with_loops(&chain, &LOOPS.replacen(from, to, 1)).unwrap_err();
+    let shown = error.with_excerpt("loops.toml");
+    assert!(error.to_string().contains(message), "{shown}");
+    let place = &error.place;
+    let found: String = place.text.chars().skip(place.column - 1).take(place.width).collect();
+    assert_eq!(found, blamed, "{shown}");
+}
+
+#[test]
+fn what_closes_no_loop_is_refused() {
+    refuse("\"loops\"", "\"mechanism\"", "\"mechanism\"", "known: loops");
+    refuse("\"right\"]", "\"write\"]", "\"write\"", "link \"write\" is not known");
+    refuse("\"right\"]", "\"left\"]", "\"rod\"", "to itself");
+    refuse("in = \"left\"", "in = \"lift\"", "\"lift\"", "did you mean `left`?");
+    refuse("in = \"left\"", "on = \"left\"", "on", "unknown key `on`");
+    refuse("\"rod\"", "\"a\"", "\"a\"", "used twice");
+    refuse("axis = [0, 0, 1]", "", "\"rod\"", "needs `axis`");
+    refuse("[\"r\",", "[\"s\",", "s", "unknown name `s`");
+    let frames = "frames = [{ point = [1, 0, 0], axis = [0, 0, 1] }, { point = [2, 0, 0], axis = [0, 0, 1] }]";
+    refuse("point = [\"r\", 0, 0]\naxis = [0, 0, 1]", frames, "\"left\"", "`frames` places");
+    let chain = parse(CRANKS).unwrap().mechanism;
+    let closed = with_loops(&chain, LOOPS).unwrap();
+    let again = with_loops(&closed, LOOPS).unwrap_err();
+    assert!(again.to_string().contains("has 1 loop already"), "{again}");
+}
+
+proptest! {
+    #[test]
+    fn no_mutated_text_panics(
+        cuts in prop::collection::vec((0..LOOPS.len(), 0..30_usize, "[-\\[\\]\"={},.0-9a\n ]{0,3}"), 1..4)
+    ) {
+        let mut text = LOOPS.to_owned();
+        for (start, length, replacement) in cuts {
+            let start = start.min(text.len());
+            let end = (start + length).min(text.len());
+            if text.is_char_boundary(start) && text.is_char_boundary(end) {
+                text.replace_range(start..end, &replacement);
+            }
+        }
+        let chain = parse(CRANKS).unwrap().mechanism;
+        if let Err(error) = with_loops(&chain, &text) {
+            let _ = error.with_excerpt("x");
+        }
+    }
+}

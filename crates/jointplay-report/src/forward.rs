@@ -1,0 +1,80 @@
+//! A pose.
+
+use jointplay_core::gpr::{BrokenLimit, PlatformPose};
+use jointplay_core::virtualization::Virtualization;
+
+use crate::limits::LimitReport;
+use crate::virtual_joints::VirtualJointGroups;
+use jointplay_format::units::{deg, mm};
+
+/// What `forward` and `inverse` answer.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+#[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `PlatformPose`")]
+pub struct ForwardReport {
+    pub q_mm: [f64; 3],
+    pub sides_mm: [f64; 3],
+    pub virtualization: String,
+    pub solver: String,
+    pub characteristic_length_mm: f64,
+    pub virtual_joints: VirtualJointGroups,
+    pub platform: PlatformReport,
+    pub iterations: usize,
+    pub residual_mm: f64,
+    /// Limits that the pose breaks; empty unless limits were ignored.
+    pub limits_broken: Vec<LimitReport>,
+}
+
+/// Where the platform is.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+#[expect(missing_docs, reason = "the fields say their unit; the meaning is that of `PlatformPose`")]
+pub struct PlatformReport {
+    pub origin_mm: [f64; 3],
+    pub normal: [f64; 3],
+    /// Rows of the rotation matrix base_from_platform.
+    pub rotation: [[f64; 3]; 3],
+    pub yaw_deg: f64,
+    pub pitch_deg: f64,
+    pub twist_deg: f64,
+    pub axis_height_mm: f64,
+    pub center_height_mm: f64,
+    pub center_shift_mm: [f64; 2],
+}
+
+/// Tells of a pose.
+#[must_use]
+pub fn forward<V: Virtualization + ?Sized>(
+    pose: &PlatformPose,
+    virtualization: &V,
+    broken: &[BrokenLimit],
+) -> ForwardReport {
+    let origin = pose.base_from_platform.translation.vector;
+    let rotation = pose.base_from_platform.rotation.matrix();
+    let tilt = pose.tilt();
+    ForwardReport {
+        q_mm: pose.rods.map(mm),
+        sides_mm: pose.sides.map(mm),
+        virtualization: virtualization.name().to_owned(),
+        solver: pose.solution.solver.to_string(),
+        characteristic_length_mm: mm(pose.solution.characteristic_length),
+        virtual_joints: VirtualJointGroups::new(
+            virtualization.joints(),
+            &pose.solution.virtual_joints,
+        ),
+        platform: PlatformReport {
+            origin_mm: [0, 1, 2].map(|k| mm(origin[k])),
+            normal: pose.normal().into(),
+            rotation: [0, 1, 2].map(|i| [0, 1, 2].map(|j| rotation[(i, j)])),
+            yaw_deg: deg(tilt.yaw),
+            pitch_deg: deg(tilt.pitch),
+            twist_deg: deg(pose.twist_about_normal()),
+            axis_height_mm: mm(pose.axis_height().0),
+            center_height_mm: mm(origin.z),
+            center_shift_mm: [mm(pose.center_shift().x), mm(pose.center_shift().y)],
+        },
+        iterations: pose.solution.iterations,
+        residual_mm: mm(pose.solution.residual),
+        limits_broken: crate::limits::limits(broken),
+    }
+}

@@ -1,0 +1,57 @@
+//! Results as documents: one serializable report for each command, and tables as CSV and Parquet.
+//!
+//! Lengths are in mm and angles in degrees; the unit is part of each key.
+//!
+//! | to… | use |
+//! | --- | --- |
+//! | report a result as JSON | a function named like the command, such as [`mobility`](fn@mobility), and `serde` |
+//! | write samples as a table | [`table`] |
+//! | write the table of a study chunk by chunk, and resume it | [`study_table`] |
+
+mod beyond;
+mod cell;
+mod compare;
+mod distance;
+mod expected;
+mod forward;
+mod limits;
+mod mechanism;
+mod mobility;
+mod motion;
+mod nearest;
+mod relief;
+mod sensitivity;
+mod station;
+mod study;
+pub mod study_table;
+mod suggest;
+pub mod table;
+mod totals;
+mod violation;
+mod virtual_joints;
+
+pub use beyond::beyond_limits;
+pub use cell::{
+    AxisReport, CellReport, InstructionReport, ShareReport, ViolationReport, cell, excerpt,
+};
+pub use compare::{CompareReport, ModelReport, compare};
+pub use distance::DistanceReport;
+pub use expected::{DisagreementReport, disagreements};
+pub use forward::{ForwardReport, PlatformReport, forward};
+pub use limits::{LimitReport, limits};
+pub use mechanism::{
+    AssemblyReport, ByName, CarriedTwiceReport, ConfigurationReport, LinkMotionReport,
+    MechanismMobilityReport, NearMissReport, NearReport, SparseMobilityReport, UnitsReport,
+    assembly, by_name, configuration, mechanism_mobility, sparse_mobility,
+};
+pub use mobility::{FreedomsReport, MobilityReport, mobility};
+pub use motion::{MotionReport, SingularReport, motion};
+pub use nearest::NearestReport;
+pub use relief::{ReliefReport, VirtualJointReport, relief};
+pub use sensitivity::{BoundsReport, SensitivityReport, sensitivity};
+pub use station::{PlaneReport, StationReport, TeachReport, UncertaintyReport, teach};
+pub use study::{BoundsHeldReport, SeriesReport, StudyReport, study};
+pub use suggest::{SetReport, SuggestReport, SuggestedJoint, suggestions};
+pub use totals::{ColumnReport, OutcomeReport, SHARES, TotalsReport, totals};
+pub use violation::explain_violation;
+pub use virtual_joints::VirtualJointGroups;

@@ -1,0 +1,52 @@
+//! Broken limits of the three-rod robot.
+
+use jointplay_core::gpr::BrokenLimit;
+use jointplay_format::explain::explain_limit;
+use jointplay_format::units::{deg, mm};
+
+/// A broken limit for a program to read.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+#[cfg_attr(feature = "schema", derive(utoipa::ToSchema))]
+pub struct LimitReport {
+    /// `rod 1`, `rod 2`, `rod 3` or `tilt`; of a mechanism, the name of a coordinate.
+    pub limit: String,
+    /// What was found, in `unit`.
+    pub found: f64,
+    /// Least allowed, in `unit`.
+    pub min: f64,
+    /// Greatest allowed, in `unit`.
+    pub max: f64,
+    /// `mm` or `deg`; of a mechanism, a unit of its file.
+    pub unit: &'static str,
+    /// The same in words.
+    pub message: String,
+}
+
+/// Broken limits for a program to read.
+#[must_use]
+pub fn limits(broken: &[BrokenLimit]) -> Vec<LimitReport> {
+    broken
+        .iter()
+        .map(|limit| {
+            let message = explain_limit(limit);
+            match *limit {
+                BrokenLimit::Rod { limb, length, min, max } => LimitReport {
+                    limit: format!("rod {limb}"),
+                    found: mm(length),
+                    min: mm(min),
+                    max: mm(max),
+                    unit: "mm",
+                    message,
+                },
+                BrokenLimit::Tilt { pitch, max } => LimitReport {
+                    limit: "tilt".to_owned(),
+                    found: deg(pitch),
+                    min: 0.0,
+                    max: deg(max),
+                    unit: "deg",
+                    message,
+                },
+            }
+        })
+        .collect()
+}

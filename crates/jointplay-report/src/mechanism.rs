@@ -1,0 +1,401 @@
+//! Any mechanism: closed configurations and what can move there.
+
+use jointplay_core::Error;
+use jointplay_core::constraint::System as _;
+use jointplay_core::mechanism::{
+    Closure, Mechanism, MechanismMobility, MechanismSystem, MobilityClass, Relief, SparseMobility,
+    SparseSystem, link_motion, self_stresses,
+};
+use jointplay_core::mobility::{NearMiss, NearMobility, kutzbach_mobility, near_miss};
+use nalgebra::DVector;
+use serde::ser::{Serialize, Serializer};
+
+use crate::beyond::beyond_limits;
+use crate::limits::LimitReport;
+use crate::mobility::{FreedomsReport, columns};
+use jointplay_format::coordinates::Coordinates;
+use jointplay_format::mechanism::MechanismFile;
+use jointplay_format::units::mm;
+
+/// Units that the numbers of a document are in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+pub struct UnitsReport {
+    /// `m`, `mm`, `um` or `in`.
+    pub length: &'static str,
+    /// `deg` or `rad`.
+    pub angle: &'static str,
+}
+
+impl UnitsReport {
+    pub(crate) fn of(coordinates: &Coordinates) -> Self {
+        let units = coordinates.units();
+        Self { length: units.length.name(), angle: units.angle.name() }
+    }
+}
+
+/// Values by name, in order; written as a map.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ByName<T>(pub Vec<(String, T)>);
+
+impl<T: Serialize> Serialize for ByName<T> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, value)))
+    }
+}
+
+/// A closed configuration.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct ConfigurationReport {
+    /// Coordinates by name, in the units of the file.
+    pub coordinates: ByName<f64>,
+    /// Largest mismatch of a loop, in radians and characteristic lengths.
+    pub residual: f64,
+    /// Corrections done.
+    pub iterations: usize,
+}
+
+/// What `assemble` answers.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct AssemblyReport {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Units of the coordinates.
+    pub units: UnitsReport,
+    /// The closed configuration nearest the guess.
+    #[serde(flatten)]
+    pub closed: ConfigurationReport,
+    /// Virtual joints by name, if rigid links do not close for the values asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub virtual_joints: Option<ByName<f64>>,
+    /// Coordinates beyond their limits or clearance.
+    pub limits_broken: Vec<LimitReport>,
+    /// Mismatch that was allowed, if the loops did not close exactly, in radians and characteristic lengths.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tolerance: Option<f64>,
+    /// Other closed configurations, if they were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub branches: Option<Vec<ConfigurationReport>>,
+}
+
+/// Coordinates by name, those of virtual joints left out.
+///
+/// # Arguments
+/// * `values` – (f + M) [m, rad]
+#[must_use]
+pub fn by_name(coordinates: &Coordinates, values: &DVector<f64>) -> ByName<f64> {
+    let named = coordinates.all()[..coordinates.joints()].iter().enumerate();
+    ByName(named.map(|(k, one)| (one.name.clone(), coordinates.from_si(k, values[k]))).collect())
+}
+
+/// Tells a closed configuration.
+#[must_use]
+pub fn configuration(coordinates: &Coordinates, closed: &Closure) -> ConfigurationReport {
+    ConfigurationReport {
+        coordinates: by_name(coordinates, &closed.coordinates),
+        residual: closed.residual,
+        iterations: closed.iterations,
+    }
+}
+
+/// Tells how a mechanism is assembled.
+///
+/// # Arguments
+/// * `relief` – if virtual joints had to be displaced
+/// * `tolerance` – largest mismatch that was asked to count as closed, in radians and characteristic lengths
+#[must_use]
+pub fn assembly(
+    file: &MechanismFile,
+    closed: &Closure,
+    relief: Option<&Relief>,
+    tolerance: Option<f64>,
+    branches: Option<&[Closure]>,
+) -> AssemblyReport {
+    let coordinates = Coordinates::of(file);
+    let told = |closed| configuration(&coordinates, closed);
+    AssemblyReport {
+        name: file.mechanism.name().to_owned(),
+        units: UnitsReport::of(&coordinates),
+        closed: told(closed),
+        virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
+        limits_broken: beyond_limits(
+            &coordinates,
+            &file.mechanism.beyond_limits(&closed.coordinates),
+        ),
+        tolerance: tolerance.filter(|_| !closed.is_closed()),
+        branches: branches.map(|branches| branches.iter().map(told).collect()),
+    }
+}
+
+/// What `mobility` answers of a mechanism.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct MechanismMobilityReport {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Units of the coordinates.
+    pub units: UnitsReport,
+    /// Coordinates of the configuration by name.
+    pub coordinates: ByName<f64>,
+    /// Virtual joints by name, if they had to give way for the configuration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub virtual_joints: Option<ByName<f64>>,
+    /// Coordinates beyond their limits or clearance.
+    pub limits_broken: Vec<LimitReport>,
+    /// Freedoms of all joints together.
+    pub joint_freedoms: usize,
+    /// Independent loops.
+    pub loops: usize,
+    /// What can move, and how much is constrained.
+    #[serde(flatten)]
+    pub freedoms: FreedomsReport,
+    /// Dimensions of the branches found to meet there, where not all motions to first order are motions for real.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub branch_dimensions: Option<Vec<usize>>,
+    /// If dimensions are true only to a tolerance.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub near: Option<NearReport>,
+    /// What a tolerance of up to 1e-4 would change, where it would and none was given.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_miss: Option<NearMissReport>,
+    /// Number of coordinates, where it is too large to look for near misses unasked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub near_miss_not_searched: Option<usize>,
+    /// What class of mechanism this makes it, in words.
+    pub class: String,
+    /// What is carried twice: one entry for each redundant constraint.
+    pub carried_twice: Vec<CarriedTwiceReport>,
+    /// How each link but the base moves to first order.
+    pub link_motions: ByName<LinkMotionReport>,
+    /// Singular values of the scaled constraint Jacobian, largest first.
+    pub singular_values: Vec<f64>,
+    /// Values at or below it count as zero.
+    pub threshold: f64,
+    /// Length in which the Jacobian is scaled [mm].
+    pub characteristic_length_mm: f64,
+    /// Orthonormal motions allowed to first order, one an entry, in radians and characteristic lengths; order of the coordinates.
+    pub null_space: Vec<Vec<f64>>,
+    /// Orthonormal self-stresses, one an entry; for each independent loop three moments and three forces.
+    pub self_stress: Vec<Vec<f64>>,
+}
+
+/// What moves within a tolerance of the dimensions; all in radians and characteristic lengths.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NearReport {
+    /// Tolerance that was given.
+    pub tolerance: f64,
+    /// Largest mismatch of a loop in this configuration, which is forced shut for all but these numbers; `null` if it closes exactly.
+    pub forced_shut: Option<f64>,
+    /// Freedoms within the tolerance.
+    pub near_mobility: usize,
+    /// The tolerance that they need.
+    pub near_tolerance_needed: f64,
+    /// About the tolerance for one more; `null` where none is near.
+    pub near_tolerance_for_one_more: Option<f64>,
+}
+
+/// More freedoms than for exact dimensions, within a small tolerance; all in radians and characteristic lengths.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct NearMissReport {
+    /// Freedoms within the tolerance.
+    pub near_mobility: usize,
+    /// The tolerance that they need.
+    pub near_tolerance_needed: f64,
+    /// A tolerance to ask with: that one, rounded up.
+    pub tolerance_to_try: f64,
+}
+
+/// What `mobility` answers of a mechanism with too many loops for dense algebra: the same, but for what would take a matrix of all.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct SparseMobilityReport {
+    /// Name of the mechanism.
+    pub name: String,
+    /// Units of the coordinates.
+    pub units: UnitsReport,
+    /// Coordinates of the configuration by name.
+    pub coordinates: ByName<f64>,
+    /// Freedoms of all joints together.
+    pub joint_freedoms: usize,
+    /// Independent loops.
+    pub loops: usize,
+    /// What can move, and how much is constrained.
+    #[serde(flatten)]
+    pub freedoms: FreedomsReport,
+    /// What class of mechanism this makes it, in words.
+    pub class: &'static str,
+    /// Largest singular value of the joint closures in link twists.
+    pub largest_singular_value: f64,
+    /// The least that counts, if one does.
+    pub smallest_counted: Option<f64>,
+    /// The largest that counts as zero, if one does.
+    pub largest_uncounted: Option<f64>,
+    /// Values at or below it count as zero.
+    pub threshold: f64,
+    /// Length in which the Jacobian is scaled [mm].
+    pub characteristic_length_mm: f64,
+    /// Independent motions to first order, one an entry, in radians and characteristic lengths; order of the coordinates. Omitted beyond a million numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub null_space: Option<Vec<Vec<f64>>>,
+}
+
+/// Tells what of a mechanism with many loops can move.
+#[must_use]
+pub fn sparse_mobility(
+    file: &MechanismFile,
+    system: &SparseSystem<'_>,
+    found: &SparseMobility,
+) -> SparseMobilityReport {
+    let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
+    SparseMobilityReport {
+        name: mechanism.name().to_owned(),
+        units: UnitsReport::of(&coordinates),
+        coordinates: by_name(&coordinates, system.coordinates()),
+        joint_freedoms: mechanism.joint_freedoms(),
+        loops: mechanism.loops(),
+        freedoms: FreedomsReport {
+            kutzbach_mobility: counted(mechanism),
+            instantaneous_mobility: found.mobility,
+            finite_mobility: found.finite,
+            finite_mobility_bounds: [found.lower_bound, found.upper_bound],
+            rank: found.rank,
+            redundancy: found.redundancy,
+        },
+        class: MobilityClass::from_mobilities(found.finite, found.mobility, found.redundancy)
+            .description(),
+        largest_singular_value: found.largest,
+        smallest_counted: found.smallest_nonzero,
+        largest_uncounted: found.largest_zero,
+        threshold: found.threshold,
+        characteristic_length_mm: mm(found.characteristic_length),
+        null_space: found.null_space().as_ref().map(columns),
+    }
+}
+
+fn counted(mechanism: &Mechanism) -> i64 {
+    let freedoms: Vec<usize> =
+        mechanism.joints().iter().map(|joint| joint.kind.freedoms()).collect();
+    kutzbach_mobility(mechanism.links().len(), &freedoms)
+}
+
+/// A constraint that says nothing new, as the wrench that the mechanism can carry in itself.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct CarriedTwiceReport {
+    /// In words: `moment about x`.
+    pub what: String,
+    /// The joints that carry it.
+    pub joints: Vec<String>,
+}
+
+/// How a link moves to first order.
+#[derive(Debug, Clone, PartialEq, serde::Serialize)]
+pub struct LinkMotionReport {
+    /// In how many independent ways.
+    pub dimension: usize,
+    /// How many of them are translations.
+    pub translations: usize,
+    /// For one way that is no translation: advance for a radian [mm/rad].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pitch_mm_per_rad: Option<f64>,
+    /// And a point of its axis, in the base frame [mm].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub axis_point_mm: Option<[f64; 3]>,
+}
+
+/// Tells what of a mechanism can move.
+///
+/// # Errors
+/// As [`link_motion`], [`self_stresses`] and [`near_miss`].
+///
+/// # Arguments
+/// * `values` – (f + M) the configuration [m, rad]
+/// * `relief` – if virtual joints had to give way
+/// * `found` – the finite mobility, block by block
+/// * `near` – what moves within a tolerance, if that was asked
+pub fn mechanism_mobility(
+    file: &MechanismFile,
+    system: &MechanismSystem<'_>,
+    values: &DVector<f64>,
+    relief: Option<&Relief>,
+    found: &MechanismMobility,
+    near: Option<&NearMobility>,
+) -> Result<MechanismMobilityReport, Error> {
+    let (mechanism, coordinates) = (&file.mechanism, Coordinates::of(file));
+    let MechanismMobility { finite, branch_dimensions } = found;
+    let first = &finite.instantaneous;
+    let near_miss =
+        if near.is_none() { near_miss(system, &system.at_home(), finite)? } else { None };
+    let (near_miss, near_miss_not_searched) = match near_miss {
+        Some(NearMiss::Found { mobility, needed, tolerance }) => {
+            let found = NearMissReport {
+                near_mobility: mobility,
+                near_tolerance_needed: needed,
+                tolerance_to_try: tolerance,
+            };
+            (Some(found), None)
+        }
+        Some(NearMiss::NotSearched { coordinates, .. }) => (None, Some(coordinates)),
+        None => (None, None),
+    };
+    let carried_twice = self_stresses(system, first)?.into_iter().map(|stress| {
+        let joints = stress.wrenches.iter().map(|(j, ..)| mechanism.joints()[*j].name.clone());
+        CarriedTwiceReport { what: stress.words, joints: joints.collect() }
+    });
+    let mut link_motions = Vec::new();
+    for (l, link) in mechanism.links().iter().enumerate().skip(1) {
+        let found = link_motion(system, first, l)?;
+        link_motions.push((
+            link.clone(),
+            LinkMotionReport {
+                dimension: found.dimension,
+                translations: found.translations,
+                pitch_mm_per_rad: found.screw.map(|(pitch, _)| mm(pitch)),
+                axis_point_mm: found
+                    .screw
+                    .map(|(_, point)| [mm(point.x), mm(point.y), mm(point.z)]),
+            },
+        ));
+    }
+    Ok(MechanismMobilityReport {
+        name: mechanism.name().to_owned(),
+        units: UnitsReport::of(&coordinates),
+        coordinates: by_name(&coordinates, values),
+        virtual_joints: relief.map(|relief| virtual_by_name(&coordinates, relief)),
+        limits_broken: beyond_limits(&coordinates, &mechanism.beyond_limits(values)),
+        joint_freedoms: mechanism.joint_freedoms(),
+        loops: mechanism.loops(),
+        freedoms: FreedomsReport::new(counted(mechanism), finite),
+        class: class_words(found.class(), branch_dimensions.as_deref()),
+        branch_dimensions: branch_dimensions.clone(),
+        near: near.map(|near| NearReport {
+            tolerance: near.tolerance,
+            forced_shut: (!system.is_closed()).then(|| system.mismatch(&system.at_home())),
+            near_mobility: near.mobility,
+            near_tolerance_needed: near.needed,
+            near_tolerance_for_one_more: near.next,
+        }),
+        near_miss,
+        near_miss_not_searched,
+        carried_twice: carried_twice.collect(),
+        link_motions: ByName(link_motions),
+        singular_values: first.singular_values.iter().copied().collect(),
+        threshold: first.threshold,
+        characteristic_length_mm: mm(first.characteristic_length),
+        null_space: columns(&first.null_space),
+        self_stress: columns(&first.self_stress),
+    })
+}
+
+/// The class in words, with the freedoms of the branches where they differ.
+fn class_words(class: MobilityClass, branches: Option<&[usize]>) -> String {
+    let dimensions = branches.unwrap_or_default();
+    if class != MobilityClass::Kinematotropic {
+        return class.description().to_owned();
+    }
+    let list: Vec<String> = dimensions.iter().map(usize::to_string).collect();
+    class.description().replacen("here", &format!("here ({})", list.join(", ")), 1)
+}
+
+/// Displacements of the virtual joints by name, in the units of the file.
+fn virtual_by_name(coordinates: &Coordinates, relief: &Relief) -> ByName<f64> {
+    let named = coordinates.all().iter().enumerate().skip(coordinates.joints());
+    let value = |k: usize| coordinates.from_si(k, relief.coordinates[k]);
+    ByName(named.map(|(k, one)| (one.name.clone(), value(k))).collect())
+}

@@ -1,0 +1,169 @@
+//! How far a run has come, so that another can go on.
+
+use jointplay_study::plan::{Moments, Outcomes, Totals};
+use serde::{Deserialize, Serialize};
+
+use jointplay_format::study::StudyFile;
+
+use super::kind::TableKind;
+
+/// What stands beside a table that is not whole yet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Marker {
+    /// The file of the study (TOML).
+    pub study: String,
+    /// The file of its robot (TOML).
+    pub robot: String,
+    /// What the table is written as.
+    pub kind: TableKind,
+    /// How many chunks are done.
+    pub chunks: u64,
+    /// How long the table is with these, in bytes.
+    pub bytes: u64,
+    /// Their columns summed up.
+    pub totals: Totals,
+    /// What the table would end with if it ended here.
+    pub foot: Vec<u8>,
+}
+
+/// Why a text is no marker that this program can go on from.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MarkerError {
+    /// Not what a run writes.
+    #[error("it is no marker of an interrupted study: {0}")]
+    Malformed(String),
+    /// Written by another version, whose numbers may differ in their last digits.
+    #[error("jointplay {found} has begun it, and this is {here}: only the same version goes on")]
+    Version {
+        /// The version that began.
+        found: String,
+        /// This version.
+        here: &'static str,
+    },
+}
+
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    jointplay: String,
+    format: String,
+    chunks: u64,
+    bytes: u64,
+    seed: u64,
+    samples: u64,
+    beyond_rods: u64,
+    beyond_tilt: u64,
+    outcomes: Vec<Vec<u64>>,
+    /// Count, then least, greatest, mean and sum of squares as the bits of doubles: no digit may be lost.
+    columns: Vec<(u64, [String; 4])>,
+    foot: String,
+    study: String,
+    robot: String,
+}
+
+impl Marker {
+    /// A marker of a study that is so far.
+    #[must_use]
+    pub fn new(study: &StudyFile, kind: TableKind, totals: Totals) -> Self {
+        let (study, robot) = (study.text.clone(), study.robot_text.clone());
+        Self { study, robot, kind, chunks: 0, bytes: 0, totals, foot: Vec::new() }
+    }
+
+    /// As a file (JSON).
+    ///
+    /// # Arguments
+    /// * `seed` – for people who read it
+    #[must_use]
+    pub fn to_json(&self, seed: u64) -> String {
+        let bits = |value: f64| format!("{:016x}", value.to_bits());
+        let totals = &self.totals;
+        let document = Document {
+            jointplay: VERSION.to_owned(),
+            format: self.kind.ending().to_owned(),
+            chunks: self.chunks,
+            bytes: self.bytes,
+            seed,
+            samples: totals.samples,
+            beyond_rods: totals.beyond_rods,
+            beyond_tilt: totals.beyond_tilt,
+            outcomes: totals
+                .outcomes
+                .iter()
+                .map(|tally| tally.poses.iter().copied().chain([tally.no_robot]).collect())
+                .collect(),
+            columns: totals
+                .columns
+                .iter()
+                .map(|m| (m.count, [m.min, m.max, m.mean, m.squares].map(bits)))
+                .collect(),
+            foot: self.foot.iter().map(|byte| format!("{byte:02x}")).collect(),
+            study: self.study.clone(),
+            robot: self.robot.clone(),
+        };
+        let json = serde_json::to_string_pretty(&document);
+        json.expect("a document of texts and whole numbers") + "\n"
+    }
+
+    /// Reads what [`Self::to_json`] wrote.
+    ///
+    /// # Errors
+    /// [`MarkerError`].
+    pub fn parse(text: &str) -> Result<Self, MarkerError> {
+        let malformed = |why: &str| MarkerError::Malformed(why.to_owned());
+        let version: serde_json::Value = serde_json::from_str(text).map_err(|error| {
+            malformed(&format!("no JSON at line {}, column {}", error.line(), error.column()))
+        })?;
+        if let Some(found) = version["jointplay"].as_str()
+            && found != VERSION
+        {
+            return Err(MarkerError::Version { found: found.to_owned(), here: VERSION });
+        }
+        let document: Document = serde_json::from_value(version)
+            .map_err(|_| malformed("a key is missing, or has a value of another kind"))?;
+        let kind = [TableKind::Csv, TableKind::Parquet]
+            .into_iter()
+            .find(|kind| kind.ending() == document.format)
+            .ok_or_else(|| malformed("its format is neither csv nor parquet"))?;
+        let columns = document.columns.iter().map(|(count, numbers)| {
+            let number = |k: usize| {
+                let bits = u64::from_str_radix(&numbers[k], 16);
+                bits.map(f64::from_bits)
+                    .map_err(|_| malformed("a number of a column is not 16 hexadecimal digits"))
+            };
+            Ok(Moments {
+                count: *count,
+                min: number(0)?,
+                max: number(1)?,
+                mean: number(2)?,
+                squares: number(3)?,
+            })
+        });
+        let outcomes = document.outcomes.iter().map(|counts| {
+            let (no_robot, poses) =
+                counts.split_last().ok_or_else(|| malformed("outcomes without counts"))?;
+            let poses = poses.try_into().map_err(|_| malformed("a wrong number of outcomes"))?;
+            Ok(Outcomes { poses, no_robot: *no_robot })
+        });
+        let totals = Totals {
+            samples: document.samples,
+            columns: columns.collect::<Result<_, MarkerError>>()?,
+            outcomes: outcomes.collect::<Result<_, MarkerError>>()?,
+            beyond_rods: document.beyond_rods,
+            beyond_tilt: document.beyond_tilt,
+        };
+        let foot = hex(&document.foot).ok_or_else(|| malformed("its foot is not hexadecimal"))?;
+        let Document { study, robot, chunks, bytes, .. } = document;
+        Ok(Self { study, robot, kind, chunks, bytes, totals, foot })
+    }
+}
+
+/// Bytes from pairs of hexadecimal digits.
+fn hex(text: &str) -> Option<Vec<u8>> {
+    let digits: Vec<u8> =
+        text.chars().map(|digit| Some(digit.to_digit(16)? as u8)).collect::<Option<_>>()?;
+    let pairs = digits.chunks_exact(2);
+    pairs.remainder().is_empty().then(|| pairs.map(|pair| 16 * pair[0] + pair[1]).collect())
+}

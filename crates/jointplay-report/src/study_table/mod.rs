@@ -1,0 +1,19 @@
+//! The table of a study of any length: written chunk by chunk, resumable.
+//!
+//! | to… | use |
+//! | --- | --- |
+//! | write the table | [`Table`] |
+//! | save the progress of a run | [`Marker`] |
+
+mod error;
+mod kind;
+mod marker;
+#[cfg(feature = "parquet")]
+mod parquet;
+mod table;
+mod value;
+
+pub use error::TableError;
+pub use kind::TableKind;
+pub use marker::{Marker, MarkerError};
+pub use table::{Encoded, Index, Table};

@@ -1,0 +1,196 @@
+//! A study's table as Parquet: every chunk is made by itself, and the file's end tells where each stands.
+
+use std::sync::Arc;
+
+use jointplay_study::plan::Block;
+use parquet::basic::{Compression, ConvertedType, Encoding, Repetition, Type};
+use parquet::data_type::{ByteArray, ByteArrayType, DoubleType, Int64Type};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::{
+    ParquetMetaData, ParquetMetaDataReader, ParquetMetaDataWriter, RowGroupMetaData,
+};
+use parquet::file::properties::{EnabledStatistics, WriterProperties, WriterPropertiesPtr};
+use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
+use parquet::schema::types::{ColumnPath, Type as Schematic, TypePtr};
+
+use super::error::TableError;
+use super::value::value_in_table;
+use jointplay_format::study::{Column, Source};
+
+/// What a file begins and ends with.
+pub(super) const MAGIC: &[u8; 4] = b"PAR1";
+/// Length of the end of a file: how long what it says is, and the magic number [bytes].
+const TAIL: usize = 8;
+
+/// What a file says of one chunk.
+pub(super) type Group = RowGroupMetaData;
+
+/// The columns, and how they are written.
+pub(super) struct Schema {
+    schema: TypePtr,
+    properties: WriterPropertiesPtr,
+    /// What an empty file says.
+    empty: ParquetMetaData,
+}
+
+impl From<ParquetError> for TableError {
+    fn from(error: ParquetError) -> Self {
+        Self::Parquet(error.to_string())
+    }
+}
+
+impl Schema {
+    pub(super) fn new(columns: &[Column]) -> Result<Self, TableError> {
+        let mut fields = Vec::with_capacity(columns.len());
+        // Numbers hardly ever come twice; what repeats is worth a dictionary.
+        let mut properties = WriterProperties::builder()
+            .set_compression(Compression::SNAPPY)
+            .set_created_by(concat!("jointplay ", env!("CARGO_PKG_VERSION")).to_owned())
+            .set_statistics_enabled(EnabledStatistics::Chunk)
+            .set_offset_index_disabled(true)
+            .set_dictionary_enabled(false);
+        for column in columns {
+            let path = || ColumnPath::new(vec![column.name.clone()]);
+            let (physical, converted) = match column.source {
+                Source::Sample | Source::Draw => (Type::INT64, ConvertedType::NONE),
+                Source::Number { .. } => (Type::DOUBLE, ConvertedType::NONE),
+                Source::Status { .. } => (Type::BYTE_ARRAY, ConvertedType::UTF8),
+            };
+            let field = Schematic::primitive_type_builder(&column.name, physical)
+                .with_repetition(Repetition::REQUIRED)
+                .with_converted_type(converted)
+                .build()?;
+            fields.push(Arc::new(field));
+            properties = match column.source {
+                Source::Sample => {
+                    properties.set_column_encoding(path(), Encoding::DELTA_BINARY_PACKED)
+                }
+                Source::Number { repeats: false, .. } => properties,
+                _ => properties.set_column_dictionary_enabled(path(), true),
+            };
+        }
+        let schema = Schematic::group_type_builder("samples").with_fields(fields).build()?;
+        let (schema, properties) = (Arc::new(schema), Arc::new(properties.build()));
+        let writer =
+            SerializedFileWriter::new(Vec::new(), Arc::clone(&schema), Arc::clone(&properties))?;
+        let empty = writer.close()?;
+        Ok(Self { schema, properties, empty })
+    }
+
+    /// A chunk, made as a file of its own.
+    pub(super) fn encode(
+        &self,
+        columns: &[Column],
+        blocks: &[Block],
+    ) -> Result<(Vec<u8>, Group), TableError> {
+        let mut bytes = Vec::new();
+        let (schema, properties) = (Arc::clone(&self.schema), Arc::clone(&self.properties));
+        let mut writer = SerializedFileWriter::new(&mut bytes, schema, properties)?;
+        let mut group = writer.next_row_group()?;
+        for column in columns {
+            write(&mut group, column, blocks)?;
+        }
+        group.close()?;
+        writer.close()?;
+        // Read back from what was written: whoever takes a study up again has no more than this.
+        let group = groups(&bytes)?.swap_remove(0);
+        let ends =
+            group.columns().iter().map(|column| column.byte_range()).map(|(at, len)| at + len);
+        let end = ends.max().unwrap_or(MAGIC.len() as u64);
+        bytes.truncate(usize::try_from(end).expect("it lies in memory"));
+        bytes.drain(..MAGIC.len());
+        Ok((bytes, group))
+    }
+
+    /// The end of a file of these chunks.
+    pub(super) fn foot(&self, groups: &[Group]) -> Result<Vec<u8>, TableError> {
+        let told = self.empty.file_metadata();
+        let rows = groups.iter().map(Group::num_rows).sum();
+        let file = parquet::file::metadata::FileMetaData::new(
+            told.version(),
+            rows,
+            told.created_by().map(str::to_owned),
+            told.key_value_metadata().cloned(),
+            told.schema_descr_ptr(),
+            told.column_orders().cloned(),
+        );
+        let mut bytes = Vec::new();
+        let metadata = ParquetMetaData::new(file, groups.to_vec());
+        ParquetMetaDataWriter::new(&mut bytes, &metadata).finish()?;
+        Ok(bytes)
+    }
+}
+
+/// Writes one column of a chunk.
+fn write(
+    group: &mut SerializedRowGroupWriter<'_, &mut Vec<u8>>,
+    column: &Column,
+    blocks: &[Block],
+) -> Result<(), TableError> {
+    let missing = || TableError::Parquet(format!("there is no column {}", column.name));
+    let mut target = group.next_column()?.ok_or_else(missing)?;
+    for block in blocks {
+        match column.source {
+            Source::Sample | Source::Draw => {
+                let counts =
+                    if column.source == Source::Sample { &block.samples } else { &block.draws };
+                let signed: Vec<i64> = counts.iter().map(|&count| count.cast_signed()).collect();
+                target.typed::<Int64Type>().write_batch(&signed, None, None)?;
+            }
+            Source::Number { index, unit, typed, .. } => {
+                let values: Vec<f64> =
+                    block.columns[index].iter().map(|&v| value_in_table(v, unit, typed)).collect();
+                target.typed::<DoubleType>().write_batch(&values, None, None)?;
+            }
+            Source::Status { model } => {
+                let words: Vec<ByteArray> = block.outcomes[model]
+                    .iter()
+                    .map(|outcome| ByteArray::from(outcome.name()))
+                    .collect();
+                target.typed::<ByteArrayType>().write_batch(&words, None, None)?;
+            }
+        }
+    }
+    Ok(target.close()?)
+}
+
+/// What the end of a file says of its chunks.
+pub(super) fn groups(foot: &[u8]) -> Result<Vec<Group>, TableError> {
+    let broken = || TableError::Parquet("this is not the end of a Parquet file".to_owned());
+    let (told, tail) = foot.split_last_chunk::<TAIL>().ok_or_else(broken)?;
+    let (length, magic) = tail.split_at(4);
+    let length = u32::from_le_bytes(length.try_into().map_err(|_| broken())?);
+    let length = usize::try_from(length).map_err(|_| broken())?;
+    let start = told.len().checked_sub(length).filter(|_| magic == MAGIC).ok_or_else(broken)?;
+    let file = ParquetMetaDataReader::decode_metadata(&told[start..])?;
+    // Where they are, but as they were written: reading numbers them.
+    file.row_groups().iter().map(|group| placed(group, MAGIC.len() as u64)).collect()
+}
+
+/// A chunk that stands from byte `at` of the file on.
+pub(super) fn placed(group: &Group, at: u64) -> Result<Group, TableError> {
+    let by = i64::try_from(at).map_err(|error| TableError::Parquet(error.to_string()))?
+        - MAGIC.len() as i64;
+    let columns = group
+        .columns()
+        .iter()
+        .map(|column| {
+            let (data, dictionary) = (column.data_page_offset(), column.dictionary_page_offset());
+            column
+                .clone()
+                .into_builder()
+                .set_data_page_offset(data + by)
+                .set_dictionary_page_offset(dictionary.map(|offset| offset + by))
+                .build()
+        })
+        .collect::<Result<Vec<_>, ParquetError>>()?;
+    // Without an ordinal, which counts to 32767 only.
+    let mut placed = Group::builder(group.schema_descr_ptr())
+        .set_num_rows(group.num_rows())
+        .set_total_byte_size(group.total_byte_size())
+        .set_column_metadata(columns);
+    if let Some(offset) = group.file_offset() {
+        placed = placed.set_file_offset(offset + by);
+    }
+    Ok(placed.build()?)
+}

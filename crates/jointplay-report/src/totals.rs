@@ -1,0 +1,119 @@
+//! A study of any length, summed up.
+
+use jointplay_study::plan::{QUANTILE_SAMPLES, Totals};
+use serde::Serialize;
+use serde_json::Map;
+
+use jointplay_format::study::{Source, StudyFile};
+
+/// Shares of the samples below the percentiles that are told.
+pub const SHARES: [f64; 7] = [0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99];
+
+/// What a study came to.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct TotalsReport {
+    /// What the study is called.
+    pub study: String,
+    /// What the robot is called.
+    pub robot: String,
+    /// Number of samples.
+    pub samples: u64,
+    /// What random numbers started from.
+    pub seed: u64,
+    /// What became of them under each virtualization.
+    pub virtualizations: Vec<OutcomeReport>,
+    /// Samples with a rod beyond the robot's limits.
+    pub beyond_rod_limits: u64,
+    /// Samples that are commanded beyond the limit of the tilt.
+    pub beyond_tilt_limit: u64,
+    /// From how many samples the percentiles are; exact where from all.
+    pub percentiles_from: u64,
+    /// The columns with numbers.
+    pub columns: Vec<ColumnReport>,
+}
+
+/// What became of the samples under one virtualization.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OutcomeReport {
+    /// Name of the virtualization.
+    pub name: String,
+    /// How many have an answer.
+    pub solved: u64,
+    /// How many have none.
+    pub failed: u64,
+    /// Why, and how many of each.
+    pub reasons: Map<String, serde_json::Value>,
+}
+
+/// A column summed up, in the unit of its name; nothing without numbers.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ColumnReport {
+    /// Its name.
+    pub name: String,
+    /// How many numbers it has.
+    pub count: u64,
+    /// Least.
+    pub min: Option<f64>,
+    /// Greatest.
+    pub max: Option<f64>,
+    /// Mean.
+    pub mean: Option<f64>,
+    /// Standard deviation, as a sample.
+    pub standard_deviation: Option<f64>,
+    /// Percentiles by name, such as `p95`.
+    pub percentiles: Map<String, serde_json::Value>,
+}
+
+impl ColumnReport {
+    /// A percentile, such as 95.
+    #[must_use]
+    pub fn percentile(&self, which: u8) -> Option<f64> {
+        self.percentiles.get(&format!("p{which}"))?.as_f64()
+    }
+}
+
+/// Sums a study up.
+///
+/// # Arguments
+/// * `quantiles` – of each column at [`SHARES`]
+#[must_use]
+pub fn totals(file: &StudyFile, totals: &Totals, quantiles: &[Vec<Option<f64>>]) -> TotalsReport {
+    let virtualizations = file.plan.models.iter().zip(&totals.outcomes);
+    let columns = file.columns.iter().filter_map(|column| {
+        let Source::Number { index, unit, typed, .. } = column.source else { return None };
+        let moments = &totals.columns[index];
+        let tell = |value: f64| if typed { unit.of_typed(value) } else { unit.of(value) };
+        let told = |value: f64| (moments.count > 0).then(|| tell(value));
+        let name = |share: f64| format!("p{}", (share * 100.0).round());
+        let percentiles = SHARES.iter().zip(&quantiles[index]);
+        Some(ColumnReport {
+            name: column.name.clone(),
+            count: moments.count,
+            min: told(moments.min),
+            max: told(moments.max),
+            mean: told(moments.mean),
+            standard_deviation: moments.deviation().map(|deviation| unit.of(deviation)),
+            percentiles: percentiles
+                .map(|(&share, value)| (name(share), value.map(tell).into()))
+                .collect(),
+        })
+    });
+    TotalsReport {
+        study: file.name.clone(),
+        robot: file.robot.clone(),
+        samples: totals.samples,
+        seed: file.plan.seed,
+        virtualizations: virtualizations
+            .map(|(model, tally)| OutcomeReport {
+                name: model.name().to_owned(),
+                solved: tally.solved(),
+                failed: tally.failed(),
+                reasons: tally.reasons().map(|(why, n)| (why.to_owned(), n.into())).collect(),
+            })
+            .collect(),
+        beyond_rod_limits: totals.beyond_rods,
+        beyond_tilt_limit: totals.beyond_tilt,
+        percentiles_from: totals.samples.min(QUANTILE_SAMPLES),
+        columns: columns.collect(),
+    }
+}

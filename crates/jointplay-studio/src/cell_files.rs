@@ -1,0 +1,150 @@
+//! The two files of a work cell, the cell file and the program file, read and written together.
+
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
+
+use jointplay::cell::workcell::Cell;
+use jointplay::format::{cell, program};
+
+/// Name of the built-in example, accepted in place of a file path.
+pub const EXAMPLE: &str = "example";
+
+/// The texts of a cell and its program, with the path of the cell file.
+#[derive(Debug, Clone)]
+pub struct CellFiles {
+    /// Path of the cell file; `None` for the built-in example.
+    path: Option<PathBuf>,
+    cell: String,
+    program: String,
+}
+
+impl CellFiles {
+    /// The built-in example.
+    #[must_use]
+    pub fn example() -> Self {
+        Self { path: None, cell: cell::EXAMPLE.to_owned(), program: program::EXAMPLE.to_owned() }
+    }
+
+    /// Reads a cell file and its program file: the file next to it with the same name and the extension `.program`.
+    ///
+    /// A missing program file is an empty program. Errors in the texts are not an error here: the studio opens them for editing, see [`Self::errors`].
+    ///
+    /// # Errors
+    /// A file that cannot be read, with the reason of the operating system.
+    pub fn open(path: &Path) -> Result<Self, String> {
+        let cannot = |path: &Path, error| format!("cannot read {}: {error}", path.display());
+        let cell = std::fs::read_to_string(path).map_err(|error| cannot(path, error))?;
+        let program_path = program_path(path);
+        let program = match std::fs::read_to_string(&program_path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => String::new(),
+            Err(error) => return Err(cannot(&program_path, error)),
+        };
+        Ok(Self { path: Some(path.to_owned()), cell, program })
+    }
+
+    /// All errors in the cell file, each with an excerpt of its line.
+    #[must_use]
+    pub fn errors(&self) -> Vec<String> {
+        let label = self.path.as_ref().map_or_else(String::new, |path| path.display().to_string());
+        let problems = self.parse(&self.cell).err().unwrap_or_default();
+        problems.iter().map(|problem| problem.with_excerpt(&label)).collect()
+    }
+
+    /// The current contents of the same files on disk.
+    pub(crate) fn reload(&self) -> Result<Self, String> {
+        self.path.as_deref().map_or_else(|| Ok(self.clone()), Self::open)
+    }
+
+    /// The same files with other texts, not yet written.
+    pub(crate) fn with_texts(&self, cell: String, program: String) -> Self {
+        Self { path: self.path.clone(), cell, program }
+    }
+
+    /// Hash of both texts.
+    pub(crate) fn version(&self) -> String {
+        let mut hasher = DefaultHasher::new();
+        (&self.cell, &self.program).hash(&mut hasher);
+        format!("{:016x}", hasher.finish())
+    }
+
+    /// Hash of the absolute path of the cell file; constant for the example, which is not a file.
+    pub(crate) fn identity(&self) -> String {
+        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        let mut hasher = DefaultHasher::new();
+        self.path.as_deref().map(absolute).hash(&mut hasher);
+        format!("{:016x}", hasher.finish())
+    }
+
+    /// The texts of cell and program.
+    pub(crate) fn into_texts(self) -> (String, String) {
+        (self.cell, self.program)
+    }
+
+    /// Name of the cell file, without its folder.
+    pub(crate) fn name(&self) -> Option<String> {
+        let name = self.path.as_ref()?.file_name()?;
+        Some(name.to_string_lossy().into_owned())
+    }
+
+    /// Parses the text of a cell file; files that it names are looked up in the folder of this cell file.
+    pub(crate) fn parse(&self, text: &str) -> Result<Cell, Vec<cell::Problem>> {
+        let folder = self.path.as_deref().and_then(Path::parent);
+        cell::read(text, &mut |name| {
+            let folder = folder.ok_or("the built-in example has no folder to read files from")?;
+            let allowed = cell::MAX_MESH_BYTES as u64;
+            jointplay_files::read(folder, name, allowed).map_err(|why| why.to_string())
+        })
+    }
+
+    /// Writes both files completely, or neither.
+    pub(crate) fn write(&self) -> Result<(), String> {
+        let path = self.path.as_ref().ok_or("the built-in example is read-only: create a file with `jointplay cell example` and start the studio with it")?;
+        let program_path = program_path(path);
+        let previous = std::fs::read(path).ok();
+        let new_cell = write_temporary(path, &self.cell)?;
+        let new_program = write_temporary(&program_path, &self.program)?;
+        replace(&new_cell, path)?;
+        replace(&new_program, &program_path).inspect_err(|_| {
+            // The program was not written: the cell file gets its previous contents back.
+            if let Some(previous) = previous {
+                let _ = std::fs::write(&new_cell, previous)
+                    .and_then(|()| std::fs::rename(&new_cell, path));
+            }
+        })
+    }
+}
+
+/// Path of the program file of a cell file.
+fn program_path(cell: &Path) -> PathBuf {
+    cell.with_extension("program")
+}
+
+/// Writes a text to a temporary file in the folder of the file that it is to replace.
+fn write_temporary(path: &Path, text: &str) -> Result<PathBuf, String> {
+    let mut name = path.file_name().unwrap_or_default().to_owned();
+    name.push(".new");
+    let temporary = path.with_file_name(name);
+    std::fs::write(&temporary, text).map_err(|error| {
+        let _ = std::fs::remove_file(&temporary);
+        format!("cannot write {}: {error}", path.display())
+    })?;
+    Ok(temporary)
+}
+
+/// Replaces a file by a temporary one.
+fn replace(temporary: &Path, path: &Path) -> Result<(), String> {
+    std::fs::rename(temporary, path).map_err(|error| {
+        let _ = std::fs::remove_file(temporary);
+        format!("cannot write {}: {error}", path.display())
+    })
+}
+
+/// Reason why texts were not saved.
+#[derive(Debug)]
+pub(crate) enum SaveError {
+    /// The files on disk have changed since the version that the texts replace.
+    Changed(String),
+    /// The files cannot be written.
+    Unwritable(String),
+}

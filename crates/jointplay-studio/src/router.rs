@@ -1,0 +1,103 @@
+//! The routes of the HTTP API and their OpenAPI description.
+
+use axum::Router;
+use axum::extract::DefaultBodyLimit;
+use axum::http::{StatusCode, Uri, header};
+use axum::middleware;
+use axum::response::IntoResponse;
+use axum::routing::get;
+use utoipa::OpenApi;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::body::LARGEST_BODY;
+use crate::guard::{self, Guard};
+use crate::page;
+use crate::problem::Problem;
+use crate::routes::{
+    cell, cell_jog, cell_parts, cell_plan, cell_samples, cell_station, compare, forward, inverse,
+    mesh, mobility, pose, robot, sensitivity, study,
+};
+use crate::state::AppState;
+
+#[derive(OpenApi)]
+#[openapi(
+    info(
+        title = "jointplay studio",
+        description = "The three-rod robot of this server: poses, models, mobility, sensitivity, studies.\n\nUnits are SI, and each name carries its own: `rods_m`, `yaw_rad`; documents of the command line keep their mm and degrees. Every error is a problem document (RFC 9457) that names the field.",
+        license(name = "MIT OR Apache-2.0", identifier = "MIT OR Apache-2.0")
+    ),
+    tags((name = "studio"))
+)]
+struct Description;
+
+fn api() -> OpenApiRouter<AppState> {
+    OpenApiRouter::with_openapi(Description::openapi())
+        .routes(routes!(robot::robot))
+        .routes(routes!(mesh::base_mesh))
+        .routes(routes!(mesh::platform_mesh))
+        .routes(routes!(pose::pose))
+        .routes(routes!(forward::forward))
+        .routes(routes!(inverse::inverse))
+        .routes(routes!(mobility::mobility))
+        .routes(routes!(sensitivity::sensitivity))
+        .routes(routes!(compare::compare))
+        .routes(routes!(study::study))
+        .routes(routes!(study::study_csv))
+        .routes(routes!(study::study_parquet))
+        .routes(routes!(cell::cell_files, cell::save_cell))
+        .routes(routes!(cell_plan::plan))
+        .routes(routes!(cell_samples::samples))
+        .routes(routes!(cell_station::station))
+        .routes(routes!(cell_parts::instructions))
+        .routes(routes!(cell_parts::violations))
+        .routes(routes!(cell_parts::overview))
+        .routes(routes!(cell_parts::window))
+        .routes(routes!(cell_parts::scene))
+        .routes(routes!(cell_jog::jog))
+}
+
+/// The OpenAPI description of the server, as JSON text.
+#[must_use]
+pub fn description() -> String {
+    let described = api().into_openapi();
+    let text = described.to_pretty_json().expect("a description has string keys only");
+    text + "\n"
+}
+
+/// All routes of the server, for requests on `port`.
+pub(crate) fn router(state: AppState, port: u16) -> Router {
+    let (router, _) = api().split_for_parts();
+    let described = description();
+    let describe =
+        || async move { ([(header::CONTENT_TYPE, "application/json")], described).into_response() };
+    router
+        .route("/api/v1/openapi.json", get(describe))
+        .fallback(fallback)
+        .method_not_allowed_fallback(method_not_allowed)
+        .layer(DefaultBodyLimit::max(LARGEST_BODY))
+        .layer(middleware::from_fn_with_state(
+            Guard::new(port, state.work.deadlines.request),
+            guard::check,
+        ))
+        .with_state(state)
+}
+
+/// Serves a file of the page, or a problem for an unknown path of the API.
+async fn fallback(method: axum::http::Method, uri: Uri) -> axum::response::Response {
+    let path = uri.path();
+    if path.starts_with("/api/") {
+        let detail =
+            format!("unknown path {path}; see /api/v1/openapi.json for the available paths");
+        return Problem::request(StatusCode::NOT_FOUND, detail).into_response();
+    }
+    page::answer(&method, path)
+}
+
+async fn method_not_allowed(method: axum::http::Method, uri: Uri) -> Problem {
+    let detail = format!(
+        "{} does not accept {method}; see /api/v1/openapi.json for its methods",
+        uri.path()
+    );
+    Problem::request(StatusCode::METHOD_NOT_ALLOWED, detail)
+}

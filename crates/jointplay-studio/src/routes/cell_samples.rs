@@ -1,0 +1,93 @@
+//! `/api/v1/cell/samples`: the motion of a program at a sampling rate.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use arrow_array::{ArrayRef, Float64Array, RecordBatch, UInt32Array};
+use arrow_ipc::writer::StreamWriter;
+use arrow_schema::{ArrowError, DataType, Field, Schema};
+use axum::extract::State;
+use axum::http::{StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use jointplay::cell::Stop;
+use jointplay::interop::export;
+use jointplay::report::table::{Column, Values};
+
+use super::lookup::{interrupted, no_motion};
+use crate::body::Body;
+use crate::problem::Problem;
+use crate::state::AppState;
+use crate::wire::Binary;
+use crate::wire::cell::SamplesRequest;
+
+/// Most rows of samples in one answer.
+const ROWS: f64 = 100_000.0;
+
+/// The motion sample by sample, as an Arrow stream
+///
+/// Time, line of the program, step; position, speed and acceleration of each axis and the wafer centre of each effector, in mm and degrees, as `jointplay cell run` writes them.
+/// Longer motions are asked for in stretches of time.
+#[utoipa::path(
+    post,
+    path = "/api/v1/cell/samples",
+    operation_id = "samples",
+    request_body = SamplesRequest,
+    responses(
+        (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.arrow.stream"),
+        (status = 409, description = "Nothing moves", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+    )
+)]
+pub(crate) async fn samples(
+    State(state): State<AppState>,
+    Body(request): Body<SamplesRequest>,
+) -> Result<Response, Problem> {
+    let (session, rate, peaks) = (state.session()?, request.rate()?, request.peaks);
+    let (from, to) = (request.from_s.unwrap_or(0.0), request.to_s.unwrap_or(f64::INFINITY));
+    let (cell, program) = session.texts(request.cell, request.program);
+    let told = move |stop: Stop<'_>| {
+        let plan = session.plan(cell, program, stop).map_err(interrupted)?;
+        let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
+        let recording = plan.recording().ok_or_else(|| refused(no_motion(&plan)))?;
+        let stretch = [from.max(0.0), to.min(recording.motion.duration())];
+        let rows = (stretch[1] - stretch[0]) * rate;
+        if rows.is_nan() || rows > ROWS {
+            let detail = format!(
+                "{rows:.0} samples are more than the {ROWS:.0} of one answer: ask for a shorter stretch by from_s and to_s, or for fewer a second by rate_hz"
+            );
+            return Err(Problem::field("to_s", detail));
+        }
+        let columns = export::samples_within(&recording, rate, peaks, stretch);
+        let columns = columns.map_err(|error| refused(error.to_string()))?;
+        arrow(columns).map_err(|error| Problem::broken(&error.to_string()))
+    };
+    let stream = state.work.run_while_awaited(told).await?;
+    Ok(([(header::CONTENT_TYPE, "application/vnd.apache.arrow.stream")], stream).into_response())
+}
+
+/// Columns as one batch of an Arrow stream.
+fn arrow(columns: Vec<Column>) -> Result<Vec<u8>, ArrowError> {
+    let field = |column: &Column| {
+        let kind = match column.values {
+            Values::Real(_) => DataType::Float64,
+            Values::Count(_) => DataType::UInt32,
+        };
+        Field::new(&column.name, kind, false)
+    };
+    let fields: Vec<Field> = columns.iter().map(field).collect();
+    let arrays: Vec<ArrayRef> = columns
+        .into_iter()
+        .map(|column| match column.values {
+            Values::Real(values) => Arc::new(Float64Array::from(values)) as ArrayRef,
+            Values::Count(values) => Arc::new(UInt32Array::from(values)) as ArrayRef,
+        })
+        .collect();
+    let samples = arrays.first().map_or(0, |array| array.len());
+    let metadata = HashMap::from([("samples".to_owned(), samples.to_string())]);
+    let schema = Arc::new(Schema::new_with_metadata(fields, metadata));
+    let mut writer = StreamWriter::try_new(Vec::new(), &schema)?;
+    writer.write(&RecordBatch::try_new(schema, arrays)?)?;
+    writer.finish()?;
+    writer.into_inner()
+}

@@ -1,0 +1,89 @@
+//! What several endpoints of the cell look up in a request or a plan, and the problems they share.
+
+use axum::http::StatusCode;
+use jointplay::cell::robot::EffectorId;
+use jointplay::cell::station::SlotId;
+use jointplay::cell::trajectory::Trajectory;
+use jointplay::cell::workcell::Cell;
+use jointplay::cell::{CellError, Interrupted};
+use jointplay::format::cell::explain;
+use jointplay::interop::export::Recording;
+
+use crate::plan::{Plan, standing};
+use crate::problem::Problem;
+use crate::wire::cell_jog::SlotFields;
+
+pub(super) fn interrupted(_: Interrupted) -> Problem {
+    let detail = "the computation was stopped: the client is gone, or the server ends";
+    Problem::unavailable(StatusCode::SERVICE_UNAVAILABLE, detail)
+}
+
+pub(super) fn no_motion(plan: &Plan) -> String {
+    match plan.problems.first() {
+        Some(first) => format!("there is nothing to show: line {}: {}", first.line, first.message),
+        None => "there is nothing to show".to_owned(),
+    }
+}
+
+/// A plan, a window or a picture of that key is not remembered.
+pub(super) fn unknown_key() -> Problem {
+    let detail = "nothing of this key is remembered: plan the texts again, which names new ones";
+    Problem::request(StatusCode::NOT_FOUND, detail)
+}
+
+/// The motion of a plan; where it has none, the robot at home.
+///
+/// # Errors
+/// There is no robot.
+pub(super) fn robot_motion<'p>(
+    plan: &'p Plan,
+    still: &'p mut Option<Trajectory>,
+) -> Result<Recording<'p>, Problem> {
+    let refused = || Problem::request(StatusCode::CONFLICT, no_motion(plan));
+    if let Some(recording) = plan.recording() {
+        return Ok(recording);
+    }
+    let cell = plan.cell.as_ref().ok_or_else(refused)?;
+    let motion = still.insert(standing(cell).ok_or_else(refused)?);
+    Ok(Recording { cell, motion, program: "", flaws: &[] })
+}
+
+pub(super) fn cell_error(error: CellError) -> Problem {
+    Problem::request(StatusCode::CONFLICT, explain::explain(&error))
+}
+
+/// The effector of a name; the first without one.
+pub(super) fn named_effector(
+    cell: &Cell,
+    name: Option<&str>,
+    field: &str,
+) -> Result<EffectorId, Problem> {
+    let name_of = |id: EffectorId| cell.robot.arms[id.arm].effectors[id.effector].name.as_str();
+    let mut effectors = cell.robot.effectors();
+    let found = effectors.find(|&id| name.is_none_or(|name| name == name_of(id)));
+    found.ok_or_else(|| {
+        let known: Vec<&str> = cell.robot.effectors().map(name_of).collect();
+        let detail =
+            format!("there is no effector {:?}; known: {}", name.unwrap_or(""), known.join(", "));
+        Problem::field(field, detail)
+    })
+}
+
+pub(super) fn named_slot(
+    cell: &Cell,
+    asked: &SlotFields,
+    [of_station, of_slot]: [&str; 2],
+) -> Result<SlotId, Problem> {
+    let SlotFields { station: name, slot } = asked;
+    let Some(station) = cell.stations.iter().position(|station| station.name == *name) else {
+        let known: Vec<&str> = cell.stations.iter().map(|one| one.name.as_str()).collect();
+        let detail = format!("there is no station {name:?}; known: {}", known.join(", "));
+        return Err(Problem::field(of_station, detail));
+    };
+    if cell.stations[station].has_slot(*slot) {
+        return Ok(SlotId { station, slot: *slot });
+    }
+    let most = cell.stations[station].slots;
+    let detail = format!("{name} has slots 1 to {most}, but no slot {slot}");
+    Err(Problem::field(of_slot, detail))
+}

@@ -1,0 +1,40 @@
+//! The state that all requests share.
+
+use std::sync::Arc;
+
+use axum::http::StatusCode;
+use jointplay::format::robot::Robot;
+
+use crate::meshes::MeshFolder;
+use crate::problem::Problem;
+use crate::session::WorkcellSession;
+use crate::work::{Deadlines, WorkerPool};
+
+/// The state that all requests share.
+#[derive(Clone)]
+pub(crate) struct AppState {
+    pub(crate) robot: Arc<Robot>,
+    pub(crate) work: WorkerPool,
+    pub(crate) meshes: MeshFolder,
+    /// The work cell; `None` for a server that was started without one.
+    pub(crate) cell: Option<WorkcellSession>,
+}
+
+impl AppState {
+    pub(crate) fn new(robot: Robot, meshes: MeshFolder, deadlines: Deadlines) -> Self {
+        // Each endpoint checks the limits itself, unless the request asks to ignore them.
+        let robot = Robot { gpr: robot.gpr.without_limit_checks(), ..robot };
+        Self { robot: Arc::new(robot), work: WorkerPool::new(deadlines), meshes, cell: None }
+    }
+
+    /// The session of the work cell.
+    ///
+    /// # Errors
+    /// 404 for a server without a cell.
+    pub(crate) fn session(&self) -> Result<WorkcellSession, Problem> {
+        self.cell.clone().ok_or_else(|| {
+            let detail = "this server has no cell; start it with `jointplay studio --cell`";
+            Problem::request(StatusCode::NOT_FOUND, detail)
+        })
+    }
+}

@@ -1,8 +1,0 @@
-import { expect, test } from 'vitest';
-import { noteLine } from './contact';
-
-test('the note of a station is found among others', () => {
-  const text = '# Taught in contact: a and b.\n[[station]]\nname = "LP1"\n\n# Taught in contact: c and d.\n[[station]]\nslots = 2\nname = "LP2" # right\n\n[[body]]\nname = "wall"\n';
-  expect([noteLine(text, 'LP1'), noteLine(text, 'LP2')]).toEqual([1, 5]);
-  expect(noteLine('station = [\n    # Taught in contact: a and b.\n    { name = "LP1" },\n]\n', 'LP1')).toBe(2);
-});
