@@ -4,7 +4,9 @@ use crate::label;
 use crate::layout::{Layout, MARKER_ROW, Place, TICK_LENGTH};
 use crate::markers::PlacedMarker;
 use crate::path::{Spot, points, strokes};
-use crate::svg::{Anchor, INK, RIM, Svg, line_attributes, path_data, point_attributes, point_data, px};
+use crate::svg::{
+    Anchor, INK, RIM, Svg, line_attributes, path_data, point_attributes, point_data, px,
+};
 use crate::text::{HALF_CAPITAL, LABEL, LEADING, TICK, TITLE};
 use crate::{Curve, Figure, Panel};
 

@@ -52,7 +52,11 @@ pub(crate) fn place(
             _ => (spot.0, Anchor::Middle),
         };
         // Capitals extend 0.73 of the size above the base line, descenders 0.2 below it.
-        placed.push(PlacedLabel { at: (x, room.y + 0.85 * TICK), anchor, text: (*text).to_string() });
+        placed.push(PlacedLabel {
+            at: (x, room.y + 0.85 * TICK),
+            anchor,
+            text: (*text).to_string(),
+        });
     }
     placed
 }

@@ -195,7 +195,7 @@ pub(crate) fn lay_out(figure: &Figure) -> Result<Layout, Error> {
 
 /// Overhang of the last x axis label to the right, with the edge [px].
 fn overhang(size: &Sized) -> f64 {
-    let out = |tick: & {
+    let out = |tick: &crate::tick::Tick| {
         0.5 * width(&tick.label, TICK) - (1.0 - size.x.place(tick.value)) * size.w
     };
     EDGE + size.x_ticks.major.last().map_or(0.0, out).max(0.0)

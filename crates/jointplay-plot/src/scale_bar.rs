@@ -1,7 +1,7 @@
 //! The scale of a picture: a bar with its length.
 
 use crate::decimal::{order, plain, short, value};
-use crate::svg::{Anchor, INK, Svg, path_data, px};
+use crate::svg::{Anchor, INK, Svg, px};
 use crate::text::TICK;
 
 /// Draws a bar with a round length.

@@ -116,7 +116,11 @@ impl Gantt {
                 }
             }
         }
-        intervals.extend(violations.iter().map(|&[from, to]| Interval { from, to, kind: IntervalKind::Violation }));
+        intervals.extend(violations.iter().map(|&[from, to]| Interval {
+            from,
+            to,
+            kind: IntervalKind::Violation,
+        }));
         let duration = motion.duration();
         Self { axes, intervals, duration, title: title.to_owned(), width: 1080.0 }
     }
@@ -131,7 +135,8 @@ impl Gantt {
             let what = "the trajectory".to_owned();
             return Err(Error::Extent { what, found: self.duration, unit: "s" });
         }
-        let has_violations = self.intervals.iter().any(|interval| interval.kind == IntervalKind::Violation);
+        let has_violations =
+            self.intervals.iter().any(|interval| interval.kind == IntervalKind::Violation);
         let mut rows: Vec<&str> = vec![""];
         rows.extend(self.axes.iter().map(String::as_str));
         if has_violations {
@@ -197,12 +202,15 @@ impl Gantt {
             let (row, fill) = match &interval.kind {
                 IntervalKind::Empty(axis) => (axis + 1, Colour::SKY_BLUE.hex()),
                 IntervalKind::Loaded(axis) => (axis + 1, Colour::BLUE.hex()),
-                IntervalKind::Instruction(_) if number.is_multiple_of(2) => (0, "#e4e4e0".to_owned()),
+                IntervalKind::Instruction(_) if number.is_multiple_of(2) => {
+                    (0, "#e4e4e0".to_owned())
+                }
                 IntervalKind::Instruction(_) => (0, "#cfcfca".to_owned()),
                 IntervalKind::Violation => (rows.len() - 1, Colour::VERMILLION.hex()),
             };
             // A momentary violation stays visible.
-            let wide = if interval.kind == IntervalKind::Violation { (x1 - x0).max(2.0) } else { x1 - x0 };
+            let wide =
+                if interval.kind == IntervalKind::Violation { (x1 - x0).max(2.0) } else { x1 - x0 };
             if wide <= 0.0 {
                 continue;
             }

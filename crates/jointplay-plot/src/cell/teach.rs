@@ -286,10 +286,8 @@ fn description(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
     let mut lines = vec![station.name.clone(), orientation];
     match &station.origin {
         Origin::Nominal => lines.push("nominal, not taught".to_owned()),
-        Origin::Drift(drift) => lines.push(format!(
-            "drift: the last slot is {:.3} mm off the vertical",
-            drift.drift * 1e3
-        )),
+        Origin::Drift(drift) => lines
+            .push(format!("drift: the last slot is {:.3} mm off the vertical", drift.drift * 1e3)),
         Origin::Taught(fit) => {
             let verdict = match fit.verdict {
                 Verdict::Fits => "fits",
@@ -325,7 +323,11 @@ fn exaggeration(stations: &[&Station]) -> Exaggeration {
         .fold(f64::INFINITY, f64::min);
     Exaggeration {
         tilt: if steepest > LEAST_TILT { (DRAWN_TILT / steepest).max(1.0) } else { 1.0 },
-        distance: if worst > LEAST_DISTANCE { (DRAWN_DISTANCE * narrowest / worst).max(1.0) } else { 1.0 },
+        distance: if worst > LEAST_DISTANCE {
+            (DRAWN_DISTANCE * narrowest / worst).max(1.0)
+        } else {
+            1.0
+        },
     }
 }
 

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::glyph::{ACTUATED, GAP, PLAY, circle};
 use super::camera::Camera;
+use super::glyph::{ACTUATED, GAP, PLAY, circle};
 use super::picture::MechanismPicture;
 use super::scene::{RAIL, Scene};
 use super::view::View;
