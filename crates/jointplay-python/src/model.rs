@@ -1,4 +1,4 @@
-//! Which virtualization, and how it is solved, as Python says it.
+//! Virtualization, solver and metric from their Python arguments.
 
 use std::collections::BTreeSet;
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -121,7 +121,7 @@ pub(crate) fn options(
 
 fn solver_of(py: Python<'_>, name: &str) -> PyResult<Solver> {
     let all = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm];
-    // The three names of `Solver`, without writing them anew for each call.
+    // The three names of `Solver`, without formatting them for each call.
     match name {
         "newton" => Ok(Solver::Newton),
         "least-norm" => Ok(Solver::LeastNorm),

@@ -40,7 +40,7 @@ pub use expected::{DisagreementReport, disagreements};
 pub use forward::{ForwardReport, PlatformReport, forward};
 pub use limits::{LimitReport, limits};
 pub use mechanism::{
-    AssemblyReport, ByName, CarriedTwiceReport, ConfigurationReport, LinkMotionReport,
+    AssemblyReport, ByName, RedundantConstraintReport, ConfigurationReport, LinkMotionReport,
     MechanismMobilityReport, NearMissReport, NearReport, SparseMobilityReport, UnitsReport,
     assembly, by_name, configuration, mechanism_mobility, sparse_mobility,
 };

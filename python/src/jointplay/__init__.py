@@ -61,7 +61,7 @@ from ._jointplay import (
     catalogue,
 )
 from ._mechanisms import (
-    CarriedTwice,
+    RedundantConstraint,
     Configuration,
     LinkMotion,
     MechanismMobility,
@@ -96,7 +96,7 @@ __all__ = [
     "BoundsCheck",
     "BrokenLimit",
     "BrokenLimits",
-    "CarriedTwice",
+    "RedundantConstraint",
     "Comparison",
     "Configuration",
     "DependentSidesError",

@@ -259,7 +259,7 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
         "  singular values below the threshold and closure residuals below {CLOSURE_TOLERANCE:.0e} are treated as zero"
     );
     let _ = writeln!(text, "{}", report.class);
-    for carried in &report.carried_twice {
+    for carried in &report.redundant_constraints {
         let _ = writeln!(
             text,
             "  redundant constraint: {}, by {}",
