@@ -160,7 +160,7 @@ def test_a_dead_point_stops_the_way(ask):
     assert crossed.stopped == "locked" and "dead point" in crossed.message
     assert len(crossed.singular) == 1 and crossed.singular[0].instantaneous_mobility >= 1
     assert crossed.share[-1] < 1 and (crossed.residual < 1e-12).all()
-    with pytest.raises(jp.StoppedError, match="on the path to the beginning") as caught:
+    with pytest.raises(jp.StoppedError, match="before the start of the path") as caught:
         jp.Mechanism.from_catalogue("four-bar").drive({"D": (2.5, 0)})
     assert caught.value.motion.stopped == "locked"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from typed import Slides, tilt_error, tilt_errors, refused
+from typed import Slides, tilt_angle, tilt_angles, refused
 
 import jointplay as jp
 
@@ -16,8 +16,8 @@ def gpr() -> jp.Gpr:
 
 
 def test_the_typed_program_runs(gpr):
-    assert tilt_error(gpr) == pytest.approx(0.02)
-    np.testing.assert_allclose(tilt_errors(gpr), 0.02)
+    assert tilt_angle(gpr) == pytest.approx(0.02)
+    np.testing.assert_allclose(tilt_angles(gpr), 0.02)
     assert refused() == "1:1"
 
 

@@ -1,5 +1,5 @@
 //! Pictures of cells: what they hold, and that nothing is cut off.
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::robot::{
@@ -17,11 +17,11 @@ use jointplay_plot::cell::{EffectorPath, Gantt, Interval, IntervalKind, Taught, 
 use nalgebra::Vector3;
 use resvg::usvg::{Group, Node, Options, Tree, roxmltree::Document};
 
-/// The colour of what is wrong.
+/// The colour of violations.
 const VERMILLION: &str = "#d55e00";
 const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
 
-/// A robot with a slide before two stations, one of them leaning, a wall and a zone.
+/// A robot with a prismatic axis in front of two stations, one of them tilted, a wall and a zone.
 fn cell() -> Cell {
     let dynamics = KinematicLimits { velocity: 1.0, acceleration: 5.0, jerk: 50.0 };
     let axis = |name: &str, kind, min, max| Axis {
@@ -217,15 +217,15 @@ fn stations_as_they_were_taught() {
     let expected = [
         "a cell: stations",
         "port",
-        "leans 0.5729° toward 180.0°",
+        "tilt 0.5729° toward 180.0°",
         "4 points up to 20.0 µm off (allowed 100.0), tilt ±5649 µrad:",
         "unproven",
         "1: +20.0 µm",
         "4: -20.0 µm",
         "aligner",
-        "leans 0.8021° toward 22.9°",
+        "tilt 0.8021° toward 22.9°",
         "nominal, not taught",
-        "dashed: level; leans drawn 14 times larger; distances off the planes 1500 times",
+        "dashed: level; tilt scale 14×; distance scale 1500×",
     ];
     let svg = picture.to_svg().unwrap();
     check(&svg, &expected);
@@ -240,7 +240,7 @@ fn stations_as_they_were_taught() {
     let even = taught(0.0, 1e-5);
     let mut one = Taught::new(&even);
     one.stations = vec![0];
-    check(&one.to_svg().unwrap(), &["dashed: level; leans drawn 20 times larger"]);
+    check(&one.to_svg().unwrap(), &["dashed: level; tilt scale 20×"]);
     one.stations = vec![1, 7];
     assert!(!one.to_svg().unwrap().contains(">port</text>"));
     picture.width = 10.0;
@@ -306,7 +306,7 @@ fn no_number_runs_into_the_unit_of_time() {
                 let apart = room.left() > unit.right() + 1.0
                     || room.top() > unit.bottom()
                     || room.bottom() < unit.top();
-                assert!(apart, "{text} runs into the s at {unit:?}: {room:?}");
+                assert!(apart, "{text} overlaps the s at {unit:?}: {room:?}");
             }
         }
     }

@@ -1,6 +1,6 @@
 //! The documents keep their word: every command that they show runs.
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 
 /// Commands of a document: fenced lines and code spans that start with the program's name, without comments.
 pub(crate) fn commands(text: &str) -> Vec<String> {
@@ -14,7 +14,7 @@ pub(crate) fn commands(text: &str) -> Vec<String> {
         found.extend(pieces.into_iter().filter_map(|piece| piece.strip_prefix("jointplay ")));
     }
     let bare = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
-    // Words in capitals stand for something else, completions are for some shell, and the studio serves until it is ended.
+    // Words in capitals are placeholders, completions need a shell, and the studio runs until Ctrl-C.
     let whole = |line: &String| {
         !line.starts_with("completions")
             && !line.starts_with("studio")
@@ -31,13 +31,13 @@ fn quick(line: &str) -> String {
 }
 
 /// A folder with the files that the examples of `import` name.
-fn desk_with_a_model() -> Desk {
-    let desk = Desk::new();
-    desk.write("one.program", crate::cell::SMALL);
-    desk.write("robot.urdf", crate::import::URDF);
-    desk.write("loops.toml", crate::import::LOOPS);
-    desk.write("my-study.toml", crate::study::SMALL);
-    desk
+fn sandbox_with_a_model() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write("one.program", crate::cell::SMALL);
+    sandbox.write("robot.urdf", crate::import::URDF);
+    sandbox.write("loops.toml", crate::import::LOOPS);
+    sandbox.write("my-study.toml", crate::study::SMALL);
+    sandbox
 }
 
 #[test]
@@ -55,15 +55,15 @@ fn every_command_that_a_document_shows_runs() {
     all.dedup();
     assert!(all.len() >= 10, "{all:?}");
     for line in all {
-        let desk = desk_with_a_model();
-        let run = desk.run(&quick(&line));
+        let sandbox = sandbox_with_a_model();
+        let run = sandbox.run(&quick(&line));
         assert_eq!(run.code, 0, "{line}: {}", run.stderr);
     }
 }
 
 #[test]
 fn every_example_in_a_help_text_runs() {
-    let helper = Desk::new();
+    let helper = Sandbox::new();
     for command in [
         "",
         "simulate",
@@ -90,35 +90,35 @@ fn every_example_in_a_help_text_runs() {
         let (_, examples) = help.split_once("Examples:").expect("every command has examples");
         for line in examples.lines().map(str::trim) {
             let Some(line) = line.strip_prefix("jointplay ") else { continue };
-            // What stands behind two spaces explains the line.
+            // Text after two spaces explains the line.
             let line = line.split("  ").next().unwrap();
             let line = line.split(" > ").next().unwrap();
-            let desk = desk_with_a_model();
-            let run = desk.run(&quick(line));
+            let sandbox = sandbox_with_a_model();
+            let run = sandbox.run(&quick(line));
             assert_eq!(run.code, 0, "{line}: {}", run.stderr);
         }
     }
 }
 
 #[test]
-fn what_the_page_on_cells_breaks_is_told_as_it_says() {
+fn the_reference_of_cell_files_reports_its_faults_as_shown() {
     let page = include_str!("../../../../docs/reference/cell-files.md");
     let (_, part) = page.split_once("## Break it, and mend it").unwrap();
     let (part, _) = part.split_once("\n## ").unwrap();
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let shown: Vec<&str> =
         part.lines().filter_map(|line| line.strip_prefix("jointplay ")).collect();
     let shown: Vec<&str> =
         shown.iter().map(|line| line.split('#').next().unwrap().trim()).collect();
     for line in &shown {
-        desk.done(line);
+        sandbox.done(line);
     }
     let check = shown.last().unwrap();
-    let files: Vec<(String, String)> = desk
+    let files: Vec<(String, String)> = sandbox
         .names("my-cell")
         .into_iter()
         .map(|name| format!("my-cell/{name}"))
-        .map(|name| (desk.read(&name), name))
+        .map(|name| (sandbox.read(&name), name))
         .map(|(text, name)| (name, text))
         .collect();
     assert_eq!(files.len(), 3);
@@ -134,13 +134,13 @@ fn what_the_page_on_cells_breaks_is_told_as_it_says() {
             *text = text.replace(change[0], change[1]);
         }
         for (name, text) in &texts {
-            desk.write(name, text);
+            sandbox.write(name, text);
         }
-        let run = desk.run(check);
+        let run = sandbox.run(check);
         assert_ne!(run.code, 0, "{row}");
-        let said = run.stdout + &run.stderr;
+        let output = run.stdout + &run.stderr;
         for words in spans(cells[3]) {
-            assert!(said.contains(words), "{words}: {said:.2000}");
+            assert!(output.contains(words), "{words}: {output:.2000}");
         }
         broken += 1;
     }
