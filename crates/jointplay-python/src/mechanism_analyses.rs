@@ -178,7 +178,10 @@ impl PyMechanism {
     ) -> PyResult<Bound<'py, PyAny>> {
         let steps = steps.map_or(Ok(STEPS), |given| count(given, "steps", 1..=MOST_STEPS))?;
         if drives.is_empty()? {
-            return Err(errors::input(py, "no joint is driven; expected a mapping such as {\"crank\": (0, 1)}"));
+            return Err(errors::input(
+                py,
+                "no joint is driven; expected a mapping such as {\"crank\": (0, 1)}",
+            ));
         }
         let mut legs: Vec<(usize, Option<f64>, f64)> = Vec::new();
         for item in drives.items()? {
@@ -239,7 +242,10 @@ impl PyMechanism {
         commands: Vec<Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let Some(first) = commands.first() else {
-            return Err(errors::input(py, "no command is given; expected a list such as [{\"crank\": 0.5}]"));
+            return Err(errors::input(
+                py,
+                "no command is given; expected a list such as [{\"crank\": 0.5}]",
+            ));
         };
         let commanded: Vec<usize> =
             self.commands(py, Some(first))?.iter().map(|&(k, _)| k).collect();
@@ -289,10 +295,7 @@ impl PyMechanism {
     ) -> PyResult<Bound<'py, PyAny>> {
         let commands = self.commands(py, Some(at))?;
         if self.file.mechanism.virtual_joints().is_empty() {
-            return Err(errors::input(
-                py,
-                "this mechanism has no virtual joints",
-            ));
+            return Err(errors::input(py, "this mechanism has no virtual joints"));
         }
         let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         let found = py.detach(|| {
@@ -350,7 +353,10 @@ impl PyMechanism {
             given.push((self.find(py, &name)?, name, values));
         }
         if given.is_empty() {
-            return Err(errors::input(py, "no command is given; expected a mapping such as {\"crank\": angles}"));
+            return Err(errors::input(
+                py,
+                "no command is given; expected a mapping such as {\"crank\": angles}",
+            ));
         }
         let named: Vec<(&str, &Bound<'_, PyAny>)> =
             given.iter().map(|(_, name, values)| (name.as_str(), values)).collect();

@@ -477,7 +477,8 @@ fn three_faults_of_the_example_are_found_and_fixed() {
 
     // Faster than the limits is no speed.
     sandbox.write("example.toml", &sound);
-    sandbox.write("fast.program", &SMALL.replace("HOME\nTRANSFER LP1", "SPEED 150 %\nTRANSFER LP1"));
+    sandbox
+        .write("fast.program", &SMALL.replace("HOME\nTRANSFER LP1", "SPEED 150 %\nTRANSFER LP1"));
     let run = sandbox.run("cell check example.toml fast.program");
     assert_eq!((run.code, run.stdout.as_str()), (2, ""));
     assert!(run.stderr.contains("fast.program:1:7: "), "{}", run.stderr);
@@ -561,8 +562,7 @@ fn a_program_that_moves_nothing_is_refused() {
         for command in ["check", "run", "export"] {
             let run = sandbox.run(&format!("cell {command} example.toml idle.program"));
             assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{text}");
-            let message =
-                "idle.program: the program contains no motion (all axes stay at home)";
+            let message = "idle.program: the program contains no motion (all axes stay at home)";
             assert!(run.stderr.contains(message), "{text}: {}", run.stderr);
         }
         assert_eq!(sandbox.names(""), ["example.program", "example.toml", "idle.program"]);

@@ -1,7 +1,7 @@
 //! Models of other programs: what is taken over, what is listed, what is refused.
 
-use crate::sandbox::Sandbox;
 use crate::documents::commands;
+use crate::sandbox::Sandbox;
 
 /// A prismatic joint on the base, and a ball joint next to it.
 pub(crate) const URDF: &str = r#"<robot name="pair">

@@ -1,6 +1,6 @@
 //! Mechanism files: what is answered, what is refused, what is written.
 
-use crate::sandbox::{Sandbox, Run};
+use crate::sandbox::{Run, Sandbox};
 
 const HEAD: &str = r#"
 kind = "mechanism"
@@ -318,7 +318,10 @@ fn near_misses_differ_from_open_loops() {
     let exact = sandbox.done("assemble bennett --tolerance 1e-3");
     assert_eq!(exact, sandbox.done("assemble bennett"));
     let exact = sandbox.done("mobility bennett --tolerance 1e-3");
-    assert!(exact.contains("within a tolerance of 1.0e-3: 1, equal to the finite mobility"), "{exact}");
+    assert!(
+        exact.contains("within a tolerance of 1.0e-3: 1, equal to the finite mobility"),
+        "{exact}"
+    );
     assert!(!exact.contains("forced shut"), "{exact}");
 }
 
@@ -590,7 +593,9 @@ fn the_paper_s_slides_are_suggested_first() {
 #[test]
 fn redundant_constraints_are_described() {
     let text = Sandbox::new().done("mobility four-bar");
-    for words in ["overconstrained and movable", "redundant constraint: moment about x, by A, B, C, D"] {
+    for words in
+        ["overconstrained and movable", "redundant constraint: moment about x, by A, B, C, D"]
+    {
         assert!(text.contains(words), "{text}");
     }
 }

@@ -140,7 +140,9 @@ fn same_flags_same_bytes() {
     second.done("simulate --yaw-step-deg 30 --force");
     assert_eq!(first.names("paper-study"), second.names("paper-study"));
     for name in &first.names("paper-study") {
-        let read = |sandbox: &Sandbox| std::fs::read(sandbox.file(&format!("paper-study/{name}"))).unwrap();
+        let read = |sandbox: &Sandbox| {
+            std::fs::read(sandbox.file(&format!("paper-study/{name}"))).unwrap()
+        };
         assert!(read(&first) == read(&second), "{name} differs from run to run");
     }
 }

@@ -85,8 +85,11 @@ fn killed_and_taken_up(table: &str) {
     let mut kills = 0;
     // From the start, before the first marker, and then from the last one.
     for (run, moment) in (0..5).zip(moments()) {
-        let resume =
-            if sandbox.file(&format!("{table}.part.json")).exists() { "--resume" } else { "--force" };
+        let resume = if sandbox.file(&format!("{table}.part.json")).exists() {
+            "--resume"
+        } else {
+            "--force"
+        };
         let mut child = start(&sandbox, &format!("study s.toml --out {table} {resume}"));
         if run > 0 {
             await_more(&sandbox, table, marked(&sandbox, table), &mut child);
@@ -105,8 +108,11 @@ fn killed_and_taken_up(table: &str) {
     }
     assert!(kills > 0);
     if !sandbox.file(table).exists() {
-        let resume =
-            if sandbox.file(&format!("{table}.part.json")).exists() { "--resume" } else { "--force" };
+        let resume = if sandbox.file(&format!("{table}.part.json")).exists() {
+            "--resume"
+        } else {
+            "--force"
+        };
         assert_eq!(resume, "--resume", "five runs have marked nothing");
         finish(&sandbox, table, &expected);
     }
@@ -189,7 +195,11 @@ fn a_table_of_another_study_is_not_gone_on_with() {
     assert_eq!(meanwhile.code, 2);
     assert!(meanwhile.stderr.contains("another run is writing t.csv.part"), "{}", meanwhile.stderr);
     let concurrent = sandbox.run("study s.toml --out t.csv");
-    assert!(concurrent.stderr.contains("another run is writing t.csv.part"), "{}", concurrent.stderr);
+    assert!(
+        concurrent.stderr.contains("another run is writing t.csv.part"),
+        "{}",
+        concurrent.stderr
+    );
     send("-KILL", &child);
     child.wait().unwrap();
 

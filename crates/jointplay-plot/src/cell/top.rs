@@ -1,5 +1,6 @@
 //! The top view of a cell.
 
+use jointplay_cell::EntityId;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::workcell::{Carrier, Cell, ZoneRule};
 
@@ -52,8 +53,8 @@ pub struct TopView<'a> {
     pub paths: Vec<EffectorPath>,
     /// Positions of violations in the base frame [m].
     pub violations: Vec<[f64; 2]>,
-    /// Names of fixed bodies and zones involved in violations.
-    pub violating: Vec<String>,
+    /// Bodies and zones involved in violations; only fixed ones are drawn.
+    pub violating: Vec<EntityId>,
     /// Title above the picture; empty for none.
     pub title: String,
     /// Width in pixels.
@@ -199,12 +200,16 @@ impl<'a> TopView<'a> {
 
     /// Names and outlines of bodies and zones involved in violations.
     fn outlines_in_violation(&self) -> impl Iterator<Item = (&str, Vec<[f64; 2]>)> {
-        let still = self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World);
-        let bodies = still.map(|body| (&body.name, &body.shape, &body.carrier_from_shape));
-        let zones = self.cell.zones.iter();
-        let zones = zones.map(|zone| (&zone.name, &zone.shape, &zone.base_from_shape));
-        let all = bodies.chain(zones).filter(|(name, ..)| self.violating.contains(name));
-        all.map(|(name, shape, pose)| (name.as_str(), outline(shape, pose)))
+        let bodies = self.cell.bodies.iter().enumerate().filter_map(|(k, body)| {
+            let is_marked =
+                body.carrier == Carrier::World && self.violating.contains(&EntityId::Body(k));
+            is_marked.then_some((&body.name, &body.shape, &body.carrier_from_shape))
+        });
+        let zones = self.cell.zones.iter().enumerate().filter_map(|(k, zone)| {
+            let is_marked = self.violating.contains(&EntityId::Zone(k));
+            is_marked.then_some((&zone.name, &zone.shape, &zone.base_from_shape))
+        });
+        bodies.chain(zones).map(|(name, shape, pose)| (name.as_str(), outline(shape, pose)))
     }
 
     /// Bodies and zones involved in violations, with their names.

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::Memory;
+use jointplay::cell::IncrementalPlanner;
 use jointplay::cell::check::{CheckOptions, Report, Verdict};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
-use jointplay::cell::trajectory::{Trajectory, TrajectoryOptions};
+use jointplay::cell::trajectory::{StepError, Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
+use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::number::counted;
 use jointplay::format::{cell, place, program};
 use jointplay::interop::export::{self, Flaw, Recording};
@@ -142,7 +143,11 @@ impl InputArgs {
             Ok(source) => {
                 let unknown_names = name_errors(&source.cell, &program);
                 let mut all = syntax_errors;
-                all.extend(unknown_names.iter().map(|one| program_diagnostic(one, &text, &label)));
+                all.extend(
+                    unknown_names
+                        .iter()
+                        .map(|one| program_diagnostic(&source.cell, one, &text, &label)),
+                );
                 all.sort_by_key(|one| (one.line, one.column));
                 Failure::Invalid(all)
             }
@@ -195,14 +200,14 @@ impl InputArgs {
         reporter.stage("timing");
         let motion = planner.plan_trajectory(cell, steps, &TrajectoryOptions::default()).map_err(
             |error| {
-                let problems = error.problems.iter();
-                Failure::Infeasible(input.at(problems.map(|one| (one.place, one.message.clone()))))
+                let explained = |one: &StepError| (one.place, explain_step(&cell.robot, one));
+                Failure::Infeasible(input.at(error.steps.iter().map(explained)))
             },
         )?;
         reporter.stage("checking");
         let report = planner.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = export::flaws(&report);
+        let flaws = export::flaws(cell, &report);
         Ok(Planned { input, motion, report, flaws })
     }
 }
@@ -228,8 +233,10 @@ impl Input {
 
     /// The failure for errors of the program in its cell: infeasible if all of them concern reach and limits, else invalid input.
     fn refused(&self, errors: &[ProgramError]) -> Failure {
-        let all =
-            errors.iter().map(|one| program_diagnostic(one, &self.text, &self.label)).collect();
+        let all = errors
+            .iter()
+            .map(|one| program_diagnostic(&self.cell.cell, one, &self.text, &self.label))
+            .collect();
         let out_of_reach = |one: &ProgramError| {
             matches!(
                 one.problem,
@@ -284,8 +291,8 @@ impl Planned {
 }
 
 /// A planner that reports the number of planned segments.
-fn with_progress(reporter: Reporter) -> Memory {
-    Memory::run_by(move |count, job| {
+fn with_progress(reporter: Reporter) -> IncrementalPlanner {
+    IncrementalPlanner::run_by(move |count, job| {
         reporter.parts(count);
         for number in 0..count {
             job(number);
@@ -303,8 +310,8 @@ pub(super) fn diagnostics<P: std::fmt::Display>(
 }
 
 /// The diagnostic of an error of a program in its cell.
-fn program_diagnostic(error: &ProgramError, text: &str, label: &str) -> Diagnostic {
-    Diagnostic::new(&program::explain(text, error), label)
+fn program_diagnostic(cell: &Cell, error: &ProgramError, text: &str, label: &str) -> Diagnostic {
+    Diagnostic::new(&program::explain(&cell.robot, text, error), label)
 }
 
 /// Reads a file that a cell refers to, in the folder of the cell or below.

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
+use jointplay::cell::EntityId;
 use jointplay::cell::check::{Kind, Violation};
 use jointplay::cell::program::Place;
 use jointplay::format::number::counted;
@@ -15,8 +16,6 @@ use crate::output::fixed;
 const TIMES: usize = 4;
 /// Largest number of violation groups listed.
 const GROUPS: usize = 12;
-/// Prefix of the names of wafers.
-const WAFER: &str = "wafer ";
 
 /// Verdict, violations, and a table by program line.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
@@ -139,20 +138,20 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     text
 }
 
-/// The common properties of a group of violations; all wafers count as one name.
+/// The common properties of a group of violations; wafers count as one entity, `None`.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct GroupKey<'a> {
+struct GroupKey {
     place: Place,
     kind: Kind,
-    names: Vec<&'a str>,
+    entities: Vec<Option<EntityId>>,
 }
 
 /// Violations grouped by command and pair, worst first: the worst of each group with an excerpt, and the times and number of the others.
 pub(super) fn violations(planned: &Planned) -> String {
-    let mut groups: BTreeMap<GroupKey<'_>, Vec<&Violation>> = BTreeMap::new();
+    let mut groups: BTreeMap<GroupKey, Vec<&Violation>> = BTreeMap::new();
     for one in &planned.report.violations {
-        let names = one.names.iter().map(|name| group_name(name)).collect();
-        let key = GroupKey { place: one.place, kind: one.kind, names };
+        let entities = one.entities.iter().map(|&one| (!one.is_wafer()).then_some(one)).collect();
+        let key = GroupKey { place: one.place, kind: one.kind, entities };
         groups.entry(key).or_default().push(one);
     }
     let mut groups: Vec<Vec<&Violation>> = groups.into_values().collect();
@@ -168,7 +167,7 @@ pub(super) fn violations(planned: &Planned) -> String {
     let mut text = String::new();
     for group in groups.iter().take(GROUPS) {
         let worst = group[0];
-        let message = format!("{}: {}", worst.kind, explain_violation(worst));
+        let message = format!("{}: {}", worst.kind, explain_violation(planned.cell(), worst));
         for line in planned.input.excerpt(worst.place, &message).lines() {
             let _ = writeln!(text, "  {line}");
         }
@@ -184,11 +183,8 @@ pub(super) fn violations(planned: &Planned) -> String {
             0 => String::new(),
             more => format!(", and {} more", counted(more, "time")),
         };
-        let wafers: BTreeSet<&String> = group
-            .iter()
-            .flat_map(|one| &one.names)
-            .filter(|name| name.starts_with(WAFER))
-            .collect();
+        let entities = group.iter().flat_map(|one| &one.entities);
+        let wafers: BTreeSet<&EntityId> = entities.filter(|one| one.is_wafer()).collect();
         let wafers = match wafers.len() {
             0 | 1 => String::new(),
             wafers => format!("; {wafers} wafers in total"),
@@ -206,11 +202,6 @@ pub(super) fn violations(planned: &Planned) -> String {
         );
     }
     text
-}
-
-/// The name by which violations are grouped: one for all wafers.
-fn group_name(name: &str) -> &str {
-    if name.starts_with(WAFER) { WAFER } else { name }
 }
 
 /// Amount by which a limit is exceeded, in SI units; not comparable between kinds.
