@@ -14,7 +14,7 @@ use jointplay::virtualization::built_in;
 
 use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches, yaw};
 use crate::failure::Failure;
-use crate::figure::{FIGURE_REFINEMENT, FigureArgs, Format};
+use crate::figure::{FIGURE_REFINEMENT, FigureArgs};
 use crate::output::{self, fixed, limits};
 
 /// Compare all models over a range of tilts
@@ -47,9 +47,6 @@ pub(crate) struct Compare {
     pub(crate) answer: AnswerArgs,
 }
 
-/// Width of a PNG figure [px].
-const PNG_WIDTH: u32 = 1800;
-
 impl Compare {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         self.figure.target()?;
@@ -78,10 +75,7 @@ impl Compare {
         }
         let fine = refine(&pitches, FIGURE_REFINEMENT);
         let figure = comparison_figure(&compare(&gpr, &built_in(), yaw, &fine, height, &options)?);
-        let written = self.figure.write(|format| match format {
-            Format::Svg => figure.to_svg().map(String::into_bytes),
-            Format::Png => figure.to_png(PNG_WIDTH),
-        })?;
+        let written = self.figure.write(&figure)?;
         match written {
             Some(path) if !self.answer.format.json() => {
                 output::text(&format!("figure: {}\n", path.display()))

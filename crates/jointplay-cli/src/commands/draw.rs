@@ -10,13 +10,11 @@ use serde::Serialize;
 use super::motion::driven;
 use crate::arguments::finite;
 use crate::failure::Failure;
-use crate::figure::{FigureArgs, Format};
+use crate::figure::FigureArgs;
 use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
 use crate::output::{self, FormatArgs};
 use crate::source::STANDARD;
 
-/// Width of a PNG figure [px].
-const PNG_WIDTH: u32 = 1800;
 /// Largest play scale: a nanometre drawn as a metre.
 const LARGEST_FACTOR: f64 = 1e9;
 
@@ -100,10 +98,7 @@ impl Draw {
             let to = input.commands(&self.ghost)?;
             picture.ghost = Some(driven(&input, &picture.coordinates, &to, "--ghost")?);
         }
-        let written = self.figure.write(|format| match format {
-            Format::Svg => picture.to_svg().map(String::into_bytes),
-            Format::Png => picture.to_png(PNG_WIDTH),
-        })?;
+        let written = self.figure.write(&picture)?;
         let drawn = match written {
             Some(path) => Drawn::Figure(path.display().to_string()),
             None => {

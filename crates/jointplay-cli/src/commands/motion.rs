@@ -17,6 +17,7 @@ use jointplay::report::{self, MotionReport};
 
 use crate::arguments::finite;
 use crate::failure::Failure;
+use crate::figure::svg_and_png;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, MechanismArgs};
 use crate::output::fixed;
@@ -27,8 +28,6 @@ use crate::source;
 const STEPS: usize = 60;
 /// Largest number of steps of a path.
 const MOST_STEPS: usize = 100_000;
-/// Width of the PNG figure [px]: 180 mm at 250 dots per inch.
-const PNG_WIDTH: u32 = 1800;
 
 /// Drive joints along a path and solve for the remaining ones
 ///
@@ -99,11 +98,14 @@ impl Move {
         let legs = self.legs(&input, &start)?;
         let driven: Vec<usize> = legs.iter().map(|leg| leg.coordinate).collect();
         let held = held(&input, &driven);
-        let names = self.out.as_ref().map(|folder| self.names(folder)).transpose()?;
+        if let Some(folder) = &self.out {
+            folder::check_folder(folder, self.force)?;
+        }
         let moved = drive_path(&input, start, &legs, &held)?;
         let report = report::motion(&input.file, &driven, &held, &moved);
-        if let (Some(folder), Some(names)) = (&self.out, names) {
-            write(&input, &report, &driven, folder, names, self.force)?;
+        if let Some(folder) = &self.out {
+            let stem = format!("{}-motion", source::stem(self.mechanism.path()));
+            write(&input, &report, &driven, folder, &stem, self.force)?;
         }
         self.mechanism.format.print(&report, |report| self.text(&input, report, &driven))?;
         if let Some(message) = report.message {
@@ -132,13 +134,6 @@ impl Move {
             legs.push(DriveSegment { coordinate, from, to, step, name: drive.joint.clone() });
         }
         Ok(legs)
-    }
-
-    /// Names of the series and of the two figures, after a check of the folder.
-    fn names(&self, folder: &Path) -> Result<[String; 3], Failure> {
-        let stem = source::stem(self.mechanism.path());
-        folder::check_folder(folder, self.force)?;
-        Ok(["csv", "svg", "png"].map(|end| format!("{stem}-motion.{end}")))
     }
 
     fn text(&self, input: &Input, report: &MotionReport, driven: &[usize]) -> String {
@@ -370,7 +365,7 @@ fn write(
     report: &MotionReport,
     driven: &[usize],
     folder: &Path,
-    names: [String; 3],
+    stem: &str,
     force: ForceArgs,
 ) -> Result<(), Failure> {
     let follower = |k: usize| Follower {
@@ -387,10 +382,7 @@ fn write(
         .filter_map(|singular| singular.drives.0.first().map(|&(_, value)| value))
         .collect();
     let figure = motion(&report.name, &follower(first), &others, &singular);
-    let [csv, svg, png] = names;
-    let failed = |source| Failure::Figure { figure: svg.clone(), source };
-    let drawn = figure.to_svg().map_err(failed)?.into_bytes();
-    let painted = figure.to_png(PNG_WIDTH).map_err(failed)?;
+    let [svg, png] = svg_and_png(stem, &figure)?;
     let series = table::csv(&report.columns()).into_bytes();
-    folder::write(folder, &[(csv, series), (svg.clone(), drawn), (png, painted)], force)
+    folder::write(folder, &[(format!("{stem}.csv"), series), svg, png], force)
 }

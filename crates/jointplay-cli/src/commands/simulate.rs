@@ -19,7 +19,7 @@ use crate::arguments::{
     MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, length, pitches,
 };
 use crate::failure::Failure;
-use crate::figure::FIGURE_REFINEMENT;
+use crate::figure::{FIGURE_REFINEMENT, svg_and_png};
 use crate::folder::{self, ForceArgs};
 use crate::output::{self, FormatArgs};
 use crate::progress::Progress;
@@ -109,8 +109,6 @@ const README: &str = "README.md";
 const COMMAND: &str = "jointplay simulate";
 /// Largest number of poses of a study: all are kept in memory, for each virtualization.
 const MOST_POSES: usize = 500_000;
-/// Width of PNG figures [px]: 180 mm at 250 dots per inch.
-const PNG_WIDTH: u32 = 1800;
 
 /// One virtualization's study.
 struct Study {
@@ -142,9 +140,7 @@ impl Simulate {
         }
         let figures: Vec<(String, Figure)> = figures(&studies);
         for (name, figure) in &figures {
-            let failed = |source| Failure::Figure { figure: name.clone(), source };
-            files.push((format!("{name}.svg"), figure.to_svg().map_err(failed)?.into_bytes()));
-            files.push((format!("{name}.png"), figure.to_png(PNG_WIDTH).map_err(failed)?));
+            files.extend(svg_and_png(name, figure)?);
         }
         // Written first: it identifies the other files as results of this program, even if the run is killed.
         let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();

@@ -5,14 +5,12 @@ use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::workcell::Carrier;
 use jointplay::interop::export;
-use jointplay::plot;
 use jointplay::plot::cell::{EffectorPath, Gantt, TopView};
 
 use super::input::Planned;
 use crate::failure::Failure;
+use crate::figure::svg_and_png;
 
-/// Width of a PNG figure [px].
-pub(super) const PNG_WIDTH: u32 = 1800;
 /// Sampling rate of the paths of wafer centres [Hz].
 const PATH_RATE: f64 = 50.0;
 /// Largest number of points of a path: more are not visible.
@@ -21,19 +19,11 @@ const MAX_PATH_POINTS: f64 = 40_000.0;
 /// Names of the four pictures.
 pub(super) const PICTURES: [&str; 4] = ["top.svg", "top.png", "gantt.svg", "gantt.png"];
 
-/// The cell from above and the axes over time, as SVG and PNG.
+/// The top view and the timing diagram, as SVG and PNG.
 pub(super) fn pictures(planned: &Planned) -> Result<[(String, Vec<u8>); 4], Failure> {
-    let (top, gantt) = (top_view(planned)?, gantt(planned));
-    let failed = |name: &'static str| {
-        move |source: plot::Error| Failure::Figure { figure: name.to_owned(), source }
-    };
-    let [top_svg, top_png, gantt_svg, gantt_png] = PICTURES;
-    Ok([
-        (top_svg.to_owned(), top.to_svg().map_err(failed(top_svg))?.into_bytes()),
-        (top_png.to_owned(), top.to_png(PNG_WIDTH).map_err(failed(top_png))?),
-        (gantt_svg.to_owned(), gantt.to_svg().map_err(failed(gantt_svg))?.into_bytes()),
-        (gantt_png.to_owned(), gantt.to_png(PNG_WIDTH).map_err(failed(gantt_png))?),
-    ])
+    let [top_svg, top_png] = svg_and_png("top", &top_view(planned)?)?;
+    let [gantt_svg, gantt_png] = svg_and_png("gantt", &gantt(planned))?;
+    Ok([top_svg, top_png, gantt_svg, gantt_png])
 }
 
 fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {

@@ -13,10 +13,9 @@ use jointplay::plot::cell::Taught;
 use jointplay::report::{self, StationReport, TeachReport};
 
 use super::input::{CellArgs, CellSource};
-use super::pictures::PNG_WIDTH;
 use crate::arguments::{finite, length};
 use crate::failure::Failure;
-use crate::figure::{FigureArgs, Format};
+use crate::figure::FigureArgs;
 use crate::folder::{self, ForceArgs};
 use crate::output::{self, fixed};
 
@@ -106,10 +105,7 @@ impl Teach {
             output::text(&text(&document))?;
         }
         let picture = self.picture(&source);
-        let written = self.figure.write(|format| match format {
-            Format::Svg => picture.to_svg().map(String::into_bytes),
-            Format::Png => picture.to_png(PNG_WIDTH),
-        })?;
+        let written = self.figure.write(&picture)?;
         if let Some(path) = written.filter(|_| !self.cell.format.json()) {
             output::text(&format!("picture: {}\n", path.display()))?;
         }
