@@ -45,6 +45,14 @@ fn assignments(text: &str) -> Result<Assignments, String> {
     text.split(',').map(assignment).collect::<Result<_, _>>().map(Assignments)
 }
 
+/// Commands to the same coordinates.
+struct Commands {
+    /// Indices of the commanded coordinates.
+    commanded: Vec<usize>,
+    /// Values of the commanded coordinates, for each command [m, rad].
+    values: Vec<DVector<f64>>,
+}
+
 impl Suggest {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut input = self.mechanism.load()?;
@@ -52,7 +60,7 @@ impl Suggest {
         let bare = input.file.mechanism.clone().with_virtual_joints(Vec::new());
         input.file.mechanism = bare.expect("a mechanism without virtual joints is valid");
         let home = input.assembled(&[])?.coordinates;
-        let (commanded, commands) = self.commands(&input, &home)?;
+        let Commands { commanded, values: commands } = self.commands(&input, &home)?;
         let working = Progress::of_work("comparing sets");
         let found = suggest(&input.file.mechanism, &home, &commanded, &commands)?;
         drop(working);
@@ -76,12 +84,8 @@ impl Suggest {
         }
     }
 
-    /// Indices of the commanded coordinates, and their values in each command [m, rad].
-    fn commands(
-        &self,
-        input: &Input,
-        home: &DVector<f64>,
-    ) -> Result<(Vec<usize>, Vec<DVector<f64>>), Failure> {
+    /// The commands of the flags, or the default ones.
+    fn commands(&self, input: &Input, home: &DVector<f64>) -> Result<Commands, Failure> {
         let Some((first, others)) = self.command.split_first() else {
             return small_steps(input, home);
         };
@@ -101,15 +105,12 @@ impl Suggest {
                 }
             }
         }
-        Ok((commanded, commands))
+        Ok(Commands { commanded, values: commands })
     }
 }
 
 /// One command for each actuator: a small displacement, with the others held.
-fn small_steps(
-    input: &Input,
-    home: &DVector<f64>,
-) -> Result<(Vec<usize>, Vec<DVector<f64>>), Failure> {
+fn small_steps(input: &Input, home: &DVector<f64>) -> Result<Commands, Failure> {
     let system = jointplay::mechanism::MechanismSystem::new(&input.file.mechanism, home.clone())?;
     let joints = input.file.mechanism.joints().iter().enumerate();
     let motors: Vec<usize> = joints
@@ -127,8 +128,8 @@ fn small_steps(
         command[n] += SMALL_TURN * system.kinematics().dimensions()[k].unit(length);
         command
     });
-    let commands = commands.collect();
-    Ok((motors, commands))
+    let values = commands.collect();
+    Ok(Commands { commanded: motors, values })
 }
 
 /// Coordinates that describe the configuration: actuators that are not commanded, or joints with one freedom if there are no actuators.

@@ -39,8 +39,19 @@ impl Room {
     }
 }
 
-/// Places for the names, within `page` (width, top, bottom) [px].
-pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Vec<Name> {
+/// The part of the page that labels may use.
+#[derive(Clone, Copy)]
+pub(super) struct LabelArea {
+    /// Width of the page [px].
+    pub(super) width: f64,
+    /// Upper edge [px].
+    pub(super) top: f64,
+    /// Lower edge [px].
+    pub(super) bottom: f64,
+}
+
+/// Positions of the names within an area of the page.
+pub(super) fn place(scene: &Scene, camera: &Camera, area: LabelArea) -> Vec<Name> {
     let many = scene.joints.len() + scene.play.len() >= MANY;
     let radius = scene.radius * camera.scale;
     let mut taken: Vec<Room> = scene
@@ -69,7 +80,7 @@ pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Ve
     let mut names = Vec::new();
     for (text, at, reach, play) in wanted {
         let spot = camera.spot(&at);
-        let room = best(&text, spot, reach * radius, &taken, page);
+        let room = best(&text, spot, reach * radius, &taken, area);
         taken.push(room);
         let base = room.y + 0.5 * room.h + HALF_CAPITAL * TICK;
         names.push(Name { text, at: (room.x, base), play });
@@ -88,9 +99,9 @@ fn reach(kind: JointKind) -> f64 {
 }
 
 /// The free rectangle next to a position with the least overlap.
-fn best(text: &str, spot: (f64, f64), reach: f64, taken: &[Room], page: (f64, f64, f64)) -> Room {
+fn best(text: &str, spot: (f64, f64), reach: f64, taken: &[Room], area: LabelArea) -> Room {
     let (w, h) = (width(text, TICK), 1.1 * TICK);
-    let (right, top, bottom) = page;
+    let LabelArea { width: right, top, bottom } = area;
     let mut found: Option<(f64, Room)> = None;
     for ring in 0..3 {
         for step in 0..16 {

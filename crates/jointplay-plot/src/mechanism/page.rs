@@ -3,11 +3,12 @@
 use nalgebra::Vector3;
 
 use super::camera::Camera;
+use super::labels::{self, LabelArea};
 use super::glyph::{ACTUATED, GAP, PLAY, circle};
 use super::picture::MechanismPicture;
 use super::scene::{RAIL, Scene};
 use super::view::View;
-use super::{labels, paint};
+use super::paint;
 use crate::scale_bar::scale_bar;
 use crate::svg::{Anchor, INK, RIM, Svg, element, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
@@ -52,7 +53,7 @@ pub(super) fn draw(picture: &MechanismPicture<'_>, scene: &Scene, ghost: Option<
         svg.text(at, TITLE, Anchor::Middle, text, "");
     }
     svg.elements(&paint::draw(scene, ghost, &camera));
-    for name in labels::place(scene, &camera, (page, top, bottom)) {
+    for name in labels::place(scene, &camera, LabelArea { width: page, top, bottom }) {
         let more =
             if name.play { format!(" style=\"fill:{}\"{RIM}", PLAY.hex()) } else { RIM.to_owned() };
         svg.text(name.at, TICK, Anchor::Start, &name.text, &more);
