@@ -1,6 +1,5 @@
 //! Models of other programs: what is taken over, what is listed, what is refused.
 
-use crate::documents::commands;
 use crate::sandbox::Sandbox;
 
 /// A prismatic joint on the base, and a ball joint next to it.
@@ -116,39 +115,4 @@ fn errors_show_their_place() {
     refused(&sandbox, "import cut.urdf", "cut.urdf:1:1: not well-formed XML");
     refused(&sandbox, "import loops.toml", "loops.toml is a file of loops, but a model");
     refused(&sandbox, "import missing.sdf", "cannot read missing.sdf");
-}
-
-/// Blocks of the document to be saved, by name.
-fn saved(text: &str) -> Vec<(&str, &str)> {
-    let mut parts = text.split("```");
-    let mut found = Vec::new();
-    while let (Some(prose), Some(block)) = (parts.next(), parts.next()) {
-        let last = prose.trim_end().lines().last().unwrap_or_default();
-        let name = last.rsplit('`').nth(1);
-        if let (true, Some(name)) = (last.starts_with("Save this"), name) {
-            found.push((name, block.split_once('\n').unwrap().1));
-        }
-    }
-    found
-}
-
-#[test]
-fn commands_and_files_of_the_document_run() {
-    let text = include_str!("../../../../docs/reference/mechanism-files.md");
-    let (_, section) = text.split_once("## Models of other programs").unwrap();
-    let sandbox = Sandbox::new();
-    let files = saved(section);
-    assert_eq!(
-        files.iter().map(|file| file.0).collect::<Vec<_>>(),
-        ["open-four-bar.urdf", "loops.toml"]
-    );
-    files.iter().for_each(|(name, text)| sandbox.write(name, text));
-    let lines: Vec<String> =
-        commands(section).into_iter().filter(|line| line.contains(".")).collect();
-    assert_eq!(lines.len(), 3, "{lines:?}");
-    for line in lines {
-        let run = sandbox.run(&line);
-        assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{line}");
-    }
-    assert_eq!(sandbox.json("mobility four-bar.toml")["finite_mobility"], 1);
 }

@@ -9,6 +9,7 @@ mod documents;
 mod draw;
 mod import;
 mod mechanism;
+mod page;
 mod refusals;
 mod sandbox;
 mod simulate;

@@ -3,12 +3,12 @@
 use nalgebra::Vector3;
 
 use super::camera::Camera;
-use super::labels::{self, LabelArea};
 use super::glyph::{ACTUATED, GAP, PLAY, circle};
+use super::labels::{self, LabelArea};
+use super::paint;
 use super::picture::MechanismPicture;
 use super::scene::{RAIL, Scene};
 use super::view::View;
-use super::paint;
 use crate::scale_bar::scale_bar;
 use crate::svg::{Anchor, INK, RIM, Svg, element, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
