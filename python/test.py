@@ -24,7 +24,7 @@ OLDEST, NEWEST = (3, 10), (3, 14)
 TOOLS = ["maturin==1.16.0"]
 
 
-def say(text: str) -> None:
+def report(text: str) -> None:
     print(f"--- {text}", flush=True)
 
 
@@ -32,15 +32,15 @@ def run(command: list[str | Path], **options: object) -> None:
     """Runs a command; if it fails, so does this program."""
     done = subprocess.run([str(part) for part in command], check=False, **options)  # type: ignore[call-overload]
     if done.returncode != 0:
-        say(f"failed: {' '.join(map(str, command))}")
+        report(f"failed: {' '.join(map(str, command))}")
         sys.exit(1)
 
 
 def version(python: str) -> tuple[int, int] | None:
     """The version of an interpreter, if it runs and is a CPython with its usual library."""
-    told = "import sys, ensurepip, venv; print(sys.implementation.name, *sys.version_info[:2])"
+    probe = "import sys, ensurepip, venv; print(sys.implementation.name, *sys.version_info[:2])"
     try:
-        answer = subprocess.run([python, "-c", told], capture_output=True, text=True, timeout=30, check=False)
+        answer = subprocess.run([python, "-c", probe], capture_output=True, text=True, timeout=30, check=False)
     except (OSError, subprocess.TimeoutExpired):
         return None
     words = answer.stdout.split()
@@ -70,7 +70,7 @@ def environment(python: str, name: str, packages: list[str]) -> Path:
     stamp = folder / "packages.txt"
     binaries = folder / ("Scripts" if os.name == "nt" else "bin")
     if not stamp.exists() or stamp.read_text() != wanted:
-        say(f"environment {folder.relative_to(ROOT)}: {', '.join(packages)}")
+        report(f"environment {folder.relative_to(ROOT)}: {', '.join(packages)}")
         shutil.rmtree(folder, ignore_errors=True)
         if version(sys.executable) == version(python):
             venv.create(folder, with_pip=True)
@@ -96,7 +96,7 @@ def tested(found: dict[tuple[int, int], str], one: tuple[int, int]) -> Path:
 
 
 def built_wheel(python: str) -> Path:
-    """The wheel, built anew."""
+    """Builds the wheel."""
     tools = environment(python, "tools", TOOLS)
     wheels = HOME / "wheels"
     shutil.rmtree(wheels, ignore_errors=True)
@@ -117,19 +117,19 @@ def main() -> None:
     os.environ["HYPOTHESIS_STORAGE_DIRECTORY"] = str(HOME / "hypothesis")
     found = interpreters()
     if not found:
-        say(f"no CPython from 3.{OLDEST[1]} to 3.{NEWEST[1]} found, with its modules venv and ensurepip; install one")
+        report(f"no CPython from 3.{OLDEST[1]} to 3.{NEWEST[1]} found, with its modules venv and ensurepip; install one")
         sys.exit(1)
     oldest, newest = min(found), max(found)
     if oldest == newest:
-        say(f"only one Python found: {found[newest]}")
+        report(f"only one Python found: {found[newest]}")
     if "--prepare" in sys.argv:
         environment(found[newest], "tools", TOOLS)
         for one in sorted({oldest, newest}):
             tested(found, one)
         return
     wheel = built_wheel(found[newest])
-    say(f"built {wheel.relative_to(ROOT)} after {time.monotonic() - start:.0f} s")
-    # It says the same numbers.
+    report(f"built {wheel.relative_to(ROOT)} after {time.monotonic() - start:.0f} s")
+    # The command gives the same numbers.
     os.environ["JOINTPLAY_COMMAND"] = str(Path(sys.argv[1]).resolve())
     for one in sorted({oldest, newest}):
         binaries = tested(found, one)
@@ -137,15 +137,15 @@ def main() -> None:
         # With its dependency, numpy, as anybody installs it; what is there already is kept.
         run([python, "-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", wheel])
         run([python, "-m", "pip", "check", "--quiet"])
-        say(f"tests in {found[one]}")
+        report(f"tests in {found[one]}")
         run([python, "-m", "pytest", "-p", "no:cacheprovider", "--hypothesis-seed=1"], cwd=PYTHON)
         if one == newest:
-            say("types")
+            report("types")
             checked = ["src/jointplay", "tests/typed.py", "speed.py", "test.py"]
             run([python, "-m", "mypy", "--cache-dir", HOME / "mypy", *checked], cwd=PYTHON)
             run([python, "-m", "mypy.stubtest", "jointplay", "--concise"], cwd=PYTHON)
             run([binaries / "basedpyright", "--project", PYTHON, "--pythonpath", python, "tests/typed.py"], cwd=PYTHON)
-    say(f"Python passed in {time.monotonic() - start:.0f} s")
+    report(f"Python passed in {time.monotonic() - start:.0f} s")
 
 
 if __name__ == "__main__":

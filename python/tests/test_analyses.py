@@ -22,7 +22,7 @@ def gpr() -> jp.Gpr:
 
 
 def same(value):
-    """A result is a value: it survives pickling and copying, and says what it is."""
+    """A result is a value: it survives pickling and copying, and its repr names its type."""
     assert pickle.loads(pickle.dumps(value)) == value == copy.deepcopy(value)
     assert repr(value).startswith(type(value).__name__ + "(") and value != 0
     with pytest.raises(AttributeError):
@@ -32,48 +32,48 @@ def same(value):
 
 @pytest.mark.parametrize("arguments", [[], ["--q-mm", "500,501,502", "--virtualization", "polar"]])
 def test_mobility(gpr, ask, arguments):
-    told = ask("mobility", *arguments)
+    report = ask("mobility", *arguments)
     found = same(gpr.mobility(*([(0.5, 0.501, 0.502), "polar"] if arguments else [])))
     for name in ("kutzbach_mobility", "instantaneous_mobility", "finite_mobility", "rank", "redundancy"):
-        assert getattr(found, name) == told[name]
-    assert list(found.finite_mobility_bounds) == told["finite_mobility_bounds"]
-    np.testing.assert_allclose(found.singular_values, told["singular_values"], rtol=1e-14, atol=1e-15)
-    np.testing.assert_allclose(found.null_space.T, told["null_space"], atol=1e-15)
-    np.testing.assert_allclose(found.self_stress.T, told["self_stress"], atol=1e-15)
+        assert getattr(found, name) == report[name]
+    assert list(found.finite_mobility_bounds) == report["finite_mobility_bounds"]
+    np.testing.assert_allclose(found.singular_values, report["singular_values"], rtol=1e-14, atol=1e-15)
+    np.testing.assert_allclose(found.null_space.T, report["null_space"], atol=1e-15)
+    np.testing.assert_allclose(found.self_stress.T, report["self_stress"], atol=1e-15)
     assert found.null_space.shape == (12, found.instantaneous_mobility)
     if arguments:
-        assert found.augmented.mobility == told["augmented_mobility"]
+        assert found.augmented.mobility == report["augmented_mobility"]
         np.testing.assert_allclose(
-            found.augmented.singular_values, told["augmented_singular_values"], rtol=1e-13, atol=1e-15
+            found.augmented.singular_values, report["augmented_singular_values"], rtol=1e-13, atol=1e-15
         )
     else:
         assert found.augmented is None and found.finite_mobility < found.instantaneous_mobility
 
 
 def test_tilt_play(gpr, ask):
-    told = ask("sensitivity", "--pitch-deg", "1.5", "--virtualization", "polar", "--metric", "radius")
+    report = ask("sensitivity", "--pitch-deg", "1.5", "--virtualization", "polar", "--metric", "radius")
     play = same(gpr.tilt_play(0, math.radians(1.5), virtualization="polar", metric="radius"))
-    assert play.displacement_m * 1e3 == pytest.approx(told["displacement_mm"], rel=1e-12)
-    assert play.motion_m * 1e3 == pytest.approx(told["motion_mm"], rel=1e-13)
-    for bounds, expected in zip((play.at_start, play.at_midpoint, play.at_end), told["bounds"], strict=True):
+    assert play.displacement_m * 1e3 == pytest.approx(report["displacement_mm"], rel=1e-12)
+    assert play.motion_m * 1e3 == pytest.approx(report["motion_mm"], rel=1e-13)
+    for bounds, expected in zip((play.at_start, play.at_midpoint, play.at_end), report["bounds"], strict=True):
         assert bounds.held == expected["held"]
         for name in ("lower", "upper", "eigenvalue_lower", "eigenvalue_upper", "coarse_upper", "linear"):
             assert getattr(bounds, f"{name}_m") * 1e3 == pytest.approx(expected[f"{name}_mm"], rel=1e-9, abs=1e-12)
-    np.testing.assert_allclose(play.limb_shares, told["rod_shares"], rtol=1e-9)
-    np.testing.assert_allclose(play.side_shares, told["side_shares"], rtol=1e-9)
+    np.testing.assert_allclose(play.limb_shares, report["rod_shares"], rtol=1e-9)
+    np.testing.assert_allclose(play.side_shares, report["side_shares"], rtol=1e-9)
     there = same(gpr.sensitivity(play.end.rods_m, "polar", metric="radius"))
-    assert there == play.at_end.sensitivity and there.rank == told["rank"]
-    np.testing.assert_allclose(there.singular_values[:3], told["singular_values"][:3], rtol=1e-12)
+    assert there == play.at_end.sensitivity and there.rank == report["rank"]
+    np.testing.assert_allclose(there.singular_values[:3], report["singular_values"][:3], rtol=1e-12)
     assert there.matrix.shape == (6, 12) and there.virtual_joint_names[3] == "phi_1_rad"
     by_svd = np.linalg.svd(there.matrix, compute_uv=False)
     np.testing.assert_allclose(there.singular_values, by_svd[: len(there.singular_values)], atol=1e-14)
 
 
 def test_compare(gpr, ask):
-    told = ask("compare")
-    found = same(gpr.compare(np.radians(told["pitch_deg"]), math.radians(told["yaw_deg"])))
-    assert list(found.models) == [model["virtualization"] for model in told["models"]]
-    for model in told["models"]:
+    report = ask("compare")
+    found = same(gpr.compare(np.radians(report["pitch_deg"]), math.radians(report["yaw_deg"])))
+    assert list(found.models) == [model["virtualization"] for model in report["models"]]
+    for model in report["models"]:
         curve = found.models[model["virtualization"]]
         np.testing.assert_allclose(curve.center_shift_m[:, 0] * 1e6, model["center_shift_x_um"], rtol=1e-9, atol=1e-9)
         np.testing.assert_allclose(

@@ -131,7 +131,7 @@ def read_only(array):
 
 
 @pytest.mark.parametrize(
-    ("out", "kind", "says"),
+    ("out", "kind", "message"),
     [
         ({"yaw_rad": np.empty(299)}, jp.ArrayError, r"of shape \(300,\), not \(299,\)"),
         ({"origin_m": np.empty(300)}, jp.ArrayError, r"of shape \(300, 3\)"),
@@ -144,8 +144,8 @@ def read_only(array):
         ({"yaw_deg": np.empty(300)}, jp.UnknownNameError, "did you mean `yaw_rad`"),
     ],
 )
-def test_arrays_that_cannot_be_written(gpr, rods, out, kind, says):
-    with pytest.raises(kind, match=says):
+def test_arrays_that_cannot_be_written(gpr, rods, out, kind, message):
+    with pytest.raises(kind, match=message):
         gpr.forward(rods, out=out)
 
 

@@ -84,7 +84,7 @@ def test_loops_beside_a_model(tmp_path):
     assert (jp.Mechanism.from_file(chain).loops, closed.loops) == (0, 1)
     assert pickle.loads(pickle.dumps(closed)) == closed
     assert closed.drive({"a": 0.2}, steps=2)["b"][-1] == pytest.approx(0.2)
-    loops.write_text(text.replace('"right"]', '"wrong"]'))
+    loops.write_text(text.replace('"right"]', '"absent"]'))
     with pytest.raises(jp.FileError, match="loops.toml:6"):
         jp.Mechanism.from_file(chain, loops=loops)
     with pytest.raises(jp.InputError, match="loops are for models"):
@@ -92,11 +92,11 @@ def test_loops_beside_a_model(tmp_path):
 
 
 def test_assemble(four_bar, ask):
-    told = ask("assemble", "four-bar", "--at", "A=30")
+    report = ask("assemble", "four-bar", "--at", "A=30")
     found = same(four_bar.assemble({"A": 30 * DEG}))
-    for name, degrees in told["coordinates"].items():
+    for name, degrees in report["coordinates"].items():
         assert found[name] == pytest.approx(degrees * DEG, abs=1e-13)
-    assert list(found) == list(told["coordinates"]) and len(found) == 4 and "E" not in found
+    assert list(found) == list(report["coordinates"]) and len(found) == 4 and "E" not in found
     branches = four_bar.branches({"A": 30 * DEG}, starts=30)
     assert len(branches) == 2 and branches[0] == found
     assert branches[1]["B"] != pytest.approx(found["B"]) and branches[1].residual < 1e-12
@@ -110,49 +110,49 @@ def test_assemble(four_bar, ask):
 
 @pytest.mark.parametrize("name", ["bennett", "sarrus", "four-bar", "hexapod", "gpr-mechanism"])
 def test_mobility(ask, name):
-    told = ask("mobility", name)
+    report = ask("mobility", name)
     found = same(jp.Mechanism.from_catalogue(name).mobility())
     for field in ("kutzbach_mobility", "instantaneous_mobility", "finite_mobility", "rank", "redundancy"):
-        assert getattr(found, field) == told[field]
-    np.testing.assert_allclose(found.singular_values, told["singular_values"], rtol=1e-9, atol=1e-14)
-    carried = [{"what": one.what, "joints": list(one.joints)} for one in found.carried_twice]
-    assert carried == told["carried_twice"]
-    for link, motion in told["link_motions"].items():
+        assert getattr(found, field) == report[field]
+    np.testing.assert_allclose(found.singular_values, report["singular_values"], rtol=1e-9, atol=1e-14)
+    carried = [{"what": one.what, "joints": list(one.joints)} for one in found.redundant_constraints]
+    assert carried == report["redundant_constraints"]
+    for link, motion in report["link_motions"].items():
         mine = found.link_motions[link]
         assert (mine.dimension, mine.translations) == (motion["dimension"], motion["translations"])
         assert mine.twists.shape == (6, mine.dimension)
         if "axis_point_mm" in motion:
             np.testing.assert_allclose(mine.axis_point_m * 1e3, motion["axis_point_mm"], atol=1e-6)
-    for coordinate, value in told["coordinates"].items():
+    for coordinate, value in report["coordinates"].items():
         unit = dict(zip(found.configuration.names, found.configuration.units, strict=True))[coordinate]
-        factor = DEG if unit == "rad" else {"m": 1, "mm": 1e-3}[told["units"]["length"]]
+        factor = DEG if unit == "rad" else {"m": 1, "mm": 1e-3}[report["units"]["length"]]
         assert found.configuration[coordinate] == pytest.approx(value * factor, abs=1e-12)
 
 
 def test_mobility_within_a_tolerance(ask):
-    told = ask("mobility", "bennett", "--set", "b=0.1101", "--tolerance", "1e-3")
+    report = ask("mobility", "bennett", "--set", "b=0.1101", "--tolerance", "1e-3")
     found = jp.Mechanism.from_catalogue("bennett", parameters={"b": 0.1101}).mobility(tolerance=1e-3)
-    assert found.near.mobility == told["near_mobility"] == 1
-    assert found.near.needed == pytest.approx(told["near_tolerance_needed"], rel=1e-9)
+    assert found.near.mobility == report["near_mobility"] == 1
+    assert found.near.needed == pytest.approx(report["near_tolerance_needed"], rel=1e-9)
     with pytest.raises(jp.OutOfRangeError):
         jp.Mechanism.from_catalogue("bennett").mobility(tolerance=1)
 
 
 def test_drive(four_bar, ask):
-    told = ask("move", "four-bar", "--drive", "A=0:90:30")
-    way = same(four_bar.drive({"A": (0, 90 * DEG)}, steps=3))
-    assert way.driven == ("A",) and way.held == () and way.stopped is None and way.message is None
-    for name, values in told["series"].items():
-        np.testing.assert_allclose(way.columns()[name.replace("_deg", "_rad")], np.radians(values), atol=1e-12)
-    np.testing.assert_allclose(way["A"], np.radians([0, 30, 60, 90]))
-    assert isinstance(way.to_dataframe(), pandas.DataFrame) and polars.DataFrame(way).shape == (4, 4)
+    report = ask("move", "four-bar", "--drive", "A=0:90:30")
+    path = same(four_bar.drive({"A": (0, 90 * DEG)}, steps=3))
+    assert path.driven == ("A",) and path.held == () and path.stopped is None and path.message is None
+    for name, values in report["series"].items():
+        np.testing.assert_allclose(path.columns()[name.replace("_deg", "_rad")], np.radians(values), atol=1e-12)
+    np.testing.assert_allclose(path["A"], np.radians([0, 30, 60, 90]))
+    assert isinstance(path.to_dataframe(), pandas.DataFrame) and polars.DataFrame(path).shape == (4, 4)
     with pytest.raises(KeyError):
-        way["E"]
+        path["E"]
     here = four_bar.assemble()["A"]
     assert four_bar.drive({"A": here + 0.1}, steps=1)["A"] == pytest.approx([here, here + 0.1])
-    for ways, steps in (({}, 3), ({"A": 1}, 0)):
+    for drives, steps in (({}, 3), ({"A": 1}, 0)):
         with pytest.raises(jp.InputError):
-            four_bar.drive(ways, steps=steps)
+            four_bar.drive(drives, steps=steps)
 
 
 def test_a_dead_point_stops_the_way(ask):
@@ -160,17 +160,17 @@ def test_a_dead_point_stops_the_way(ask):
     assert crossed.stopped == "locked" and "dead point" in crossed.message
     assert len(crossed.singular) == 1 and crossed.singular[0].instantaneous_mobility >= 1
     assert crossed.share[-1] < 1 and (crossed.residual < 1e-12).all()
-    with pytest.raises(jp.StoppedError, match="on the way to the beginning") as caught:
+    with pytest.raises(jp.StoppedError, match="before the start of the path") as caught:
         jp.Mechanism.from_catalogue("four-bar").drive({"D": (2.5, 0)})
     assert caught.value.motion.stopped == "locked"
 
 
 def test_suggest(ask):
-    told = ask("suggest", "gpr-mechanism", "--command", "rod 1=5,rod 2=0,rod 3=0")
+    report = ask("suggest", "gpr-mechanism", "--command", "rod 1=5,rod 2=0,rod 3=0")
     mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
     found = same(mechanism.suggest([{"rod 1": 0.005, "rod 2": 0, "rod 3": 0}]))
-    assert found.needed and found.candidates == told["candidates"] and len(found.sets) == len(told["sets"])
-    for mine, theirs in zip(found.sets, told["sets"], strict=True):
+    assert found.needed and found.candidates == report["candidates"] and len(found.sets) == len(report["sets"])
+    for mine, theirs in zip(found.sets, report["sets"], strict=True):
         assert mine.size_m * 1e3 == pytest.approx(theirs["size_mm"], rel=1e-9)
         assert [joint.name for joint in mine.virtual_joints] == [joint["name"] for joint in theirs["virtual_joints"]]
     with pytest.raises(jp.InputError, match="the same joints"):
@@ -178,13 +178,13 @@ def test_suggest(ask):
 
 
 def test_relieve(ask):
-    told = ask("sensitivity", "gpr-mechanism", "--command", "S1[1]=0.1")
+    report = ask("sensitivity", "gpr-mechanism", "--command", "S1[1]=0.1")
     mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
     found = same(mechanism.relieve({"S1[1]": 0.1 * DEG}))
-    assert found.size * 1e6 == pytest.approx(told["size"], rel=1e-9) and found.size_unit == "m"
-    displacements = [joint["displacement"] for joint in told["virtual_joints"]]
+    assert found.size * 1e6 == pytest.approx(report["size"], rel=1e-9) and found.size_unit == "m"
+    displacements = [joint["displacement"] for joint in report["virtual_joints"]]
     np.testing.assert_allclose(found.virtual_joints * 1e6, displacements, rtol=1e-6, atol=1e-9)
-    np.testing.assert_allclose(found.singular_values, told["singular_values"], rtol=1e-9)
+    np.testing.assert_allclose(found.singular_values, report["singular_values"], rtol=1e-9)
     assert found.configuration["S1[1]"] == 0.1 * DEG and np.isnan(found.clearances).all()
     with pytest.raises(jp.InputError, match="no virtual joints"):
         jp.Mechanism.from_catalogue("four-bar").relieve({"A": 1})
@@ -197,8 +197,8 @@ def test_positions(four_bar):
     found = same(four_bar.positions({"A": angles}))
     np.testing.assert_array_equal(found["A"], angles)
     assert (found.residual < 1e-12).all() and found.to_dataframe().shape == (200, 4)
-    way = four_bar.drive({"A": (0.2, 1.4)}, steps=199)
-    np.testing.assert_allclose(found.coordinates, way.coordinates, atol=1e-11)
+    path = four_bar.drive({"A": (0.2, 1.4)}, steps=199)
+    np.testing.assert_allclose(found.coordinates, path.coordinates, atol=1e-11)
     gap = four_bar.positions({"A": [0.2, np.nan, 0.3]})
     assert np.isnan(gap.coordinates[1]).all() and np.isfinite(gap.coordinates[[0, 2]]).all()
     assert gap.status.tolist() == [jp.Status.SOLVED, jp.Status.NOT_FINITE, jp.Status.SOLVED]
@@ -244,8 +244,8 @@ def test_a_tilt_commanded_by_a_ball_joint_stays_near_home():
     there = mechanism.relieve(tilt).configuration
     assert sum(there[rod] for rod in rods) == pytest.approx(0, abs=1e-9)
     assert max(abs(there[rod]) for rod in rods) < reach
-    way = mechanism.drive({"S1[1]": (0, 1 * DEG)}, steps=5)
-    assert all(np.abs(way[rod]).max() < reach for rod in rods) and way.within_limits.all()
+    path = mechanism.drive({"S1[1]": (0, 1 * DEG)}, steps=5)
+    assert all(np.abs(path[rod]).max() < reach for rod in rods) and path.within_limits.all()
     turns = np.linspace(-1, 1, 5) * DEG
     many = mechanism.positions({"S1[0]": 0.0, "S1[1]": turns, "S1[2]": 0.0})
     assert all(np.abs(many[rod]).max() < reach for rod in rods)
@@ -262,6 +262,19 @@ def test_joint_limits_are_an_answer():
         with pytest.raises(jp.JointLimitsError, match="rod 1 is at 300.000000 mm, allowed are -254 to 254 mm") as caught:
             ask(beyond)
         assert caught.value.limits_broken[:3] == ["rod 1", "rod 2", "rod 3"] and caught.value.result is not None
+
+
+def test_limits_of_robots_and_mechanisms_have_one_base_class():
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
+    for ask in (lambda: jp.Gpr().inverse(30, 1.5), lambda: mechanism.assemble({"rod 1": 0.3, "rod 2": 0.3, "rod 3": 0.3})):
+        with pytest.raises(jp.BeyondLimitsError) as caught:
+            ask()
+        assert caught.value.limits_broken
+    assert issubclass(jp.BeyondLimitsError, jp.NoAnswerError)
+
+
+def test_positions_beyond_joint_limits_have_their_status():
+    mechanism = jp.Mechanism.from_catalogue("gpr-mechanism")
     found = mechanism.positions({"rod 1": [0, 0.3], "rod 2": [0, 0.3], "rod 3": [0, 0.3]})
     assert found.status.tolist() == [jp.Status.SOLVED, jp.Status.BEYOND_LIMITS]
     with pytest.raises(jp.InputError, match=r'joint "S1": some of S1\[0\]'):
@@ -283,8 +296,8 @@ def test_many_loops_by_sparse_algebra():
     found = same(many.mobility())
     assert (found.kutzbach_mobility, found.instantaneous_mobility, found.redundancy) == (-140, 70, 210)
     assert found.singular_values is None and found.null_space.shape == (280, 70)
-    way = many.drive({"a3": 0.3}, steps=3)
-    assert way.stopped is None and way["b3"][-1] == pytest.approx(0.3, abs=1e-9)
+    path = many.drive({"a3": 0.3}, steps=3)
+    assert path.stopped is None and path["b3"][-1] == pytest.approx(0.3, abs=1e-9)
     with pytest.raises(jp.TooLargeError) as caught:
         many.positions({"a3": [0.1]})
     assert caught.value.found > caught.value.allowed

@@ -21,9 +21,9 @@ SOLVERS = ("newton", "least-norm", "closed-form")
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_the_command_says_the_same(gpr, ask, virtualization, solver):
     arguments = ["--q-mm", "500,501,502", "--virtualization", virtualization, "--solver", solver]
-    told = ask("forward", *arguments)
+    report = ask("forward", *arguments)
     pose = gpr.forward((0.5, 0.501, 0.502), virtualization, solver=solver)
-    platform = told["platform"]
+    platform = report["platform"]
     assert pose.yaw_rad == pytest.approx(math.radians(platform["yaw_deg"]), rel=1e-14)
     assert pose.pitch_rad == pytest.approx(math.radians(platform["pitch_deg"]), rel=1e-14)
     assert pose.twist_rad == pytest.approx(math.radians(platform["twist_deg"]), rel=1e-13, abs=1e-18)
@@ -31,17 +31,17 @@ def test_the_command_says_the_same(gpr, ask, virtualization, solver):
     np.testing.assert_allclose(pose.origin_m * 1e3, platform["origin_mm"], rtol=1e-14)
     np.testing.assert_allclose(pose.normal, platform["normal"], rtol=1e-15)
     np.testing.assert_allclose(pose.base_from_platform[:3, :3], platform["rotation"], rtol=1e-15)
-    np.testing.assert_allclose(pose.sides_m * 1e3, told["sides_mm"], rtol=1e-15)
-    joints = [value for values in told["virtual_joints"].values() for value in values]
+    np.testing.assert_allclose(pose.sides_m * 1e3, report["sides_mm"], rtol=1e-15)
+    joints = [value for values in report["virtual_joints"].values() for value in values]
     units = [1e3 if name.endswith("_m") else 180 / math.pi for name in pose.virtual_joint_names]
     np.testing.assert_allclose(pose.virtual_joints * units, joints, rtol=1e-13, atol=1e-15)
-    assert (pose.solver, pose.iterations) == (told["solver"], told["iterations"])
-    assert pose.characteristic_length_m == pytest.approx(told["characteristic_length_mm"] / 1e3)
+    assert (pose.solver, pose.iterations) == (report["solver"], report["iterations"])
+    assert pose.characteristic_length_m == pytest.approx(report["characteristic_length_mm"] / 1e3)
 
 
 def test_metrics_are_those_of_the_command(gpr, ask):
-    for metric, told in ((0.05, "50"), ("radius", "radius"), ("paper", "paper")):
-        arguments = ["--q-mm", "500,501,502", "--virtualization", "polar", "--metric", told]
+    for metric, report in ((0.05, "50"), ("radius", "radius"), ("paper", "paper")):
+        arguments = ["--q-mm", "500,501,502", "--virtualization", "polar", "--metric", report]
         origin = ask("forward", *arguments)["platform"]["origin_mm"]
         pose = gpr.forward([0.5, 0.501, 0.502], "polar", metric=metric)
         np.testing.assert_allclose(pose.origin_m * 1e3, origin, rtol=1e-14)
@@ -119,7 +119,7 @@ def test_limits(gpr):
 
 
 def test_poses_beyond_the_limits_are_refused(gpr):
-    with pytest.raises(jp.BeyondLimitsError, match="lengths are in m and angles in rad") as caught:
+    with pytest.raises(jp.RobotLimitsError, match="lengths are in m and angles in rad") as caught:
         gpr.inverse(30, 1.5)
     error = caught.value
     assert isinstance(error, jp.NoAnswerError)
@@ -127,7 +127,7 @@ def test_poses_beyond_the_limits_are_refused(gpr):
     assert error.limits_broken[-1].found == 1.5 and error.limits_broken[-1].max == gpr.tilt_limit_rad
     assert pickle.loads(pickle.dumps(error)).limits_broken == error.limits_broken
     # Millimetres for metres.
-    with pytest.raises(jp.BeyondLimitsError):
+    with pytest.raises(jp.RobotLimitsError):
         gpr.forward([120, 121, 122])
     for call in (
         lambda: gpr.inverse_for_center(0, 0.1, 0.5),
@@ -137,7 +137,7 @@ def test_poses_beyond_the_limits_are_refused(gpr):
         lambda: gpr.mobility([0.1, 0.1, 0.1]),
         lambda: gpr.sensitivity([0.1, 0.1, 0.1]),
     ):
-        with pytest.raises(jp.BeyondLimitsError):
+        with pytest.raises(jp.RobotLimitsError):
             call()
     many = gpr.inverse([0, 30, 0], [0.01, 1.5, np.nan])
     assert many.status.tolist() == [jp.Status.SOLVED, jp.Status.BEYOND_LIMITS, jp.Status.NOT_FINITE]
@@ -189,7 +189,7 @@ def test_names_that_are_not_known_meet_those_that_are(gpr):
 
 
 @pytest.mark.parametrize(
-    ("rods", "kind", "says"),
+    ("rods", "kind", "message"),
     [
         ([0.5, 0.5], jp.ArrayError, r"\(2,\)"),
         (0.5, jp.ArrayError, r"\(\)"),
@@ -202,8 +202,8 @@ def test_names_that_are_not_known_meet_those_that_are(gpr):
         (np.array(["2020"] * 3, dtype="M8[Y]"), jp.ArrayTypeError, "datetime64"),
     ],
 )
-def test_rods_that_are_none(gpr, rods, kind, says):
-    with pytest.raises(kind, match=says) as caught:
+def test_rods_that_are_none(gpr, rods, kind, message):
+    with pytest.raises(kind, match=message) as caught:
         gpr.forward(rods)
     assert "metres" in str(caught.value) and "(..., 3)" in str(caught.value)
 
@@ -229,10 +229,10 @@ def test_files(tmp_path, gpr):
     with pytest.raises(FileNotFoundError) as missing:
         jp.Gpr.from_file(tmp_path / "none.toml")
     assert missing.value.filename is not None
-    wrong = tmp_path / "wrong.toml"
-    wrong.write_text(path.read_text().replace("tilt_deg = 1.5", "tilt_deg = nan"))
-    with pytest.raises(jp.FileError, match="wrong.toml:28:12: `tilt_deg` is not a number") as caught:
-        jp.Gpr.from_file(wrong)
+    invalid = tmp_path / "invalid.toml"
+    invalid.write_text(path.read_text().replace("tilt_deg = 1.5", "tilt_deg = nan"))
+    with pytest.raises(jp.FileError, match="invalid.toml:28:12: `tilt_deg` is not a number") as caught:
+        jp.Gpr.from_file(invalid)
     assert (caught.value.line, caught.value.column) == (28, 12)
     (tmp_path / "binary").write_bytes(b"\xff\xfe")
     with pytest.raises(jp.InputError, match="UTF-8"):

@@ -41,11 +41,11 @@ FORWARD = [
     *("rods_m", "sides_m", "yaw_rad", "pitch_rad", "twist_rad", "axis_height_m", "origin_m", "center_shift_m"),
     *("normal", "base_from_platform", "virtual_joints", "characteristic_length_m", "iterations", "residual_m"),
 ]
-# Fields that say by NaN that something is not known.
+# Fields with NaN for unknown values.
 UNKNOWN = {"clearances", "pitch_m_per_rad"}
 
 
-def told(result: Any) -> Any:
+def report(result: Any) -> Any:
     """Every number of a result that no status speaks of."""
     if isinstance(result, (jp.ForwardMany, jp.InverseMany, jp.Positions)):
         fine = (result.status == 0).reshape(-1)
@@ -61,17 +61,17 @@ def told(result: Any) -> Any:
     elif isinstance(result, jp.ModelCurve):
         if result.failure is None:
             for field in dataclasses.fields(result):
-                yield from told(getattr(result, field.name))
+                yield from report(getattr(result, field.name))
     elif dataclasses.is_dataclass(result):
         for field in dataclasses.fields(result):
             if field.name not in UNKNOWN:
-                yield from told(getattr(result, field.name))
+                yield from report(getattr(result, field.name))
     elif isinstance(result, Mapping):
         for value in result.values():
-            yield from told(value)
+            yield from report(value)
     elif isinstance(result, (list, tuple)):
         for value in result:
-            yield from told(value)
+            yield from report(value)
     elif isinstance(result, (float, int, np.ndarray)):
         yield result
 
@@ -83,7 +83,7 @@ def check(call: Any) -> Any:
     except jp.JointplayError as error:
         assert str(error) and "argument" not in str(error)
         return None
-    for value in told(result):
+    for value in report(result):
         kind = getattr(value, "dtype", np.dtype(float)).kind
         if not isinstance(value, str) and kind in "fiu":
             assert np.isfinite(np.asarray(value, dtype=float)).all(), (result, value)

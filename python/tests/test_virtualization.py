@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from typed import Slides, lean, leans, refused
+from typed import Slides, tilt_angle, tilt_angles, refused
 
 import jointplay as jp
 
@@ -16,8 +16,8 @@ def gpr() -> jp.Gpr:
 
 
 def test_the_typed_program_runs(gpr):
-    assert lean(gpr) == pytest.approx(0.02)
-    np.testing.assert_allclose(leans(gpr), 0.02)
+    assert tilt_angle(gpr) == pytest.approx(0.02)
+    np.testing.assert_allclose(tilt_angles(gpr), 0.02)
     assert refused() == "1:1"
 
 
@@ -73,7 +73,7 @@ def test_what_it_raises_comes_out_as_it_is(gpr, rods, after):
 
 
 @pytest.mark.parametrize(
-    ("change", "kind", "says"),
+    ("change", "kind", "message"),
     [
         ({"sockets": lambda self, platform, x: np.zeros((2, 3))}, jp.ArrayError, r"sockets .*\(3, 2\), not \(2, 3\)"),
         ({"nominal": lambda self, platform: None}, TypeError, "nominal .*returned None"),
@@ -85,9 +85,9 @@ def test_what_it_raises_comes_out_as_it_is(gpr, rods, after):
         ({"joints": 3}, TypeError, "iterable"),
     ],
 )
-def test_what_is_no_virtualization(gpr, change, kind, says):
-    with pytest.raises(kind, match=says):
-        gpr.forward((0.5, 0.501, 0.502), type("Wrong", (Slides,), change)())
+def test_what_is_no_virtualization(gpr, change, kind, message):
+    with pytest.raises(kind, match=message):
+        gpr.forward((0.5, 0.501, 0.502), type("Invalid", (Slides,), change)())
 
 
 def test_objects_that_lack_something_are_told_what(gpr):

@@ -9,7 +9,7 @@ import jointplay as jp
 
 
 class Slides(jp.Virtualization):
-    """Each socket slides along its own radius, as `'radial'` says."""
+    """Each socket slides along its own radius, as in `'radial'`."""
 
     name = "slides"
     joints = [jp.VirtualJoint("l", limb) for limb in range(3)]
@@ -27,7 +27,7 @@ class Slides(jp.Virtualization):
         return velocities
 
 
-def lean(gpr: jp.Gpr) -> float:
+def tilt_angle(gpr: jp.Gpr) -> float:
     rods: jp.Inverse = gpr.inverse(0.3, 0.02)
     pose: jp.Forward = gpr.forward(rods.rods_m, Slides())
     same: jp.Forward = gpr.forward((0.5, 0.501, 0.502), "polar", solver="newton", metric=0.05)
@@ -35,7 +35,7 @@ def lean(gpr: jp.Gpr) -> float:
     return pose.pitch_rad + 0 * yaw
 
 
-def leans(gpr: jp.Gpr) -> NDArray[np.float64]:
+def tilt_angles(gpr: jp.Gpr) -> NDArray[np.float64]:
     tilts: jp.InverseMany = gpr.inverse(np.linspace(0, 1, 5), 0.02)
     out: dict[str, NDArray[np.float64]] = {"pitch_rad": np.empty(5)}
     poses: jp.ForwardMany = gpr.forward(np.array(tilts.rods_m), quantities=["pitch_rad"])

@@ -1,4 +1,4 @@
-//! Flags that several commands share, and how their values are read.
+//! Flags shared by several commands, and the parsers of their values.
 
 #[cfg(feature = "studio")]
 use std::path::Path;
@@ -14,18 +14,16 @@ use jointplay::virtualization::{
     Metric, Offset, Planar, Polar, Radial, SolveOptions, Solver, Virtualization,
 };
 
-use serde::Serialize;
-
 use crate::failure::Failure;
-use crate::output;
+use crate::output::FormatArgs;
 use crate::source::{Kind, Source};
 
-/// Larger robot files are refused unread [bytes].
+/// Largest accepted robot file [bytes].
 const LARGEST_ROBOT_FILE: usize = 1_000_000;
 
 #[derive(Args)]
 pub(crate) struct RobotArgs {
-    /// Robot file (TOML), or a name from `jointplay catalogue`; without it, the paper's robot
+    /// Robot file (TOML), or a name from `jointplay catalogue` [default: the paper's robot]
     #[arg(long, value_name = "FILE")]
     robot: Option<PathBuf>,
 }
@@ -38,17 +36,17 @@ impl RobotArgs {
         robot::parse(&source.text).map_err(|error| Failure::at(&error, &source.label))
     }
 
-    /// Another robot file in place of none.
+    /// The robot given as FILE instead of --robot.
     #[cfg(feature = "studio")]
     pub(crate) fn or(&self, file: &Path) -> Result<Self, Failure> {
         if self.robot.is_some() {
-            let text = "the robot is named twice: by FILE and by --robot";
-            return Err(Failure::Misused(text.to_owned()));
+            let text = "the robot is given twice: by FILE and by --robot";
+            return Err(Failure::Usage(text.to_owned()));
         }
         Ok(Self { robot: Some(file.to_owned()) })
     }
 
-    /// The robot file, if there is one.
+    /// The robot file, if one exists.
     #[cfg(feature = "studio")]
     pub(crate) fn file(&self) -> Option<&Path> {
         self.robot.as_deref().filter(|path| path.exists())
@@ -57,9 +55,9 @@ impl RobotArgs {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum VirtualizationName {
-    /// three radial slides
+    /// three radial displacements
     Radial,
-    /// three radial slides and three turns about the platform centre (the paper's V.A)
+    /// three radial displacements and three rotations about the platform centre (the paper's V.A)
     Polar,
     /// a displacement of each socket in polar coordinates (the paper's V.B)
     Offset,
@@ -80,11 +78,11 @@ impl VirtualizationName {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum SolverName {
-    /// the paper's iteration: near the least displacement
+    /// the paper's iteration: close to the least displacement
     Newton,
-    /// the exact least displacement, by iteration
+    /// the exact least displacement, iteratively
     LeastNorm,
-    /// the exact least displacement in closed form; where there is none, least-norm
+    /// the exact least displacement in closed form, or least-norm if there is no closed form
     ClosedForm,
 }
 
@@ -100,7 +98,7 @@ impl SolverName {
 
 #[derive(Args)]
 pub(crate) struct MetricArgs {
-    /// How angles weigh against lengths: paper (1 mm), radius (mean socket radius), or a length in mm
+    /// Characteristic length, by which angles are multiplied: paper (1 mm), radius (mean socket radius), or a length in mm
     #[arg(long, value_name = "paper|radius|LENGTH_MM", default_value = "paper", value_parser = metric)]
     metric: Metric,
 }
@@ -114,10 +112,10 @@ impl MetricArgs {
 /// Virtualization, solver and metric of one pose.
 #[derive(Args)]
 pub(crate) struct ModelArgs {
-    /// Which virtual joints stand for the play
+    /// Virtualization: the virtual joints that model the play
     #[arg(long, value_enum, default_value = "planar")]
     virtualization: VirtualizationName,
-    /// How their displacements are found
+    /// Solver for the virtual joints
     #[arg(long, value_enum, default_value = "closed-form")]
     solver: SolverName,
     #[command(flatten)]
@@ -136,13 +134,13 @@ impl ModelArgs {
 
 #[derive(Args)]
 pub(crate) struct LimitArgs {
-    /// Compute past the robot's limits, and say so
+    /// Compute poses beyond the robot's limits, and report the exceeded limits
     #[arg(long)]
     ignore_limits: bool,
 }
 
 impl LimitArgs {
-    /// The limits that a pose breaks: an error unless they are to be ignored.
+    /// The limits that a pose exceeds; an error unless --ignore-limits is given.
     pub(crate) fn check(
         &self,
         gpr: &Gpr,
@@ -157,7 +155,7 @@ impl LimitArgs {
         }
     }
 
-    /// The limits that rods break, the plane through their balls included; needs no virtual joint.
+    /// The limits that rod lengths and the plane through the balls exceed; needs no virtual joints.
     pub(crate) fn check_rods(
         &self,
         gpr: &Gpr,
@@ -167,71 +165,49 @@ impl LimitArgs {
     }
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum TextFormat {
-    /// for people
-    Text,
-    /// for programs
-    Json,
-}
-
-/// What every command has that answers a question about one robot.
+/// Flags of commands that analyse one robot.
 #[derive(Args)]
 pub(crate) struct AnswerArgs {
     #[command(flatten)]
     robot: RobotArgs,
     #[command(flatten)]
     pub(crate) limits: LimitArgs,
-    /// How the answer is printed
-    #[arg(long, value_enum, default_value = "text")]
-    format: TextFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 impl AnswerArgs {
-    /// The robot; its limits are checked by [`LimitArgs`].
+    /// The robot without limit checks; [`LimitArgs`] checks them.
     pub(crate) fn load(&self) -> Result<Gpr, Failure> {
         Ok(self.robot.load()?.gpr.without_limit_checks())
-    }
-
-    pub(crate) fn json(&self) -> bool {
-        self.format == TextFormat::Json
-    }
-
-    /// Prints a report as asked: as JSON, or in the words of `text`.
-    pub(crate) fn print<R: Serialize>(
-        &self,
-        report: &R,
-        text: impl FnOnce(&R) -> String,
-    ) -> Result<(), Failure> {
-        if self.json() { output::json(report) } else { output::text(&text(report)) }
     }
 }
 
 /// A tilt and an axis height; the height defaults to the robot's working height.
 #[derive(Args)]
 pub(crate) struct TiltArgs {
-    /// Azimuth toward which the platform leans, from x toward y
+    /// Tilt direction γ: azimuth of the platform normal, from x toward y
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite)]
     yaw_deg: f64,
-    /// How far it leans
+    /// Tilt angle α between the platform normal and the vertical
     #[arg(long, value_name = "DEG", value_parser = pitch)]
     pitch_deg: Option<f64>,
-    /// Height of the platform; without it, the robot's working height
+    /// Height of the platform [default: the robot's working height]
     #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
 }
 
 impl TiltArgs {
-    /// The tilt asked for.
+    /// The commanded tilt.
     ///
     /// # Arguments
-    /// * `default_pitch` – where no pitch is given [rad]
+    /// * `default_pitch` – pitch if none is given [rad]
     pub(crate) fn tilt(&self, default_pitch: f64) -> Tilt {
         let pitch = self.pitch_deg.map_or(default_pitch, f64::to_radians);
         Tilt { yaw: yaw(self.yaw_deg), pitch }
     }
 
-    /// The height asked for [m].
+    /// The commanded height [m].
     pub(crate) fn height(&self, gpr: &Gpr) -> f64 {
         self.height_mm.map_or(gpr.working_height(), m_from_mm)
     }
@@ -241,10 +217,10 @@ impl TiltArgs {
     }
 }
 
-/// Three rod lengths; without them, all at the robot's working height.
+/// Three rod lengths.
 #[derive(Args)]
 pub(crate) struct RodArgs {
-    /// Rod lengths; without them, all at the robot's working height
+    /// Rod lengths [default: all at the robot's working height]
     #[arg(long, value_name = "Q1,Q2,Q3", value_parser = rods)]
     pub(crate) q_mm: Option<Rods>,
 }
@@ -264,7 +240,7 @@ pub(crate) struct Rods(pub(crate) [f64; 3]);
 pub(crate) struct Steps(pub(crate) Vec<f64>);
 
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
-    let value: f64 = text.trim().parse().map_err(|_| format!("{text:?} is no number"))?;
+    let value: f64 = text.trim().parse().map_err(|_| format!("invalid number {text:?}"))?;
     if value.is_finite() {
         Ok(value)
     } else {
@@ -272,30 +248,30 @@ pub(crate) fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A whole number within bounds.
+/// An integer within bounds.
 pub(crate) fn whole<N: TryFrom<u64>>(text: &str, least: u64, most: u64) -> Result<N, String> {
     let value = text.trim().parse().ok().filter(|value| (least..=most).contains(value));
-    value
-        .and_then(|value| N::try_from(value).ok())
-        .ok_or_else(|| format!("{text:?} is not a whole number from {least} to {most}"))
+    value.and_then(|value| N::try_from(value).ok()).ok_or_else(|| {
+        format!("invalid value {text:?}: expected an integer from {least} to {most}")
+    })
 }
 
-/// A yaw in radians, whole turns left out while they are still whole degrees.
+/// A yaw in radians; full turns are removed before the conversion, where they are exact.
 pub(crate) fn yaw(degrees: f64) -> f64 {
     (degrees % 360.0).to_radians()
 }
 
-/// The longest length that a flag may name [mm]: a kilometre, far from where squares overflow.
+/// The longest length accepted by a flag [mm]: one kilometre, far below overflow of squares.
 const LONGEST_MM: f64 = 1e6;
 
-/// A length that a robot could have [mm].
+/// A length [mm].
 pub(crate) fn length(text: &str) -> Result<f64, String> {
     let value = finite(text)?;
     if value.abs() <= LONGEST_MM {
         Ok(value)
     } else {
         let (found, most) = (number(value), number(LONGEST_MM));
-        Err(format!("{found} mm is too long, lengths have to lie within ±{most} mm"))
+        Err(format!("length must be within ±{most} mm, got {found} mm"))
     }
 }
 
@@ -309,7 +285,7 @@ fn within_right_angle(pitch: f64) -> Result<(), String> {
         Ok(())
     } else {
         let pitch = number(pitch);
-        Err(format!("{pitch}° is too steep, the pitch has to lie between -90° and 90°"))
+        Err(format!("pitch must be between -90° and 90°, got {pitch}°"))
     }
 }
 
@@ -321,9 +297,9 @@ pub(crate) fn pitches(text: &str) -> Result<Steps, String> {
 
 pub(crate) fn rods(text: &str) -> Result<Rods, String> {
     let values = text.split(',').map(length).collect::<Result<Vec<f64>, String>>()?;
-    let rods: [f64; 3] = values.try_into().map_err(|values: Vec<f64>| {
-        format!("3 rod lengths are needed, {} are given", values.len())
-    })?;
+    let rods: [f64; 3] = values
+        .try_into()
+        .map_err(|values: Vec<f64>| format!("expected 3 rod lengths, got {}", values.len()))?;
     Ok(Rods(rods.map(m_from_mm)))
 }
 
@@ -334,13 +310,13 @@ fn metric(text: &str) -> Result<Metric, String> {
         _ => match finite(text.strip_suffix("mm").unwrap_or(text)) {
             Ok(length) if (1e-9..=1e9).contains(&length) => Ok(Metric::Length(m_from_mm(length))),
             Ok(length) if length > 0.0 => Err(format!(
-                "a characteristic length of {} mm is not within 1e-9 to 1e9 mm",
+                "characteristic length must be from 1e-9 to 1e9 mm, got {} mm",
                 number(length)
             )),
             Ok(length) => {
-                Err(format!("a characteristic length of {} mm is not positive", number(length)))
+                Err(format!("characteristic length must be positive, got {} mm", number(length)))
             }
-            Err(_) => Err("it has to be paper, radius, or a length in mm".to_owned()),
+            Err(_) => Err("expected paper, radius, or a length in mm".to_owned()),
         },
     }
 }

@@ -1,20 +1,20 @@
-//! What is printed beside the answer: colours, notes, how much of them.
+//! Notes on standard error, verbosity and colours.
 
 use std::io::Write as _;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use clap::{Args, ColorChoice};
 
-/// Flags of every command about what is printed.
+/// Flags of every command that control notes and colours.
 #[derive(Args)]
 pub(crate) struct ConsoleArgs {
-    /// Print the answer and errors only: no progress, no notes
+    /// Print only the answer and errors, without progress and notes
     #[arg(short, long, global = true, conflicts_with = "verbose")]
     quiet: bool,
-    /// Report files that are read and written, and the time taken, on standard error
+    /// Report files read and written, and the elapsed time, on standard error
     #[arg(short, long, global = true)]
     verbose: bool,
-    /// Whether output has colours
+    /// Use colours in the output
     #[arg(long, global = true, value_enum, value_name = "WHEN", default_value = "auto")]
     color: ColorChoice,
 }
@@ -23,11 +23,11 @@ const QUIET: u8 = 0;
 const NORMAL: u8 = 1;
 const VERBOSE: u8 = 2;
 
-/// How much is printed; set once, before the command runs.
+/// Verbosity; set once, before the command runs.
 static LEVEL: AtomicU8 = AtomicU8::new(NORMAL);
 
 impl ConsoleArgs {
-    /// Applies the flags to everything that is printed from now on.
+    /// Applies the flags to all further output.
     pub(crate) fn apply(&self) {
         let level = match (self.quiet, self.verbose) {
             (true, _) => QUIET,
@@ -63,7 +63,8 @@ pub(crate) fn detail(line: &str) {
     }
 }
 
-fn print(line: &str) {
-    // Where standard error is closed, there is no reader.
+/// A line on standard error.
+pub(crate) fn print(line: &str) {
+    // If standard error is closed, there is no reader.
     drop(writeln!(anstream::stderr(), "{line}"));
 }

@@ -1,4 +1,4 @@
-//! What can go wrong, how it is told, and the exit code.
+//! Errors of commands, their messages and exit codes.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -14,10 +14,10 @@ use jointplay::report;
 use jointplay::virtualization::Solver;
 use jointplay::{plot, study};
 
-/// Why a command did not do what was asked.
+/// Why a command failed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
-    #[error("the pose is beyond the robot's limits:\n{}\n--ignore-limits computes past them", list(.0))]
+    #[error("the pose exceeds the robot's limits:\n{}\nuse --ignore-limits to compute it anyway", list(.0))]
     Limits(Vec<BrokenLimit>),
     #[error("{}", explain_core(.0))]
     Core(#[from] jointplay::Error),
@@ -25,59 +25,59 @@ pub(crate) enum Failure {
     Study(#[from] study::Error),
     #[error("{0}")]
     Robot(String),
-    /// What is wrong in files.
+    /// Errors in files.
     #[error("{}", excerpts(.0))]
-    Wrong(Vec<Wrong>),
-    /// Where more is asked for than can be.
+    Invalid(Vec<Diagnostic>),
+    /// Valid requests that the robot cannot satisfy.
     #[error("{}", excerpts(.0))]
-    CannotDo(Vec<Wrong>),
+    Infeasible(Vec<Diagnostic>),
     #[error("{0}")]
-    Misused(String),
+    Usage(String),
     #[error("{0}")]
     NotAssembled(String),
     #[error("{0}")]
     Stopped(String),
     #[error("{0}")]
     OverClearance(String),
-    /// A configuration of a mechanism that its joints cannot reach.
-    #[error("beyond joint limits:\n{}", messages(.0))]
+    /// A configuration of a mechanism beyond joint limits.
+    #[error("joint limits exceeded:\n{}", messages(.0))]
     BeyondLimits(Vec<report::LimitReport>),
-    #[error("the mobility is not what `[expected]` of the file says:{0}")]
+    #[error("the mobility differs from the `[expected]` table of the file:{0}")]
     Unexpected(String),
     #[error("{0}")]
     Unsolved(String),
     #[error("{0}")]
     Interrupted(String),
-    #[error("cannot go on from {}: {why}", path.display())]
+    #[error("cannot resume from {}: {why}", path.display())]
     Marker { path: PathBuf, why: String },
     #[error(transparent)]
     Coordinate(#[from] coordinates::Error),
     #[error("--yaw-step-deg {}: {source}", number(*.step))]
     YawStep { step: f64, source: jointplay::format::steps::Error },
-    #[error("the study has {found} poses, at most {allowed} are allowed: take larger steps")]
+    #[error("the study has {found} poses, but at most {allowed} are allowed: use larger steps")]
     TooManyPoses { found: usize, allowed: usize },
     #[error("cannot read {}: {source}", path.display())]
     Read { path: PathBuf, source: io::Error },
-    #[error("{} is longer than {allowed} bytes, the most that such a file may have", path.display())]
+    #[error("{} is too large: at most {allowed} bytes are allowed", path.display())]
     TooLarge { path: PathBuf, allowed: u64 },
     #[error("cannot write {}: {}", path.display(), explain_write(.source))]
     Write { path: PathBuf, source: io::Error },
-    #[error("{} exists: choose another name, or replace it with --force", path.display())]
+    #[error("{} exists: choose another name, or use --force to replace it", path.display())]
     Exists { path: PathBuf },
     #[error(
-        "{} holds files already: {}; choose another --out, or use --force, which replaces files of the same names",
+        "{} contains files: {}; choose another --out, or use --force to replace files of the same names",
         folder.display(), few(names)
     )]
     NotEmpty { folder: PathBuf, names: Vec<String> },
-    #[error("{} ends neither in .svg nor in .png", path.display())]
+    #[error("{}: the name of a figure must end in .svg or .png", path.display())]
     FigureKind { path: PathBuf },
     #[cfg(not(feature = "parquet"))]
     #[error(
-        "this jointplay was built without Parquet: build with --features parquet, or name a table that ends in .csv"
+        "this jointplay was built without Parquet: build with --features parquet, or choose a table that ends in .csv"
     )]
     NoParquet,
     #[cfg(feature = "parquet")]
-    #[error("the table cannot be written as Parquet; write it as csv")]
+    #[error("cannot write the table as Parquet; use CSV")]
     Parquet,
     #[error(transparent)]
     Export(#[from] jointplay::interop::export::Error),
@@ -92,18 +92,18 @@ pub(crate) enum Failure {
     Print(#[from] io::Error),
 }
 
-/// One thing at one place of a file.
+/// One error at one position of a file.
 #[derive(Debug, PartialEq)]
-pub(crate) struct Wrong {
+pub(crate) struct Diagnostic {
     pub(crate) file: String,
     pub(crate) line: usize,
     pub(crate) column: usize,
     pub(crate) message: String,
-    /// The message with its line.
+    /// The message with the line of the file and a caret.
     pub(crate) excerpt: String,
 }
 
-impl Wrong {
+impl Diagnostic {
     pub(crate) fn new<P: std::fmt::Display>(error: &place::Error<P>, file: &str) -> Self {
         let place::Place { line, column, .. } = error.place;
         let (message, excerpt) = (error.to_string(), error.with_excerpt(file));
@@ -111,12 +111,12 @@ impl Wrong {
     }
 }
 
-/// Most errors that text lists; JSON has all.
+/// Largest number of errors listed in text; JSON lists all.
 const MOST_ERRORS: usize = 21;
-/// Most names of files that text lists.
+/// Largest number of file names listed in text.
 const MOST_NAMES: usize = 5;
 
-fn excerpts(all: &[Wrong]) -> String {
+fn excerpts(all: &[Diagnostic]) -> String {
     let mut text: Vec<&str> = all.iter().take(MOST_ERRORS).map(|one| &*one.excerpt).collect();
     let more = match all.len().saturating_sub(MOST_ERRORS) {
         0 => return text.join("\n"),
@@ -126,7 +126,7 @@ fn excerpts(all: &[Wrong]) -> String {
     text.join("\n")
 }
 
-/// The first of some names, and how many more there are.
+/// The first names of a list, and the number of the others.
 fn few(names: &[String]) -> String {
     let listed = names[..names.len().min(MOST_NAMES)].join(", ");
     match names.len().saturating_sub(MOST_NAMES) {
@@ -143,34 +143,34 @@ fn list(broken: &[BrokenLimit]) -> String {
     broken.iter().map(|limit| format!("  {}", explain_limit(limit))).collect::<Vec<_>>().join("\n")
 }
 
-/// Why there is no file, in our words where the system has only its own.
+/// Why a file cannot be written, with advice where the message of the system has none.
 fn explain_write(error: &io::Error) -> String {
     use io::ErrorKind as Kind;
-    let ours = match error.kind() {
+    let explained = match error.kind() {
         _ if error.get_ref().is_some() => None,
         Kind::NotFound => Some("its folder does not exist"),
-        Kind::PermissionDenied => Some("it is not permitted there; choose another place"),
-        Kind::ReadOnlyFilesystem => Some("the disk is read-only; choose another place"),
+        Kind::PermissionDenied => Some("no permission to write there; choose another folder"),
+        Kind::ReadOnlyFilesystem => Some("the disk is read-only; choose another folder"),
         Kind::StorageFull | Kind::QuotaExceeded => {
-            Some("the disk is full; make room, or choose another place")
+            Some("the disk is full; free some space, or choose another folder")
         }
         Kind::IsADirectory => Some("a folder has this name"),
         Kind::NotADirectory | Kind::AlreadyExists => {
-            Some("a file is in its place, or in place of a folder of its path")
+            Some("a file exists at this path, or at the path of one of its folders")
         }
         _ => None,
     };
-    ours.map_or_else(|| error.to_string(), str::to_owned)
+    explained.map_or_else(|| error.to_string(), str::to_owned)
 }
 
-/// What went wrong, and which flag may help.
+/// The message of an error, with flags that may help.
 fn explain_core(error: &jointplay::Error) -> String {
     let hint = match error {
         jointplay::Error::NotConverged(best) if best.solver == Solver::LeastNorm => {
-            "\n  a pose nearer to level may do, or --solver newton, --metric radius, --virtualization planar"
+            "\n  try a pose closer to level, --solver newton, --metric radius, or --virtualization planar"
         }
         jointplay::Error::NotConverged(_) | jointplay::Error::TurnedOver { .. } => {
-            "\n  a pose nearer to level may do, or --solver closed-form, --virtualization planar"
+            "\n  try a pose closer to level, --solver closed-form, or --virtualization planar"
         }
         _ => "",
     };
@@ -190,17 +190,17 @@ fn explain_study(error: &study::Error) -> String {
     }
 }
 
-/// The answer is no.
-const NO: u8 = 1;
-/// The question is wrong.
+/// Exit code of a valid but infeasible request.
+const INFEASIBLE: u8 = 1;
+/// Exit code of bad input or usage.
 pub(crate) const BAD_INPUT: u8 = 2;
-/// Stopped by Ctrl-C, as shells number it.
+/// Exit code after Ctrl-C, by the convention of shells.
 pub(crate) const INTERRUPTED: u8 = 130;
 
 impl Failure {
-    /// What is wrong at one place of a file.
+    /// An error at one position of a file.
     pub(crate) fn at<P: std::fmt::Display>(error: &place::Error<P>, file: &str) -> Self {
-        Self::Wrong(vec![Wrong::new(error, file)])
+        Self::Invalid(vec![Diagnostic::new(error, file)])
     }
 
     fn exit_code(&self) -> u8 {
@@ -211,7 +211,7 @@ impl Failure {
             | jointplay::Error::BeyondLimits(_)
             | jointplay::Error::NotAssembled(_)
             | jointplay::Error::NotRelieved { .. }
-            | jointplay::Error::NotLeast { .. } => NO,
+            | jointplay::Error::NotLeast { .. } => INFEASIBLE,
             _ => BAD_INPUT,
         };
         match self {
@@ -220,9 +220,9 @@ impl Failure {
             | Self::NotAssembled(_)
             | Self::Stopped(_)
             | Self::OverClearance(_)
-            | Self::CannotDo(_)
+            | Self::Infeasible(_)
             | Self::Unexpected(_)
-            | Self::Unsolved(_) => NO,
+            | Self::Unsolved(_) => INFEASIBLE,
             Self::Interrupted(_) => INTERRUPTED,
             Self::Core(error) => core(error),
             Self::Study(study::Error::Pose { source, .. }) => core(source),
@@ -237,18 +237,18 @@ impl Failure {
             Self::Stopped(_) => "stopped",
             Self::Unexpected(_) => "unexpected",
             Self::Interrupted(_) => "interrupted",
-            _ if self.exit_code() == NO => "unsolved",
+            _ if self.exit_code() == INFEASIBLE => "unsolved",
             Self::Write { .. } | Self::Print(_) => "output",
             _ => "input",
         }
     }
 
-    /// Tells what went wrong on standard error, as text or as JSON.
+    /// Reports the error on standard error, as text or as JSON.
     pub(crate) fn report(&self, json: bool) -> ExitCode {
         if let Self::Print(error) = self
             && error.kind() == io::ErrorKind::BrokenPipe
         {
-            // Whoever reads has seen enough.
+            // The reader closed the pipe: this is no error.
             return ExitCode::SUCCESS;
         }
         let mut stderr = anstream::stderr();
@@ -261,9 +261,9 @@ impl Failure {
             let kind = self.kind();
             let message = self.to_string();
             let places =
-                if let Self::Wrong(all) | Self::CannotDo(all) = self { &all[..] } else { &[] };
-            let place = |one: &Wrong| {
-                let Wrong { file, line, column, message, .. } = one;
+                if let Self::Invalid(all) | Self::Infeasible(all) = self { &all[..] } else { &[] };
+            let place = |one: &Diagnostic| {
+                let Diagnostic { file, line, column, message, .. } = one;
                 serde_json::json!({ "file": file, "line": line, "column": column, "message": message })
             };
             let places: Vec<_> = places.iter().map(place).collect();
@@ -279,7 +279,7 @@ impl Failure {
             let style = Style::new().bold().fg_color(Some(color.into()));
             writeln!(stderr, "{style}{word}:{style:#} {self}")
         };
-        // Where standard error is gone too, the exit code still says it.
+        // If standard error is closed too, the exit code still reports the error.
         drop(written);
         ExitCode::from(self.exit_code())
     }

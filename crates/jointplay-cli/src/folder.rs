@@ -1,6 +1,6 @@
-//! Result files, written whole or not at all, and never over a file that exists unless `--force` is given.
+//! Result files: written completely or not at all, and replaced only with `--force`.
 //!
-//! This is the one policy of all commands; `docs/reference/command.md` describes it for users.
+//! All commands follow this policy; `docs/reference/command.md` describes it for users.
 
 use std::collections::BTreeSet;
 use std::io::Write as _;
@@ -16,20 +16,20 @@ use crate::failure::Failure;
 /// Whether files that exist may be replaced.
 #[derive(Args, Clone, Copy)]
 pub(crate) struct ForceArgs {
-    /// Replace files that exist, and write into a folder that holds files
+    /// Replace existing files, and write into a folder that contains files
     #[arg(long)]
     force: bool,
 }
 
 impl ForceArgs {
-    /// For a file that the user names to be changed, as `--write` does.
+    /// Permission to change a file given by the user, as `--write` does.
     pub(crate) const REPLACE: Self = Self { force: true };
 }
 
-/// Files on their way are named so; one that is found was left by a run that was killed.
+/// Prefix of temporary files; one that is found was left by a killed run.
 const PARTIAL: &str = ".jointplay-partial-";
 
-/// Finds out before long work whether files can be made in a folder, or the folder itself; leaves nothing behind.
+/// Checks before a long computation whether a folder, and files in it, can be created; leaves nothing behind.
 fn probe(folder: &Path) -> Result<(), Failure> {
     let here = Path::new(".");
     let mut places =
@@ -41,7 +41,7 @@ fn probe(folder: &Path) -> Result<(), Failure> {
 
 /// Refuses a file that exists.
 pub(crate) fn check_file(path: &Path, force: ForceArgs) -> Result<(), Failure> {
-    // A link that leads nowhere is a file too.
+    // A dangling link is also a file.
     if force.force || path.symlink_metadata().is_err() {
         Ok(())
     } else {
@@ -49,9 +49,9 @@ pub(crate) fn check_file(path: &Path, force: ForceArgs) -> Result<(), Failure> {
     }
 }
 
-/// Refuses a folder of results that holds files; those that a killed run left do not count.
+/// Refuses a results folder that contains files, other than those left by a killed run.
 ///
-/// Also finds out whether files can be made there: long work must not end in vain.
+/// Also checks that files can be created there, before a long computation.
 pub(crate) fn check_folder(folder: &Path, force: ForceArgs) -> Result<(), Failure> {
     let found = names(folder)?.into_iter().filter(|name| !name.starts_with(PARTIAL));
     let found: Vec<String> = found.collect();
@@ -61,7 +61,7 @@ pub(crate) fn check_folder(folder: &Path, force: ForceArgs) -> Result<(), Failur
     probe(folder)
 }
 
-/// Writes files into a folder, made if missing: each appears whole, under its name, or not at all.
+/// Writes files into a folder, created if missing: each file appears complete or not at all.
 pub(crate) fn write(
     folder: &Path,
     files: &[(String, Vec<u8>)],
@@ -74,17 +74,32 @@ pub(crate) fn write(
     staged.publish().map(drop)
 }
 
-/// Files on their way into a folder: written one after the other under temporary names, and renamed together.
+/// Files to be added to a folder: written one after the other under temporary names, and renamed together.
 pub(crate) struct Staged {
     folder: PathBuf,
-    /// Whether the folder was made for them.
+    /// Whether the folder was created for them.
     made: bool,
     force: ForceArgs,
-    ready: Vec<(PathBuf, NamedTempFile, u64)>,
+    ready: Vec<Ready>,
+}
+
+/// A complete file under its temporary name.
+struct Ready {
+    path: PathBuf,
+    file: NamedTempFile,
+    /// [bytes]
+    length: u64,
+}
+
+/// A file written.
+pub(crate) struct WrittenFile {
+    pub(crate) path: PathBuf,
+    /// [bytes]
+    pub(crate) length: u64,
 }
 
 impl Staged {
-    /// Into a folder, made if missing.
+    /// Starts with no files; the folder is created if missing.
     pub(crate) fn into(folder: &Path, force: ForceArgs) -> Result<Self, Failure> {
         let made = !folder.exists();
         std::fs::create_dir_all(folder).map_err(failed(folder))?;
@@ -116,18 +131,18 @@ impl Staged {
         }
         let mut file = writer.into_inner().map_err(|error| plain(error.into_error()))?;
         let length = file.as_file_mut().metadata().map_err(plain)?.len();
-        self.ready.push((path, file, length));
+        self.ready.push(Ready { path, file, length });
         Ok(())
     }
 
-    /// Gives all files their names; paths and lengths in bytes.
-    pub(crate) fn publish(mut self) -> Result<Vec<(PathBuf, u64)>, Failure> {
+    /// Renames all files to their final names.
+    pub(crate) fn publish(mut self) -> Result<Vec<WrittenFile>, Failure> {
         self.made = false;
         pending(Vec::clear);
         let mut written = Vec::with_capacity(self.ready.len());
-        for (path, file, length) in std::mem::take(&mut self.ready) {
+        for Ready { path, file, length } in std::mem::take(&mut self.ready) {
             persist(file, &path, self.force)?;
-            written.push((path, length));
+            written.push(WrittenFile { path, length });
         }
         Ok(written)
     }
@@ -138,31 +153,31 @@ impl Drop for Staged {
         self.ready.clear();
         pending(Vec::clear);
         if self.made {
-            // Left as it was found; where something else was put into it, it stays.
+            // Removed only if empty: others may have added files.
             let _ = std::fs::remove_dir(&self.folder);
         }
     }
 }
 
-/// Temporary files of [`Staged`], which an interrupted command removes.
+/// Temporary files of [`Staged`], removed if the command is interrupted.
 static PENDING: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
 fn pending<T>(change: impl FnOnce(&mut Vec<PathBuf>) -> T) -> T {
     change(&mut PENDING.lock().unwrap_or_else(PoisonError::into_inner))
 }
 
-/// Removes files that are not complete; what cannot be removed bears a name by which the next run knows it.
+/// Removes incomplete files; the next run recognizes the remaining ones by their prefix.
 pub(crate) fn discard_pending() {
     for path in pending(std::mem::take) {
         drop(std::fs::remove_file(path));
     }
 }
 
-/// Why the contents of a file are not written.
+/// Why the contents of a file were not written.
 pub(crate) enum Contents {
-    /// The disk or the folder.
+    /// An error of the disk or folder.
     Write(std::io::Error),
-    /// What they are made of.
+    /// An error in computing the contents.
     Other(Failure),
 }
 
@@ -188,9 +203,9 @@ pub(crate) fn write_file(path: &Path, bytes: &[u8], force: ForceArgs) -> Result<
     persist(partial(folder, path, bytes)?, path, force)
 }
 
-/// The contents of the file to come at `path`, whole, under a temporary name.
+/// The contents of the future file at `path`, complete, under a temporary name.
 fn partial(folder: &Path, path: &Path, bytes: &[u8]) -> Result<NamedTempFile, Failure> {
-    // The temporary name in the error would tell nobody anything.
+    // The temporary name in the error would be of no use to the user.
     let plain = |error: std::io::Error| failed(path)(error.kind().into());
     let mut file = tempfile::Builder::new().prefix(PARTIAL).tempfile_in(folder).map_err(plain)?;
     file.write_all(bytes).map_err(plain)?;
@@ -201,7 +216,7 @@ fn persist(file: NamedTempFile, path: &Path, force: ForceArgs) -> Result<(), Fai
     readable(&file, path)?;
     let done = if force.force { file.persist(path) } else { file.persist_noclobber(path) };
     done.map_err(|error| match error.error.kind() {
-        // It has come into being since it was checked.
+        // It was created after the check.
         std::io::ErrorKind::AlreadyExists if !force.force => {
             Failure::Exists { path: path.to_owned() }
         }
@@ -211,7 +226,7 @@ fn persist(file: NamedTempFile, path: &Path, force: ForceArgs) -> Result<(), Fai
     Ok(())
 }
 
-/// Made private by default; results are as readable as any file of the user's.
+/// Temporary files are private; results get the usual permissions.
 #[cfg_attr(not(unix), expect(unused_variables, clippy::unnecessary_wraps))]
 fn readable(file: &NamedTempFile, path: &Path) -> Result<(), Failure> {
     #[cfg(unix)]
@@ -223,7 +238,7 @@ fn readable(file: &NamedTempFile, path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Removes files of ours that this run did not write again, and what a killed run left.
+/// Removes files of the previous run that this run did not write, and temporary files of killed runs.
 pub(crate) fn remove_stale(
     folder: &Path,
     own: &BTreeSet<String>,
@@ -232,7 +247,7 @@ pub(crate) fn remove_stale(
     for name in names(folder)? {
         let ours = own.contains(&name) || name.starts_with(PARTIAL);
         let path = folder.join(&name);
-        if ours && !path.is_dir() && !written.iter().any(|(kept, _)| *kept == name) {
+        if ours && !path.is_dir() && !written.iter().any(|(new, _)| *new == name) {
             std::fs::remove_file(&path).map_err(failed(&path))?;
         }
     }

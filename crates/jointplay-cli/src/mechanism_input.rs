@@ -1,4 +1,4 @@
-//! Mechanism files and values for their joints, as given on the command line.
+//! Mechanism files and values of their joints, as given on the command line.
 
 use std::path::{Path, PathBuf};
 
@@ -17,16 +17,15 @@ use jointplay::mobility::TOLERANCES;
 use jointplay::nalgebra::DVector;
 use jointplay::report;
 use jointplay::{Error, format};
-use serde::Serialize;
 
-use crate::arguments::{TextFormat, finite};
+use crate::arguments::finite;
 use crate::failure::Failure;
-use crate::output;
+use crate::output::{self, FormatArgs};
 use crate::source::{Kind, Source};
 
-/// Other starts tried where the guess of a file does not close.
+/// Number of other starts, if the guess of a file does not close.
 const STARTS: usize = 30;
-/// Corrections at most of a mechanism with many loops, which is closed from its guess or not at all.
+/// Largest number of corrections for a mechanism with many loops, which is closed from its guess only.
 const CORRECTIONS: usize = 200;
 
 /// `NAME=VALUE`, in the unit of the file.
@@ -37,15 +36,16 @@ pub(crate) struct Assignment {
 }
 
 pub(crate) fn assignment(text: &str) -> Result<Assignment, String> {
-    let (name, value) =
-        text.rsplit_once('=').ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
+    let (name, value) = text
+        .rsplit_once('=')
+        .ok_or_else(|| format!("invalid value {text:?}: expected NAME=VALUE"))?;
     Ok(Assignment { name: name.trim().to_owned(), value: finite(value)? })
 }
 
-/// Values for parameters of the file.
+/// Values of parameters of the file.
 #[derive(Args)]
 pub(crate) struct SetArgs {
-    /// Other values for parameters of the file, in its units
+    /// Values of parameters of the file, in its units
     #[arg(long, value_name = "PARAMETER=VALUE", value_delimiter = ',', value_parser = assignment)]
     pub(crate) set: Vec<Assignment>,
 }
@@ -55,15 +55,15 @@ impl SetArgs {
         if self.set.is_empty() {
             Ok(())
         } else {
-            Err(Failure::Misused("--set needs a mechanism file".to_owned()))
+            Err(Failure::Usage("--set needs a mechanism file".to_owned()))
         }
     }
 }
 
-/// How true the dimensions of a mechanism are.
+/// The accuracy of the dimensions of a mechanism.
 #[derive(Args)]
 pub(crate) struct ToleranceArgs {
-    /// Take dimensions as true only to this share: of the characteristic length, and in radians; from 1e-11 to 1e-2
+    /// Relative accuracy of the dimensions: in characteristic lengths, and in radians; from 1e-11 to 1e-2
     #[arg(long, value_name = "SHARE", value_parser = share)]
     pub(crate) tolerance: Option<f64>,
 }
@@ -74,11 +74,11 @@ fn share(text: &str) -> Result<f64, String> {
         Ok(value)
     } else {
         let (least, greatest) = (TOLERANCES.start(), TOLERANCES.end());
-        Err(format!("{} is not within {least:e} to {greatest:e}", number(value)))
+        Err(format!("the tolerance must be from {least:e} to {greatest:e}, got {}", number(value)))
     }
 }
 
-/// What every command about one mechanism has.
+/// Flags of commands that analyse one mechanism.
 #[derive(Args)]
 pub(crate) struct MechanismArgs {
     /// Mechanism file (TOML), model (MJCF, SDF, URDF), or a name from `jointplay catalogue`
@@ -86,9 +86,8 @@ pub(crate) struct MechanismArgs {
     file: PathBuf,
     #[command(flatten)]
     set: SetArgs,
-    /// How the answer is printed
-    #[arg(long, value_enum, default_value = "text")]
-    format: TextFormat,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 impl MechanismArgs {
@@ -99,43 +98,32 @@ impl MechanismArgs {
     pub(crate) fn path(&self) -> &Path {
         &self.file
     }
-
-    pub(crate) fn json(&self) -> bool {
-        self.format == TextFormat::Json
-    }
-
-    /// Prints a report as asked: as JSON, or in the words of `text`.
-    pub(crate) fn print<R: Serialize>(
-        &self,
-        report: &R,
-        text: impl FnOnce(&R) -> String,
-    ) -> Result<(), Failure> {
-        if self.json() { output::json(report) } else { output::text(&text(report)) }
-    }
 }
 
-/// The model of another program.
+/// Imports a model of another program.
 pub(crate) fn imported(source: &Source) -> Result<Imported, Failure> {
     import::parse(&source.text).map_err(|error| Failure::at(&error, &source.label))
 }
 
-/// A mechanism file as read.
+/// A mechanism file, parsed.
 pub(crate) struct Input {
     pub(crate) file: MechanismFile,
     pub(crate) coordinates: Coordinates,
-    /// Mismatch that counts as closed, in radians and characteristic lengths; `None` for loops that close exactly.
+    /// Accepted mismatch of the loops, in radians and characteristic lengths; `None` for loops that close exactly.
     pub(crate) tolerance: Option<f64>,
 }
 
-/// A closed configuration, with virtual joints displaced where they had to be.
+/// A closed configuration, with the displacement of the virtual joints if it needs one.
 pub(crate) struct Posed {
-    /// (f + M) [m, rad], and how well the loops close there.
+    /// Coordinates (f + M) [m, rad] with the residual of the loops.
     pub(crate) closed: Closure,
     pub(crate) relief: Option<Relief>,
 }
 
-/// The largest length [mm] and the largest angle [deg] that a joint may be asked for: a kilometre, or 10,000 turns.
-const FARTHEST: (f64, f64) = (1e6, 3.6e6);
+/// Largest displacement that a joint may be commanded: one kilometre [mm].
+const LARGEST_DISPLACEMENT_MM: f64 = 1e6;
+/// Largest rotation that a joint may be commanded: 10,000 turns [deg].
+const LARGEST_ROTATION_DEG: f64 = 3.6e6;
 
 impl Input {
     /// Reads a mechanism file, a model, or a mechanism of the catalogue.
@@ -148,8 +136,8 @@ impl Input {
         if import::is_model(&source.text) {
             if let Some(one) = set.first() {
                 let name = &one.name;
-                return Err(Failure::Misused(format!(
-                    "--set {name}: a model has no parameters; `jointplay import` makes a mechanism file of it, which can have some"
+                return Err(Failure::Usage(format!(
+                    "--set {name}: a model has no parameters; convert it with `jointplay import` into a mechanism file, which can have parameters"
                 )));
             }
             let model = imported(source)?;
@@ -166,12 +154,12 @@ impl Input {
         Ok(Self { file, coordinates, tolerance: None })
     }
 
-    /// Index of the joint coordinate of a name.
+    /// Index of the joint coordinate with a name.
     pub(crate) fn find(&self, name: &str) -> Result<usize, Failure> {
         Ok(self.coordinates.find(&self.file.mechanism, name)?)
     }
 
-    /// Coordinates that are asked for, with their values [m, rad].
+    /// Commanded coordinates with their values [m, rad].
     pub(crate) fn commands(&self, at: &[Assignment]) -> Result<Vec<(usize, f64)>, Failure> {
         at.iter()
             .map(|one| {
@@ -181,35 +169,35 @@ impl Input {
             .collect()
     }
 
-    /// A value of a coordinate in the unit of the file [m, rad], refused where no joint goes so far.
+    /// A coordinate value in SI units [m, rad], from the unit of the file; refused beyond the largest displacement.
     pub(crate) fn value(&self, k: usize, value: f64) -> Result<f64, Failure> {
         let si = self.coordinates.to_si(k, value);
         let most = match self.coordinates.all()[k].quantity {
-            Coordinate::Slide => m_from_mm(FARTHEST.0),
-            Coordinate::Turn => FARTHEST.1.to_radians(),
+            Coordinate::Slide => m_from_mm(LARGEST_DISPLACEMENT_MM),
+            Coordinate::Turn => LARGEST_ROTATION_DEG.to_radians(),
         };
         if si.abs() <= most {
             return Ok(si);
         }
         let (name, unit) = (&self.coordinates.all()[k].name, self.coordinates.unit(k));
-        Err(Failure::Misused(format!(
-            "{name} = {} {unit} is too far, values have to lie within ±{} {unit}",
+        Err(Failure::Usage(format!(
+            "{name} = {} {unit} is too large, values must be within ±{} {unit}",
             number(value),
             number(self.coordinates.from_si(k, most))
         )))
     }
 
-    /// The guesses of the file, with these coordinates at their values.
+    /// The initial guess in the file, with commanded coordinates at their values.
     fn start(&self, commands: &[(usize, f64)]) -> DVector<f64> {
         let mut start = guess(&self.file.mechanism);
         commands.iter().for_each(|&(k, value)| start[k] = value);
         start
     }
 
-    /// The closed configuration nearest the guesses, with these coordinates held.
+    /// The closed configuration nearest to the guess, with commanded coordinates held.
     pub(crate) fn assembled(&self, commands: &[(usize, f64)]) -> Result<Closure, Failure> {
         let held: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
-        // Near misses are for dense algebra, which says so itself where it cannot.
+        // Closures within a tolerance need dense algebra, which refuses mechanisms that are too large.
         if !self.is_dense() && self.tolerance.is_none() {
             return self.sparse(commands).map(|(system, iterations)| system.closure(iterations));
         }
@@ -228,7 +216,7 @@ impl Input {
         MechanismSystem::fits(&self.file.mechanism)
     }
 
-    /// The closed configuration nearest the guesses by sparse algebra, and the corrections done.
+    /// The closed configuration nearest to the guess by sparse algebra, and the number of corrections.
     pub(crate) fn sparse(
         &self,
         commands: &[(usize, f64)],
@@ -244,7 +232,7 @@ impl Input {
         }
     }
 
-    /// Closed configurations found from that many other starts.
+    /// Closed configurations found from a number of other starts.
     pub(crate) fn branches(
         &self,
         commands: &[(usize, f64)],
@@ -254,7 +242,7 @@ impl Input {
         Ok(branches(&self.file.mechanism, &self.start(commands), &held, starts)?)
     }
 
-    /// The closed configuration with these coordinates held, by virtual joints where it takes them.
+    /// The closed configuration with commanded coordinates held, with virtual joints displaced if rigid links do not close.
     pub(crate) fn posed(&self, commands: &[(usize, f64)]) -> Result<Posed, Failure> {
         let closed = self.assembled(commands);
         let has_play = !self.file.mechanism.virtual_joints().is_empty();
@@ -273,7 +261,7 @@ impl Input {
         }
     }
 
-    /// The least displacement of the virtual joints that lets these coordinates be where they are asked to be.
+    /// The least displacement of the virtual joints that makes the commanded coordinates possible.
     pub(crate) fn relieved(&self, commands: &[(usize, f64)]) -> Result<Relief, Failure> {
         let mechanism = &self.file.mechanism;
         let home = MechanismSystem::new(mechanism, self.assembled(&[])?.coordinates)?;
@@ -282,7 +270,7 @@ impl Input {
         let start = commanded.start(values, mechanism.virtual_joints().len());
         let system = MechanismSystem::new(mechanism, start)?;
         relieve(&system, &commanded, ReliefSolver::LeastNorm).map_err(|error| {
-            // Values that the commanded joints cannot have are the better reason.
+            // Commanded values beyond joint limits explain the failure better.
             let beyond = mechanism.beyond_limits(system.home());
             let beyond: Vec<_> =
                 beyond.into_iter().filter(|one| coordinates.contains(&one.coordinate)).collect();
@@ -293,10 +281,10 @@ impl Input {
         })
     }
 
-    /// Refuses a configuration that is beyond joint limits or clearances.
+    /// Refuses a configuration beyond joint limits or clearances.
     ///
     /// # Arguments
-    /// * `values` – (f + M), or (f) where clearances are not to be looked at [m, rad]
+    /// * `values` – (f + M), or (f) to check joint limits only [m, rad]
     pub(crate) fn within_limits(&self, values: &DVector<f64>) -> Result<(), Failure> {
         let beyond = self.file.mechanism.beyond_limits(values);
         if beyond.is_empty() {
@@ -305,12 +293,12 @@ impl Input {
         Err(Failure::BeyondLimits(report::beyond_limits(&self.coordinates, &beyond)))
     }
 
-    /// An error of the core with the configurations that were found, in the units of the file.
+    /// An assembly error with the configurations found, in the units of the file.
     fn unassembled(&self, error: Error) -> Failure {
         let Error::NotAssembled(found) = &error else { return error.into() };
         let mut text = format::explain::explain(&error);
         if found.near_miss().is_some() {
-            text.push_str("\n  assemble and mobility have --tolerance for that");
+            text.push_str("\n  use --tolerance of assemble and mobility");
         }
         for (i, branch) in found.branches.iter().enumerate() {
             let values = report::by_name(&self.coordinates, &branch.coordinates).0.into_iter();
@@ -325,7 +313,7 @@ impl Input {
         Failure::NotAssembled(text)
     }
 
-    /// One line for each coordinate: name, value, unit.
+    /// A table of coordinates: name, value, unit.
     pub(crate) fn table(&self, values: &[(String, f64)], first: usize) -> String {
         let width = values.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0).max(20);
         let line = |(i, (name, value)): (usize, &(String, f64))| {

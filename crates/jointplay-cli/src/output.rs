@@ -1,14 +1,46 @@
-//! Text and JSON to standard output, and how numbers look there.
+//! Text and JSON on standard output, and the formatting of numbers in text.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
 
+use clap::{Args, ValueEnum};
 use jointplay::format::number::rounded;
 use jointplay::report::{LimitReport, VirtualJointGroups};
 use serde::Serialize;
 
 use crate::console;
 use crate::failure::Failure;
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum TextFormat {
+    /// text for reading
+    Text,
+    /// a JSON document for other programs
+    Json,
+}
+
+/// The format of the answer on standard output; every command has it.
+#[derive(Args, Clone, Copy)]
+pub(crate) struct FormatArgs {
+    /// Output format of the answer and of errors
+    #[arg(long, global = true, value_enum, default_value = "text")]
+    format: TextFormat,
+}
+
+impl FormatArgs {
+    pub(crate) fn json(self) -> bool {
+        self.format == TextFormat::Json
+    }
+
+    /// Prints a report: as a JSON document, or as the text that `text` makes of it.
+    pub(crate) fn print<R: Serialize>(
+        self,
+        report: &R,
+        text: impl FnOnce(&R) -> String,
+    ) -> Result<(), Failure> {
+        if self.json() { json(report) } else { self::text(&text(report)) }
+    }
+}
 
 /// Prints text; a heading is a line that starts without a space.
 pub(crate) fn text(text: &str) -> Result<(), Failure> {
@@ -35,28 +67,28 @@ pub(crate) fn json(document: &impl Serialize) -> Result<(), Failure> {
 
 /// A document as JSON text.
 pub(crate) fn to_json(document: &impl Serialize) -> String {
-    serde_json::to_string_pretty(document).expect("our documents have string keys only")
+    serde_json::to_string_pretty(document).expect("documents have string keys only")
 }
 
-/// Prints text as it is.
+/// Prints text without formatting.
 pub(crate) fn raw(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     stdout.write_all(text.as_bytes())?;
     Ok(stdout.flush()?)
 }
 
-/// Says on standard error what of a model has no place in a mechanism.
-pub(crate) fn ignored(what: &[String]) {
-    for what in what {
-        console::note(&format!("ignored: {what}"));
+/// Lists on standard error the elements of a model that were ignored.
+pub(crate) fn ignored(elements: &[String]) {
+    for element in elements {
+        console::note(&format!("ignored: {element}"));
     }
 }
 
-/// Lines that say which limits were passed, if any were.
+/// Lines with the exceeded limits; empty for none.
 pub(crate) fn limits(broken: &[LimitReport]) -> String {
     let mut text = String::new();
     if !broken.is_empty() {
-        text.push_str("beyond the robot's limits, which were ignored\n");
+        text.push_str("limits exceeded (ignored)\n");
         for limit in broken {
             let _ = writeln!(text, "  {}", limit.message);
         }
@@ -74,7 +106,7 @@ pub(crate) fn fixed(value: f64, decimals: usize) -> String {
     if !value.is_finite() {
         return "-".to_owned();
     }
-    // Beyond this size a double has no such decimals.
+    // Beyond this size a double has no decimals.
     if value.abs() >= 1e12 {
         return rounded(value, 6);
     }
@@ -93,12 +125,12 @@ pub(crate) fn short(value: f64) -> String {
     format!("{value:.0}")
 }
 
-/// A singular value, nine characters wide: fixed where that shows it, else with an exponent.
+/// A singular value, nine characters wide, with an exponent if it is small.
 pub(crate) fn magnitude(value: f64) -> String {
     if value == 0.0 || value >= 1e-3 { format!("{value:>9.6}") } else { format!("{value:>9.2e}") }
 }
 
-/// What angles are weighed by, where there are any.
+/// The characteristic length, if there are angular joints.
 pub(crate) fn characteristic_length(joints: &VirtualJointGroups, length_mm: f64) -> String {
     if joints.0.iter().any(|(name, _)| name.ends_with("_deg")) {
         format!(", characteristic length {} mm", rounded(length_mm, 6))

@@ -1,4 +1,4 @@
-//! How far long work has come, and its interruption.
+//! Progress and interruption of long computations.
 
 use std::io::Write as _;
 use std::sync::Once;
@@ -12,42 +12,42 @@ use crate::failure::INTERRUPTED;
 use crate::output::short;
 use crate::{console, folder};
 
-/// A bar on standard error where that is a terminal, once the work takes more than a second; removed with the work.
+/// A progress bar on standard error, if that is a terminal; shown after one second, and removed at the end.
 pub(crate) struct Progress {
     start: Instant,
-    /// Where it began, and where it is.
+    /// Samples or parts at the start.
     begun: u64,
     done: u64,
     bar: ProgressBar,
-    /// Closed when the work ends; the thread shows the bar after a second.
+    /// Closed at the end; the thread shows the bar after a second.
     working: Option<Sender<()>>,
     shows: Option<JoinHandle<()>>,
 }
 
-/// What the work is made of.
+/// The unit of progress.
 #[derive(Clone, Copy)]
 enum Kind {
-    /// Parts, each with a name.
+    /// Named parts.
     Parts,
-    /// Samples, many a second.
+    /// Samples, with their rate.
     Samples,
-    /// One computation whose length is not known.
+    /// One computation of unknown duration.
     Work,
 }
 
-/// The bar appears after this time.
-const PATIENCE: Duration = Duration::from_secs(1);
-/// How often time and bar are drawn again.
+/// Delay before the bar appears.
+const DELAY: Duration = Duration::from_secs(1);
+/// Interval at which the bar is redrawn.
 const TICK: Duration = Duration::from_millis(200);
 
 impl Progress {
-    /// Of so many parts; Ctrl-C ends the command.
+    /// Progress over a number of parts; Ctrl-C ends the command.
     pub(crate) fn new(total: usize) -> Self {
         end_on_interrupt();
         Self::of(Kind::Parts, total as u64, 0)
     }
 
-    /// Of one computation; Ctrl-C ends the command.
+    /// Progress of one computation; Ctrl-C ends the command.
     pub(crate) fn of_work(name: &str) -> Self {
         end_on_interrupt();
         let mut progress = Self::of(Kind::Work, 0, 0);
@@ -55,7 +55,7 @@ impl Progress {
         progress
     }
 
-    /// Of so many samples, some of which may be there already.
+    /// Progress over a number of samples, some of which may be computed already.
     pub(crate) fn of_samples(total: u64, begun: u64) -> Self {
         Self::of(Kind::Samples, total, begun)
     }
@@ -70,19 +70,19 @@ impl Progress {
         let (working, ended) = channel();
         let shown = bar.clone();
         let show = move || {
-            if ended.recv_timeout(PATIENCE) == Err(RecvTimeoutError::Timeout) {
+            if ended.recv_timeout(DELAY) == Err(RecvTimeoutError::Timeout) {
                 shown.set_draw_target(ProgressDrawTarget::stderr());
                 shown.enable_steady_tick(TICK);
             }
         };
-        // Without a thread there is no bar, and the work is done all the same.
+        // Without a thread there is no bar, but the computation continues.
         let shows = (!console::is_quiet())
             .then(|| std::thread::Builder::new().name("progress".to_owned()).spawn(show).ok());
         let (start, shows) = (Instant::now(), shows.flatten());
         Self { start, begun, done: begun, bar, working: Some(working), shows }
     }
 
-    /// Reports to it from wherever the work is done.
+    /// A handle for reporting from other threads.
     pub(crate) fn reporter(&self) -> Reporter {
         Reporter(self.bar.clone())
     }
@@ -100,36 +100,36 @@ impl Progress {
         self.bar.set_position(self.done + within_part as u64);
     }
 
-    /// So many samples are there now.
+    /// Sets the number of samples computed.
     pub(crate) fn samples(&mut self, samples: u64) {
         self.done = samples;
         self.at(0);
     }
 
-    /// Samples a second, and seconds since the beginning.
+    /// Rate [samples/s] and time since the start [s].
     pub(crate) fn pace(&self) -> (f64, f64) {
         let time = self.start.elapsed().as_secs_f64();
         ((self.done - self.begun) as f64 / time, time)
     }
 }
 
-/// Reports to a [`Progress`] from wherever the work is done.
+/// A handle of a [`Progress`] for other threads.
 #[derive(Clone)]
 pub(crate) struct Reporter(ProgressBar);
 
 impl Reporter {
-    /// Work of a name begins.
+    /// Starts a named stage.
     pub(crate) fn stage(&self, name: &str) {
         self.0.set_message(name.to_owned());
     }
 
-    /// So many parts of it follow.
+    /// Sets the number of parts of the stage.
     pub(crate) fn parts(&self, total: usize) {
         self.0.set_length(total as u64);
         self.0.set_position(0);
     }
 
-    /// A part is done.
+    /// Completes one part.
     pub(crate) fn part_done(&self) {
         self.0.inc(1);
     }
@@ -159,24 +159,24 @@ impl Drop for Progress {
     fn drop(&mut self) {
         self.working = None;
         if let Some(shows) = self.shows.take() {
-            // A thread that panicked has nothing to clear.
+            // A panicked thread has nothing to clear.
             drop(shows.join());
         }
         self.bar.finish_and_clear();
     }
 }
 
-/// Ends the command with its own exit code on Ctrl-C, where it does not do so itself: files are written last, and whole.
+/// Makes Ctrl-C end the command with its exit code, unless the command handles it; files are written last and completely.
 fn end_on_interrupt() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         let end = || {
             folder::discard_pending();
             drop(writeln!(anstream::stderr(), "\ninterrupted"));
-            #[expect(clippy::exit, reason = "the computation cannot be asked to stop")]
+            #[expect(clippy::exit, reason = "the computation has no cancellation point")]
             std::process::exit(i32::from(INTERRUPTED));
         };
-        // Without a handler the system ends the command, by the signal.
+        // Without a handler the signal ends the command.
         drop(ctrlc::set_handler(end));
     });
 }

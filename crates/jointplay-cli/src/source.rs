@@ -1,4 +1,4 @@
-//! Files of input: from the disk, from the catalogue, or from standard input; and which kind they are of.
+//! Input files: from the disk, the catalogue or standard input, and their kinds.
 
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use crate::failure::Failure;
 /// The name of standard input and of standard output.
 pub(crate) const STANDARD: &str = "-";
 
-/// Set once standard input was read, which can be read only once.
+/// Set after standard input was read: it can be read only once.
 static STANDARD_INPUT_READ: AtomicBool = AtomicBool::new(false);
 
 /// The text of a file, and its name in messages.
@@ -24,10 +24,10 @@ pub(crate) struct Source {
 }
 
 impl Source {
-    /// Reads a file, the file of this name in the catalogue where there is none, or standard input for `-`.
+    /// Reads a file, else the catalogue entry of this name, or standard input for `-`.
     ///
     /// # Arguments
-    /// * `allowed` – its largest size [bytes]
+    /// * `allowed` – largest accepted size [bytes]
     pub(crate) fn read(path: &Path, allowed: usize) -> Result<Self, Failure> {
         let label = label(path);
         if path != Path::new(STANDARD) && !path.exists() {
@@ -39,40 +39,40 @@ impl Source {
                 let known: Vec<String> =
                     catalogue::entries().iter().map(|entry| entry.name.to_owned()).collect();
                 let text = place::not_known("the file or catalogue entry", &label, &known);
-                return Err(Failure::Misused(text));
+                return Err(Failure::Usage(text));
             }
         }
         Ok(Self { label, text: read_text(path, allowed as u64)? })
     }
 
-    /// Which kind of file it is, where it says so.
+    /// The kind that the file declares.
     pub(crate) fn kind(&self) -> Option<Kind> {
         Kind::of(&self.text)
     }
 
-    /// Refuses a file that says it is of another kind than those.
+    /// Refuses a file that declares another kind.
     ///
     /// # Arguments
-    /// * `needed` – what is needed, for the message
+    /// * `needed` – the accepted kinds in words, for the message
     pub(crate) fn require(&self, kinds: &[Kind], needed: &str) -> Result<(), Failure> {
         match self.kind().filter(|kind| !kinds.contains(kind)) {
             None => Ok(()),
             Some(kind) => {
                 let hint = if kind == Kind::ThreeRods && kinds.contains(&Kind::Mechanism) {
-                    "\n  the paper's robot as a mechanism is gpr-mechanism, of the catalogue"
+                    "\n  gpr-mechanism of the catalogue describes the paper's robot as a mechanism"
                 } else {
                     ""
                 };
                 let (label, noun, used) = (&self.label, kind.noun(), kind.used_by(&self.label));
-                Err(Failure::Misused(format!(
-                    "{label} is {noun}, but {needed} is needed here\n  {used}{hint}"
+                Err(Failure::Usage(format!(
+                    "{label} is {noun}, but {needed} is needed\n  {used}{hint}"
                 )))
             }
         }
     }
 }
 
-/// Kinds of files, as they describe themselves.
+/// Kinds of input files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     Mechanism,
@@ -112,7 +112,7 @@ impl Kind {
         }
     }
 
-    /// Which commands take such a file.
+    /// The commands that accept such a file.
     fn used_by(self, label: &str) -> String {
         match self {
             Self::Mechanism | Self::Model => {
@@ -124,7 +124,7 @@ impl Kind {
                 "commands for it: jointplay forward, inverse, mobility, sensitivity, compare, simulate or studio --robot {label}"
             ),
             Self::Arms => format!(
-                "a work cell names it by robot = \"{label}\": jointplay cell example writes such a file"
+                "a work cell refers to it by robot = \"{label}\"; use `jointplay cell example` for an example"
             ),
             Self::Cell => {
                 format!(
@@ -137,7 +137,7 @@ impl Kind {
     }
 }
 
-/// Whether a path is a bare name, which can only be meant for the catalogue.
+/// Whether a path is a bare name, which can only refer to the catalogue.
 fn is_name(path: &Path) -> bool {
     path.extension().is_none() && path.components().count() == 1
 }
@@ -151,7 +151,7 @@ pub(crate) fn label(path: &Path) -> String {
     }
 }
 
-/// The name of a file without its ending, for files of results.
+/// The name of a file without its extension, for result files.
 pub(crate) fn stem(path: &Path) -> String {
     if path == Path::new(STANDARD) {
         return "input".to_owned();
@@ -159,16 +159,16 @@ pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The text of a file, or of standard input for `-`; refused where it is longer than `allowed` bytes.
+/// The text of a file, or of standard input for `-`; refused if longer than `allowed` bytes.
 pub(crate) fn read_text(path: &Path, allowed: u64) -> Result<String, Failure> {
     let named = PathBuf::from(label(path));
     let failed = |source| Failure::Read { path: named.clone(), source };
     let mut text = String::new();
-    // Counted while reading: pipes and devices do not report their length.
+    // Counted while reading, since pipes and devices do not report their length.
     let read = if path == Path::new(STANDARD) {
         if STANDARD_INPUT_READ.swap(true, Ordering::Relaxed) {
-            let text = "standard input can be read only once: name a file for the other `-`";
-            return Err(Failure::Misused(text.to_owned()));
+            let text = "standard input can be read only once: use a file in place of the other `-`";
+            return Err(Failure::Usage(text.to_owned()));
         }
         std::io::stdin().lock().take(allowed + 1).read_to_string(&mut text)
     } else {

@@ -5,16 +5,50 @@ use std::io::Write as _;
 use std::process::ExitCode;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
-use clap::{ColorChoice, Command, CommandFactory as _, FromArgMatches as _};
+use clap::{ColorChoice, Command, CommandFactory as _, FromArgMatches as _, Parser};
 
-use crate::Cli;
+use crate::commands;
+use crate::console::ConsoleArgs;
 use crate::failure::BAD_INPUT;
 
-/// Exit codes of a command whose help does not list its own.
-const EXIT_CODES: &str = "\
-Exit codes: 0 done, 1 the answer is no (unreachable, over a limit), 2 bad input or usage, 130 interrupted.";
+/// Models, analyses and simulates robots that move only because their joints have play.
+#[derive(Parser)]
+#[command(
+    name = "jointplay",
+    version,
+    max_term_width = 100,
+    subcommand_required = true,
+    arg_required_else_help = true
+)]
+#[command(after_help = "\
+Examples:
+  jointplay simulate                          data and figures of the paper's studies
+  jointplay study --out shifts.csv            a table over many poses or robots
+  jointplay forward --q-mm 500,501,502        platform pose for given rod lengths
+  jointplay inverse --yaw-deg 17 --pitch-deg 1.5 --height-mm 500
+  jointplay compare                           compare the models over a range of tilts
+  jointplay catalogue                         list the included robots and mechanisms
+  jointplay mobility bennett                  mobility and redundant constraints
+  jointplay draw bennett                      draw a mechanism
+  jointplay cell check                        check the program of a work cell
 
-/// The definition of the command line, with exit codes in every help.
+A name from `jointplay catalogue` can be used in place of a file; - is standard input.
+Files are replaced only with --force.
+Within one 0.x series, keys of JSON documents and columns of CSV tables keep their names, units and meaning; new ones may be added.
+
+Exit codes: 0 done, 1 infeasible (unreachable, limit exceeded, check failed), 2 bad input or usage, 130 interrupted.")]
+pub(crate) struct Cli {
+    #[command(flatten)]
+    pub(crate) console: ConsoleArgs,
+    #[command(subcommand)]
+    pub(crate) command: commands::Command,
+}
+
+/// Exit codes in the help of commands that do not list their own.
+const EXIT_CODES: &str = "\
+Exit codes: 0 done, 1 infeasible (unreachable, limit exceeded, check failed), 2 bad input or usage, 130 interrupted.";
+
+/// The definition of the command line, with exit codes in the help of every command.
 pub(crate) fn command() -> Command {
     with_exit_codes(Cli::command())
 }
@@ -30,7 +64,7 @@ fn with_exit_codes(command: Command) -> Command {
     command.mut_subcommands(with_exit_codes)
 }
 
-/// Reads the arguments of this process, or prints what is wrong with them.
+/// Parses the arguments of this process; prints help or usage errors.
 pub(crate) fn parse() -> Result<Cli, ExitCode> {
     let arguments = with_negative_values(std::env::args_os());
     let command = command().color(color(&arguments));
@@ -39,9 +73,9 @@ pub(crate) fn parse() -> Result<Cli, ExitCode> {
     parsed.map_err(|error| report(&error, wants_json(&arguments)))
 }
 
-/// Arguments in which a negative number belongs to the option before it: `--yaw-deg -1e-5` becomes `--yaw-deg=-1e-5`.
+/// Joins negative numbers to the option before them: `--yaw-deg -1e-5` becomes `--yaw-deg=-1e-5`.
 ///
-/// No option begins with a digit, so that a negative number is never an option itself.
+/// No option begins with a digit, so a negative number is never an option itself.
 pub(crate) fn with_negative_values(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let mut joined: Vec<OsString> = Vec::new();
     let mut only_values = false;
@@ -67,7 +101,7 @@ fn is_open_option(argument: &OsStr) -> bool {
     text.len() > 2 && text.starts_with("--") && !text.contains('=')
 }
 
-/// Whether a text begins as a negative number does.
+/// Whether a text starts like a negative number.
 fn is_negative(text: &str) -> bool {
     let Some(rest) = text.strip_prefix('-') else { return false };
     let rest = rest.strip_prefix('.').unwrap_or(rest).to_ascii_lowercase();
@@ -76,7 +110,7 @@ fn is_negative(text: &str) -> bool {
         || rest.starts_with("nan")
 }
 
-/// The value of an option, before the arguments are read.
+/// The value of an option, before the arguments are parsed.
 fn value<'a>(arguments: &'a [OsString], option: &str) -> Option<&'a str> {
     let mut texts = arguments.iter().map(|argument| argument.to_str().unwrap_or_default());
     while let Some(text) = texts.next() {
@@ -102,7 +136,7 @@ fn color(arguments: &[OsString]) -> ColorChoice {
     }
 }
 
-/// Prints help, the version, or an error in the use of the command.
+/// Prints help, the version, or a usage error.
 fn report(error: &clap::Error, json: bool) -> ExitCode {
     if !error.use_stderr() {
         // A closed pipe has no reader.
@@ -133,7 +167,7 @@ fn report(error: &clap::Error, json: bool) -> ExitCode {
     ExitCode::from(BAD_INPUT)
 }
 
-/// The feature that this build lacks, where a value asks for it.
+/// The feature that a value needs and this build lacks.
 fn missing_feature(error: &clap::Error) -> Option<&'static str> {
     let Some(ContextValue::String(found)) = error.get(ContextKind::InvalidValue) else {
         return None;
@@ -147,7 +181,7 @@ fn missing_feature(error: &clap::Error) -> Option<&'static str> {
 mod tests {
     use super::*;
 
-    /// Calls `check` for every command, with its words.
+    /// Calls `check` for every command and its subcommands, with the words of its line.
     fn each(command: &Command, words: &[String], check: &mut impl FnMut(&Command, &[String])) {
         check(command, words);
         for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
@@ -169,7 +203,7 @@ mod tests {
                     line.extend([format!("--{name}").into(), number.into()]);
                     let read =
                         all.clone().try_get_matches_from(with_negative_values(line.into_iter()));
-                    // Refused by its value it may be, or for what else is missing, but not as an option.
+                    // The value may be refused, but never taken for an option.
                     let kind = read.err().map(|error| error.kind());
                     let allowed = [
                         None,

@@ -1,7 +1,7 @@
-//! Files that a file of input names, such as the shapes of a cell: the one rule of the command and the studio.
+//! Access to files referenced by input files, such as the meshes of a cell; shared by the command and the studio.
 //!
-//! A named file is in the folder of the file that names it, or in a folder below.
-//! Absolute paths, `..` and symbolic links that lead out of the folder are refused.
+//! A referenced file must be in the folder of the input file or below.
+//! Absolute paths, `..`, and symbolic links that leave the folder are refused.
 
 #![cfg_attr(test, allow(clippy::unwrap_used, reason = "a failing test may panic"))]
 
@@ -9,13 +9,13 @@ use std::fmt;
 use std::io::{self, Read as _};
 use std::path::{Component, Path, PathBuf};
 
-/// Why a named file is not read.
+/// Why a referenced file is not read.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Refused {
     /// The name is not a path below the folder.
     Name,
-    /// The name leads out of the folder by a symbolic link.
+    /// A symbolic link leaves the folder.
     Outside,
     /// There is no such file in the folder.
     Missing {
@@ -37,16 +37,16 @@ impl fmt::Display for Refused {
     fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Name => to.write_str(
-                "it has to be in the folder of the file that names it, or below: a relative path without `..`",
+                "it must be in the folder of the input file or below: use a relative path without `..`",
             ),
-            Self::Outside => to.write_str("it leads out of the folder of the file that names it"),
+            Self::Outside => to.write_str("it leads out of the folder of the input file"),
             Self::Missing { folder } if *folder == Path::new("") || *folder == Path::new(".") => {
-                to.write_str("there is none in this folder")
+                to.write_str("there is no such file in this folder")
             }
-            Self::Missing { folder } => write!(to, "there is none in {}", folder.display()),
+            Self::Missing { folder } => write!(to, "there is no such file in {}", folder.display()),
             Self::NotAFile => to.write_str("it is not a file"),
             Self::TooLong { allowed } => {
-                write!(to, "it is longer than {allowed} bytes, the most that is read")
+                write!(to, "it is larger than the limit of {allowed} bytes")
             }
             Self::Unreadable(error) => write!(to, "{error}"),
         }
@@ -55,13 +55,13 @@ impl fmt::Display for Refused {
 
 impl std::error::Error for Refused {}
 
-/// The true path of a file that another file names.
+/// The canonical path of a file referenced by another file.
 ///
 /// Symbolic links are resolved at each call, since they may change between calls.
 ///
 /// # Arguments
-/// * `folder` – the folder of the file that names it; empty for the current one
-/// * `allowed` – its largest size, in bytes
+/// * `folder` – the folder of the input file; empty for the current folder
+/// * `allowed` – largest accepted size, in bytes
 ///
 /// # Errors
 /// [`Refused`], with the reason.
@@ -87,7 +87,7 @@ pub fn find(folder: &Path, name: &str, allowed: u64) -> Result<PathBuf, Refused>
     if found.len() > allowed { Err(Refused::TooLong { allowed }) } else { Ok(file) }
 }
 
-/// The bytes of a file that another file names, as [`find`] finds it.
+/// The contents of a file referenced by another file, located by [`find`].
 ///
 /// # Errors
 /// [`Refused`], with the reason.
@@ -120,16 +120,16 @@ mod tests {
         std::fs::write(folder.join("long.stl"), "12345678901").unwrap();
         assert_eq!(read(&folder, "shapes/wall.stl", 10).unwrap(), b"wall");
         for name in ["../secret.stl", "shapes/../../secret.stl", "/etc/hostname", ""] {
-            refused(&folder, name, "has to be in the folder");
+            refused(&folder, name, "must be in the folder");
         }
-        refused(&folder, "missing.stl", "there is none in ");
+        refused(&folder, "missing.stl", "there is no such file in ");
         refused(&folder, "shapes", "not a file");
-        refused(&folder, "long.stl", "longer than 10 bytes");
+        refused(&folder, "long.stl", "the limit of 10 bytes");
     }
 
     #[cfg(unix)]
     #[test]
-    fn symbolic_links_may_lead_within_the_folder_but_not_out_of_it() {
+    fn symbolic_links_within_the_folder_are_followed_and_others_refused() {
         use std::os::unix::fs::symlink;
         let outer = tempfile::tempdir().unwrap();
         let folder = outer.path().join("cell");

@@ -1,16 +1,16 @@
-//! What must hold before a figure is drawn.
+//! Checks of a figure before it is drawn.
 
 use crate::span::Span;
 use crate::{Axis, Error, Figure, Panel, Scale};
 
-/// Widths a figure may have [px].
+/// Accepted widths of a figure [px].
 const WIDTHS: (f64, f64) = (240.0, 4000.0);
-/// Heights a panel may have [px].
+/// Accepted heights of a panel [px].
 const HEIGHTS: (f64, f64) = (60.0, 4000.0);
-/// Widths a line may have [px].
+/// Accepted widths of a line [px].
 const LINES: (f64, f64) = (0.1, 20.0);
 
-/// Whether the figure can be drawn.
+/// Checks that the figure can be drawn.
 pub(crate) fn check(figure: &Figure) -> Result<(), Error> {
     if figure.panels.is_empty() {
         return Err(Error::NoPanel { title: figure.title.clone() });
@@ -19,7 +19,7 @@ pub(crate) fn check(figure: &Figure) -> Result<(), Error> {
     figure.panels.iter().enumerate().try_for_each(|(index, panel)| check_panel(index, panel))
 }
 
-/// Whether a figure or picture can be so wide [px].
+/// Checks the width of a figure or picture [px].
 pub(crate) fn width(found: f64) -> Result<(), Error> {
     size("width of the figure", found, WIDTHS)
 }

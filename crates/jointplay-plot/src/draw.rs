@@ -1,16 +1,14 @@
-//! Drawing of a laid-out figure.
+//! Drawing of a figure after its layout.
 
 use crate::label;
 use crate::layout::{Layout, MARKER_ROW, Place, TICK_LENGTH};
-use crate::markers::Placed;
+use crate::markers::PlacedMarker;
 use crate::path::{Spot, points, strokes};
-use crate::svg::{Anchor, INK, Svg, line_attributes, path_data, point_attributes, point_data, px};
+use crate::svg::{
+    Anchor, INK, RIM, Svg, line_attributes, path_data, point_attributes, point_data, px,
+};
 use crate::text::{HALF_CAPITAL, LABEL, LEADING, TICK, TITLE};
 use crate::{Curve, Figure, Panel};
-
-/// A white rim that keeps a text readable on lines.
-pub(crate) const RIM: &str =
-    " stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
 
 /// The figure as SVG.
 pub(crate) fn figure(figure: &Figure, layout: &Layout) -> String {
@@ -35,17 +33,17 @@ pub(crate) fn figure(figure: &Figure, layout: &Layout) -> String {
 }
 
 impl Place {
-    /// Where a value of the x axis stands [px].
+    /// Position of a value of the x axis [px].
     fn across(&self, value: f64) -> f64 {
         self.frame.x + self.x.place(value) * self.frame.w
     }
 
-    /// Where a value of the y axis stands [px].
+    /// Position of a value of the y axis [px].
     fn down(&self, value: f64) -> f64 {
         self.frame.bottom() - self.y.place(value) * self.frame.h
     }
 
-    /// Where the points of a curve stand; `None` for a gap.
+    /// Positions of the points of a curve; `None` for a gap.
     fn spots<'a>(&'a self, curve: &'a Curve) -> impl Iterator<Item = Option<Spot>> + 'a {
         curve
             .points()
@@ -67,7 +65,7 @@ fn grid(svg: &mut Svg, place: &Place) {
 
 fn markers(svg: &mut Svg, place: &Place) {
     let frame = &place.frame;
-    let base = |marker: &Placed| frame.y - 6.0 - marker.row as f64 * MARKER_ROW;
+    let base = |marker: &PlacedMarker| frame.y - 6.0 - marker.row as f64 * MARKER_ROW;
     for marker in &place.markers {
         let top = if marker.text.is_empty() { frame.y } else { base(marker) + 4.5 };
         let data = format!("M{} {}V{}", px(marker.x), px(top), px(frame.bottom()));
@@ -92,7 +90,7 @@ fn curves(svg: &mut Svg, panel: &Panel, place: &Place) {
                 strokes.into_iter().map(|stroke| path_data(stroke)).collect()
             };
             svg.path(&join(lines), &attributes);
-            // A lone point between gaps would not show as a line: it is a dot.
+            // A single point between gaps is drawn as a dot, since a line would not show.
             let dot = format!(
                 " stroke=\"{}\" stroke-width=\"{}\" stroke-linecap=\"round\"",
                 style.colour.hex(),

@@ -1,6 +1,6 @@
-//! Why a figure could not be drawn.
+//! Errors of figures and pictures.
 
-/// Why a figure could not be drawn; panels count from 0, top to bottom.
+/// Why a figure cannot be drawn; panels are numbered from 0, top to bottom.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -30,7 +30,7 @@ pub enum Error {
         /// Number of values of y.
         y: usize,
     },
-    /// A finite value that is not above zero is to be drawn on a logarithmic axis.
+    /// A value on a logarithmic axis is not positive.
     #[error("panel {panel}, {item}: {value:?} on the logarithmic axis {axis:?} must be above 0")]
     NotPositive {
         /// Index of the panel.
@@ -42,7 +42,7 @@ pub enum Error {
         /// The value found [of the axis].
         value: f64,
     },
-    /// A marker or a label stands at a position that is not finite.
+    /// The position of a marker or a label is not finite.
     #[error("panel {panel}, {item}: position {value:?} on axis {axis:?} is not finite")]
     NotFinite {
         /// Index of the panel.
@@ -89,26 +89,26 @@ pub enum Error {
     /// The coordinates are not a configuration of the mechanism.
     #[error(transparent)]
     Coordinates(Box<jointplay_core::Error>),
-    /// A joint is where numbers end.
-    #[error("joint {joint:?} is too far off to be drawn: its place is beyond the range of numbers")]
+    /// The position of a joint is not finite.
+    #[error("joint {joint:?} cannot be drawn: its position is not finite")]
     Unplaced {
         /// The joint.
         joint: String,
     },
-    /// A cell or a motion whose extent is nothing, or beyond the range of numbers.
-    #[error("{what} cannot be drawn: it spans {found:e} {unit}")]
+    /// A cell or a trajectory with an extent that is zero or not finite.
+    #[error("{what} cannot be drawn: its extent is {found:e} {unit}")]
     Extent {
-        /// What should have been drawn.
+        /// The object to be drawn.
         what: String,
-        /// How far it extends, in `unit`.
+        /// Its extent, in `unit`.
         found: f64,
         /// `m` or `s`.
         unit: &'static str,
     },
-    /// The figure could not be painted as PNG.
-    #[error("the figure could not be painted as PNG: {reason}")]
+    /// The figure cannot be rendered as PNG.
+    #[error("cannot render the figure as PNG: {reason}")]
     Paint {
-        /// What the painter said.
+        /// Message of the renderer.
         reason: String,
     },
 }

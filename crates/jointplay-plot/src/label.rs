@@ -1,29 +1,29 @@
-//! Places for texts at points: beside the point, inside the frame, clear of curves and of each other.
+//! Placement of labels at points: inside the frame, clear of curves and of each other.
 
 use crate::path::{Rectangle, Spot};
 use crate::svg::Anchor;
 use crate::text::{TICK, width};
 
-/// From a point to its text [px].
+/// Distance between a point and its label [px].
 const AWAY: f64 = 7.0;
 
-/// A text with its place.
+/// A label with its position.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Placed {
-    /// Where the text is anchored on its base line [px].
+pub(crate) struct PlacedLabel {
+    /// Anchor on its base line [px].
     pub(crate) at: Spot,
-    /// On which side of it the text stands.
+    /// Alignment at the anchor.
     pub(crate) anchor: Anchor,
     /// The text.
     pub(crate) text: String,
 }
 
-/// A place for each text at its spot, given what is drawn already.
+/// Positions for labels at spots, clear of the curves drawn already.
 pub(crate) fn place(
     texts: &[(Spot, &str)],
     strokes: &[Vec<Spot>],
     frame: &Rectangle,
-) -> Vec<Placed> {
+) -> Vec<PlacedLabel> {
     let mut taken: Vec<Rectangle> = texts
         .iter()
         .map(|((x, y), _)| Rectangle { x: x - 4.0, y: y - 4.0, w: 8.0, h: 8.0 })
@@ -32,10 +32,10 @@ pub(crate) fn place(
     for (spot, text) in texts {
         let size = (width(text, TICK), TICK);
         let cost = |side: &(f64, f64)| {
-            let room = beside(*spot, *side, size);
+            let room = label_room(*spot, *side, size);
             let outside = !(frame.contains((room.x, room.y))
                 && frame.contains((room.right(), room.bottom())));
-            let covered = taken.iter().filter(|other| overlap(&room, other)).count();
+            let covered = taken.iter().filter(|other| room.overlaps(other)).count();
             let crossed = strokes
                 .iter()
                 .flat_map(|stroke| stroke.windows(2))
@@ -44,15 +44,19 @@ pub(crate) fn place(
             (outside, covered, crossed)
         };
         let side = SIDES.iter().min_by_key(|side| cost(side)).expect("there are eight sides");
-        let room = beside(*spot, *side, size);
+        let room = label_room(*spot, *side, size);
         taken.push(room);
         let (x, anchor) = match side.0 {
             s if s > 0.0 => (room.x, Anchor::Start),
             s if s < 0.0 => (room.right(), Anchor::End),
             _ => (spot.0, Anchor::Middle),
         };
-        // Capitals stand from the base line up 0.73 of the size, small letters hang below it by 0.2.
-        placed.push(Placed { at: (x, room.y + 0.85 * TICK), anchor, text: (*text).to_string() });
+        // Capitals extend 0.73 of the size above the base line, descenders 0.2 below it.
+        placed.push(PlacedLabel {
+            at: (x, room.y + 0.85 * TICK),
+            anchor,
+            text: (*text).to_string(),
+        });
     }
     placed
 }
@@ -69,18 +73,14 @@ const SIDES: [(f64, f64); 8] = [
     (0.0, 1.0),
 ];
 
-/// The room a text of size (`w`, `h`) takes on this side of a spot [px].
-fn beside((x, y): Spot, side: (f64, f64), (w, h): (f64, f64)) -> Rectangle {
+/// The rectangle of a label of size (`w`, `h`) on one side of a spot [px].
+fn label_room((x, y): Spot, side: (f64, f64), (w, h): (f64, f64)) -> Rectangle {
     let start = |at: f64, side: f64, length: f64| match side {
         s if s > 0.0 => at + AWAY * s,
         s if s < 0.0 => at + AWAY * s - length,
         _ => at - 0.5 * length,
     };
     Rectangle { x: start(x, side.0, w), y: start(y, side.1, h), w, h }
-}
-
-fn overlap(a: &Rectangle, b: &Rectangle) -> bool {
-    a.x < b.right() && b.x < a.right() && a.y < b.bottom() && b.y < a.bottom()
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
-//! Where everything stands on the page.
+//! Layout of a figure on the page.
 
 use crate::legend::{APART, Entry, Legend, entries};
-use crate::markers::{self, Placed};
+use crate::markers::{self, PlacedMarker};
 use crate::path::Rectangle;
 use crate::ranges::{shares_x, spans};
 use crate::span::Span;
 use crate::text::{LABEL, LEADING, TICK, TITLE, width, wrap};
-use crate::ticks::{Ticks, level_ticks, upright_ticks};
+use crate::tick::Ticks;
+use crate::ticks::{level_ticks, upright_ticks};
 use crate::{Error, Figure, Panel};
 
 /// Left and right of everything [px].
@@ -32,7 +33,7 @@ pub(crate) struct Place {
     pub(crate) y_ticks: Ticks,
     /// Label of the x axis, in lines; empty where the axis is that of a panel below.
     pub(crate) x_label: Vec<String>,
-    /// Line of the label of the x axis on which the note of its ticks stands.
+    /// Line of the x axis label that holds the note of its ticks.
     pub(crate) x_note_line: usize,
     /// Label of the y axis, in lines.
     pub(crate) y_label: Vec<String>,
@@ -49,7 +50,7 @@ pub(crate) struct Place {
     /// Middle and upper edge of the own legend [px].
     pub(crate) legend_at: (f64, f64),
     /// Vertical lines.
-    pub(crate) markers: Vec<Placed>,
+    pub(crate) markers: Vec<PlacedMarker>,
 }
 
 /// A figure on its page.
@@ -78,7 +79,7 @@ struct Sized {
     y_ticks: Ticks,
 }
 
-/// Finds a place for everything in the figure, which must have been checked.
+/// Lays out a figure that has passed [`crate::check`].
 pub(crate) fn lay_out(figure: &Figure) -> Result<Layout, Error> {
     let spans = spans(figure)?;
     let panels = || figure.panels.iter().zip(&spans);
@@ -102,7 +103,7 @@ pub(crate) fn lay_out(figure: &Figure) -> Result<Layout, Error> {
     }
     let room = (figure.width - left - right).max(SMALLEST);
     let page = figure.width - 2.0 * EDGE;
-    // Titles and legends stand over the frames, or aside where they would be cut off.
+    // Titles and legends are centred over the frames, or shifted to fit the page.
     let middle = |wide: f64| {
         let half = 0.5 * wide;
         (left + 0.5 * room).min(figure.width - EDGE - half).max(EDGE + half)
@@ -161,11 +162,11 @@ pub(crate) fn lay_out(figure: &Figure) -> Result<Layout, Error> {
         let (mut x_label, mut x_note_line) = (Vec::new(), 0);
         if x_written {
             let note = width(&x_ticks.note, TICK);
-            // The note stands at the right end of the label, or below if it would come too close.
+            // The note is at the right end of the label, or below it if they would touch.
             x_label = wrap(&panel.x.label, LABEL, 2.0 * (figure.width - EDGE - frame_x - 0.5 * w));
             let widest = x_label.iter().map(|line| width(line, LABEL)).fold(0.0, f64::max);
-            let beside = 0.5 * w - 0.5 * widest >= note + TICK;
-            x_note_line = if beside { 0 } else { x_label.len() };
+            let fits = 0.5 * w - 0.5 * widest >= note + TICK;
+            x_note_line = if fits { 0 } else { x_label.len() };
             let note_end = if note > 0.0 { x_note_line + 1 } else { 0 };
             let lines = x_label.len().max(note_end);
             y += TICK_LENGTH + 4.0 + TICK + 4.0 + lines as f64 * LABEL * LEADING;
@@ -192,9 +193,9 @@ pub(crate) fn lay_out(figure: &Figure) -> Result<Layout, Error> {
     Ok(Layout { height: y.ceil(), title, title_at, legend, legend_at, places })
 }
 
-/// How far the last label of the x axis stands out to the right, with the edge [px].
+/// Overhang of the last x axis label to the right, with the edge [px].
 fn overhang(size: &Sized) -> f64 {
-    let out = |tick: &crate::ticks::Tick| {
+    let out = |tick: &crate::tick::Tick| {
         0.5 * width(&tick.label, TICK) - (1.0 - size.x.place(tick.value)) * size.w
     };
     EDGE + size.x_ticks.major.last().map_or(0.0, out).max(0.0)

@@ -1,7 +1,7 @@
 //! Figures of results, for papers: SVG text and PNG bytes from the same description.
 //!
-//! This crate draws and computes nothing: it is given columns of numbers and returns a picture.
-//! It reads no file, asks no font of the system, and gives the same bytes for the same input.
+//! This crate draws columns of numbers and computes no results.
+//! It reads no files, uses an embedded font, and returns the same bytes for the same input.
 //!
 //! ```
 //! use jointplay_plot::{Axis, Curve, Figure, Panel, rod_style};
@@ -22,12 +22,12 @@
 //! | [`Panel`] | two axes and what is drawn between them |
 //! | [`Axis`], [`Scale`] | label with unit, linear or logarithmic, automatic or fixed range |
 //! | [`Curve`], [`Marker`], [`Label`] | a series, a vertical line, a text at a point |
-//! | [`Style`], [`Colour`], [`Dash`], [`Point`] | how a curve looks, in colour and in grey |
-//! | [`rod_style`], [`model_style`] | the fixed looks of rods and of models |
-//! | [`MechanismPicture`], [`View`] | a mechanism in space, and from where it is seen |
-//! | [`cell`] | a work cell from above, and the axes of its robot over time |
+//! | [`Style`], [`Colour`], [`Dash`], [`Point`] | styles of curves, distinct in colour and in grey |
+//! | [`rod_style`], [`model_style`] | the styles of rods and of models |
+//! | [`MechanismPicture`], [`View`] | a mechanism in space, and the viewing direction |
+//! | [`cell`] | top view of a work cell, and timing diagram of its axes |
 //! | [`results`] | figures of this project's own studies and comparisons |
-//! | [`Error`] | why a figure could not be drawn |
+//! | [`Error`] | why a figure cannot be drawn |
 
 mod axis;
 pub mod cell;
@@ -47,11 +47,14 @@ mod panel;
 mod path;
 mod png;
 mod ranges;
+mod render;
 pub mod results;
+mod scale_bar;
 mod span;
 mod style;
 mod svg;
 mod text;
+mod tick;
 mod ticks;
 
 pub use axis::{Axis, Scale};

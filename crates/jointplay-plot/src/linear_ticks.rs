@@ -1,7 +1,7 @@
-//! Ticks at 1, 2 or 5 times a power of ten, written with just the digits that tell them apart.
+//! Ticks at 1, 2 or 5 times a power of ten, written with as many digits as distinguish them.
 
 use crate::decimal::{order, plain, power_of_ten, short, value};
-use crate::ticks::{Tick, Ticks};
+use crate::tick::{Tick, Ticks};
 
 /// Longest label in digits before common factors and offsets are taken out.
 const MOST_DIGITS: i32 = 7;
@@ -30,7 +30,7 @@ fn step_at_least(least: f64) -> (i64, i32) {
     found.map_or((1, exponent + 1), |digit| (digit, exponent))
 }
 
-/// What to write at n · 10^exponent for each n, and what the labels leave out.
+/// Labels at n · 10^exponent for each n, and their common factor or offset.
 fn labels(counts: &[i64], exponent: i32) -> (Vec<String>, String) {
     let Some(greatest) = counts.iter().map(|n| n.unsigned_abs()).max() else {
         return (Vec::new(), String::new());

@@ -1,8 +1,8 @@
-//! Ticks of a logarithmic axis: powers of ten, or finer where fewer than two are in sight.
+//! Ticks of a logarithmic axis: powers of ten, or finer where fewer than two are visible.
 
 use crate::decimal::{order, plain, power_of_ten, value};
 use crate::linear_ticks::linear_ticks;
-use crate::ticks::{Tick, Ticks};
+use crate::tick::{Tick, Ticks};
 
 /// Decades from one label to the next.
 const STRIDES: [i32; 9] = [1, 2, 3, 5, 10, 20, 50, 100, 200];
@@ -41,7 +41,7 @@ fn decades(lo: f64, hi: f64) -> (i32, i32) {
     (below + 1, order((hi * (1.0 + 1e-9)).min(f64::MAX)))
 }
 
-/// Ticks at 1, 2 and 5 times a power of ten, or at equal steps of value if fewer than two of those are in sight.
+/// Ticks at 1, 2 and 5 times a power of ten, or at equal steps of value if fewer than two of those are visible.
 fn within_decades(lo: f64, hi: f64, spacing: f64) -> Ticks {
     let (first, last) = (order(lo), order(hi));
     let write = |n: i64, decade: i32| match decade {

@@ -1,12 +1,12 @@
-//! Names of vertical lines, above the frame in as many rows as keep them apart.
+//! Placement of the names of vertical lines, in rows above the frame without overlap.
 
 use crate::Marker;
 use crate::text::{TICK, width};
 
 /// A marker within the range of its panel.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Placed {
-    /// Where the line stands [px].
+pub(crate) struct PlacedMarker {
+    /// Position of the line [px].
     pub(crate) x: f64,
     /// Middle of the name [px].
     pub(crate) middle: f64,
@@ -16,7 +16,7 @@ pub(crate) struct Placed {
     pub(crate) text: String,
 }
 
-/// Places for the names of `markers` standing at `xs` [px], between `left` and `right` [px].
+/// Positions for the names of markers with their x positions [px], between `left` and `right` [px].
 ///
 /// The first `reserved` [px] of the lowest row are kept free.
 pub(crate) fn place(
@@ -24,7 +24,7 @@ pub(crate) fn place(
     left: f64,
     right: f64,
     reserved: f64,
-) -> Vec<Placed> {
+) -> Vec<PlacedMarker> {
     let mut in_order: Vec<&(f64, &Marker)> = markers.iter().collect();
     in_order.sort_by(|a, b| a.0.total_cmp(&b.0));
     // How far each row is filled.
@@ -40,7 +40,7 @@ pub(crate) fn place(
             filled.push(left);
         }
         filled[row] = middle + half + TICK;
-        placed.push(Placed { x: *x, middle, row, text: marker.label.clone() });
+        placed.push(PlacedMarker { x: *x, middle, row, text: marker.label.clone() });
     }
     placed
 }

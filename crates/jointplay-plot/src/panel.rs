@@ -5,13 +5,13 @@ use crate::{Axis, Style};
 /// A named series of points.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// Name in the legend; an empty name keeps the curve out of the legend.
+    /// Name in the legend; empty for none.
     pub name: String,
     /// Values along the x axis [of the axis].
     pub x: Vec<f64>,
     /// Values along the y axis [of the axis]; a value that is not finite breaks the line.
     pub y: Vec<f64>,
-    /// How the curve looks.
+    /// Style of the curve.
     pub style: Style,
 }
 
@@ -30,13 +30,13 @@ impl Curve {
 /// A dashed vertical line, named above the panel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marker {
-    /// Where the line stands along the x axis [of the axis].
+    /// Position along the x axis [of the axis].
     pub x: f64,
-    /// What happens there: `singular pass`.
+    /// Name, such as `singular pass`.
     pub label: String,
 }
 
-/// A text at a data point, moved aside so that it does not hide the point.
+/// A text at a data point, placed next to the point.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Label {
     /// Position along the x axis [of the axis].
@@ -58,13 +58,13 @@ pub struct Panel {
     pub y: Axis,
     /// Series, drawn in this order.
     pub curves: Vec<Curve>,
-    /// Vertical lines; those outside a fixed range are left out.
+    /// Vertical lines; those outside a fixed range are omitted.
     pub markers: Vec<Marker>,
-    /// Texts at points; those outside a fixed range are left out.
+    /// Texts at points; those outside a fixed range are omitted.
     pub labels: Vec<Label>,
     /// Whether one unit is equally long on both axes, as geometry needs.
     pub equal_aspect: bool,
-    /// Height between the lower and the upper end of the y axis [px]; with equal aspect, the most it may be.
+    /// Height between the lower and the upper end of the y axis [px]; with equal aspect, its largest value.
     pub height: f64,
 }
 

@@ -37,6 +37,23 @@ impl Rectangle {
         (self.x..=self.right()).contains(&x) && (self.y..=self.bottom()).contains(&y)
     }
 
+    /// Whether the two rectangles have points in common.
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        self.x < other.right()
+            && other.x < self.right()
+            && self.y < other.bottom()
+            && other.y < self.bottom()
+    }
+
+    /// Whether the circle about `center` passes through the rectangle.
+    pub(crate) fn meets_circle(&self, center: Spot, radius: f64) -> bool {
+        let (left, right) = (self.x - center.0, self.right() - center.0);
+        let (top, bottom) = (self.y - center.1, self.bottom() - center.1);
+        let nearest = left.max(-right).max(0.0).hypot(top.max(-bottom).max(0.0));
+        let farthest = left.abs().max(right.abs()).hypot(top.abs().max(bottom.abs()));
+        (nearest..=farthest).contains(&radius)
+    }
+
     /// The part of the stroke from `a` to `b` that is inside (clipping after Liang and Barsky).
     pub(crate) fn cut(&self, a: Spot, b: Spot) -> Option<(Spot, Spot)> {
         let (dx, dy) = (b.0 - a.0, b.1 - a.1);
@@ -64,6 +81,20 @@ impl Rectangle {
             (if enter > 0.0 { at(enter) } else { a }, if leave < 1.0 { at(leave) } else { b })
         })
     }
+}
+
+/// Parameter in [0, 1] along the segment from `p` to `q` at which the segment from `r` to `s` crosses it; `None` without a crossing.
+pub(crate) fn crossing(p: Spot, q: Spot, r: Spot, s: Spot) -> Option<f64> {
+    let (d, e) = ((q.0 - p.0, q.1 - p.1), (s.0 - r.0, s.1 - r.1));
+    let determinant = d.0 * e.1 - d.1 * e.0;
+    let size = d.0.hypot(d.1) * e.0.hypot(e.1);
+    if determinant.abs() <= 1e-9 * size {
+        return None;
+    }
+    let f = (r.0 - p.0, r.1 - p.1);
+    let t = (f.0 * e.1 - f.1 * e.0) / determinant;
+    let u = (f.0 * d.1 - f.1 * d.0) / determinant;
+    ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)).then_some(t)
 }
 
 /// The strokes of a curve through `spots`, where `None` is a gap; a stroke of one spot is a point between gaps.

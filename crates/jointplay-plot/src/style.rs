@@ -1,4 +1,4 @@
-//! How a curve looks: told apart by colour, and by dashes and points where there is no colour.
+//! Styles of curves, distinct in colour and, by dashes and points, in grey.
 
 /// A colour of the screen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -11,7 +11,7 @@ pub struct Colour {
     pub blue: u8,
 }
 
-/// The palette of Okabe and Ito, told apart by colour-blind readers too, without its yellow (too pale on white).
+/// The palette of Okabe and Ito, which colour-blind readers can distinguish, without its yellow (too pale on white).
 impl Colour {
     /// Black.
     pub const BLACK: Self = Self::rgb(0, 0, 0);

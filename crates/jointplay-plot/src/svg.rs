@@ -3,10 +3,14 @@
 use crate::text::{FAMILIES, escape};
 use crate::{Point, Style};
 
+/// A white outline that keeps text readable on lines.
+pub(crate) const RIM: &str =
+    " stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
+
 /// Ink of text, frame and ticks.
 pub(crate) const INK: &str = "#222222";
 
-/// Where a text stands relative to its position.
+/// Alignment of a text at its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Anchor {
     /// Right of it.

@@ -1,37 +1,11 @@
-//! The ticks of an axis: as many as fit, no two alike.
+//! Placement of the ticks of an axis: as many as fit, with distinct labels.
 
 use crate::Scale;
 use crate::linear_ticks::linear_ticks;
 use crate::log_ticks::log_ticks;
 use crate::span::Span;
 use crate::text::{TICK, width};
-
-/// A tick with room for a label.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Tick {
-    /// Where it stands [of the axis].
-    pub(crate) value: f64,
-    /// What is written there; empty for nothing.
-    pub(crate) label: String,
-}
-
-/// All ticks of an axis.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub(crate) struct Ticks {
-    /// Labelled ticks, in rising order.
-    pub(crate) major: Vec<Tick>,
-    /// Ticks without label [of the axis].
-    pub(crate) minor: Vec<f64>,
-    /// What the labels leave out, such as `×10⁻⁶`; empty for nothing.
-    pub(crate) note: String,
-}
-
-impl Ticks {
-    /// Width of the widest label [px].
-    pub(crate) fn widest(&self) -> f64 {
-        self.major.iter().map(|tick| width(&tick.label, TICK)).fold(0.0, f64::max)
-    }
-}
+use crate::tick::Ticks;
 
 /// Ticks for `span` drawn over `length` [px], at least about `spacing` [px] apart.
 fn at_spacing(span: &Span, length: f64, spacing: f64) -> Ticks {
@@ -52,7 +26,7 @@ pub(crate) fn upright_ticks(span: &Span, length: f64, mut spacing: f64) -> Ticks
     }
 }
 
-/// As [`upright_ticks`], but far enough apart for the labels to stand side by side.
+/// As [`upright_ticks`], but far enough apart that labels do not overlap.
 pub(crate) fn level_ticks(span: &Span, length: f64, mut spacing: f64) -> Ticks {
     let mut ticks = upright_ticks(span, length, spacing);
     while spacing < length && crowded(&ticks, span, length) {

@@ -1,5 +1,5 @@
 //! Pictures of cells: what they hold, and that nothing is cut off.
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 use jointplay_cell::EntityId;
 use jointplay_cell::geometry::Shape;
@@ -14,15 +14,15 @@ use jointplay_cell::workcell::{Body, Carrier, Cell, Zone, ZoneRule};
 use jointplay_core::gpr::Gpr;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use jointplay_plot::Error;
-use jointplay_plot::cell::{Gantt, Span, SpanKind, Taught, TopView, Track};
+use jointplay_plot::cell::{EffectorPath, Gantt, Interval, IntervalKind, Taught, TopView};
 use nalgebra::Vector3;
 use resvg::usvg::{Group, Node, Options, Tree, roxmltree::Document};
 
-/// The colour of what is wrong.
+/// The colour of violations.
 const VERMILLION: &str = "#d55e00";
 const ID: EffectorId = EffectorId { arm: 0, effector: 0 };
 
-/// A robot with a slide before two stations, one of them leaning, a wall and a zone.
+/// A robot with a prismatic axis in front of two stations, one of them tilted, a wall and a zone.
 fn cell() -> Cell {
     let dynamics = KinematicLimits { velocity: 1.0, acceleration: 5.0, jerk: 50.0 };
     let axis = |name: &str, kind, min, max| Axis {
@@ -161,10 +161,10 @@ fn a_cell_from_above() {
         let angle = 0.01 * f64::from(k);
         [0.5 * angle.cos(), 0.5 * angle.sin()]
     });
-    view.tracks.push(Track { effector: ID, reach: [0.3, 0.6], points: points.collect() });
+    view.paths.push(EffectorPath { effector: ID, reach: [0.3, 0.6], points: points.collect() });
     assert!(!view.to_svg().unwrap().contains(">wall</text>"));
-    view.wrong.push([0.3, 0.4]);
-    view.broken.extend([EntityId::Body(0), EntityId::Zone(0), EntityId::Body(1)]);
+    view.violations.push([0.3, 0.4]);
+    view.violating.extend([EntityId::Body(0), EntityId::Zone(0), EntityId::Body(1)]);
     let svg = view.to_svg().unwrap();
     let expected = [
         "wall",
@@ -192,7 +192,7 @@ fn a_cell_that_is_too_large_is_refused() {
     cell.stations[0].base_from_station = Pose::translation(1e9, 0.0, 0.0);
     cell.stations[1].base_from_station = Pose::translation(0.0, f64::NAN, 0.0);
     let mut view = TopView::new(&cell);
-    view.tracks.push(Track { effector: ID, reach: [0.0, f64::INFINITY], points: vec![] });
+    view.paths.push(EffectorPath { effector: ID, reach: [0.0, f64::INFINITY], points: vec![] });
     assert!(matches!(view.to_svg(), Err(Error::Extent { .. })));
 }
 
@@ -218,15 +218,15 @@ fn stations_as_they_were_taught() {
     let expected = [
         "a cell: stations",
         "port",
-        "leans 0.5729° toward 180.0°",
+        "tilt 0.5729° toward 180.0°",
         "4 points up to 20.0 µm off (allowed 100.0), tilt ±5649 µrad:",
         "unproven",
         "1: +20.0 µm",
         "4: -20.0 µm",
         "aligner",
-        "leans 0.8021° toward 22.9°",
+        "tilt 0.8021° toward 22.9°",
         "nominal, not taught",
-        "dashed: level; leans drawn 14 times larger; distances off the planes 1500 times",
+        "dashed: level; tilt scale 14×; distance scale 1500×",
     ];
     let svg = picture.to_svg().unwrap();
     check(&svg, &expected);
@@ -241,7 +241,7 @@ fn stations_as_they_were_taught() {
     let even = taught(0.0, 1e-5);
     let mut one = Taught::new(&even);
     one.stations = vec![0];
-    check(&one.to_svg().unwrap(), &["dashed: level; leans drawn 20 times larger"]);
+    check(&one.to_svg().unwrap(), &["dashed: level; tilt scale 20×"]);
     one.stations = vec![1, 7];
     assert!(!one.to_svg().unwrap().contains(">port</text>"));
     picture.width = 10.0;
@@ -257,15 +257,15 @@ fn labels(text: &str) -> Vec<String> {
 }
 
 fn gantt(duration: f64) -> Gantt {
-    let span = |from: f64, to: f64, kind| Span { from, to, kind };
+    let span = |from: f64, to: f64, kind| Interval { from, to, kind };
     Gantt {
         axes: vec!["q1".to_owned(), "T".to_owned()],
-        spans: vec![
-            span(0.0, 0.5 * duration, SpanKind::Instruction(labels("GET port SLOT 1 WITH A"))),
-            span(0.5 * duration, duration, SpanKind::Instruction(labels("PUT aligner"))),
-            span(0.0, 0.4 * duration, SpanKind::Empty(1)),
-            span(0.5 * duration, duration, SpanKind::Loaded(0)),
-            span(0.6 * duration, 0.6 * duration, SpanKind::Wrong),
+        intervals: vec![
+            span(0.0, 0.5 * duration, IntervalKind::Instruction(labels("GET port SLOT 1 WITH A"))),
+            span(0.5 * duration, duration, IntervalKind::Instruction(labels("PUT aligner"))),
+            span(0.0, 0.4 * duration, IntervalKind::Empty(1)),
+            span(0.5 * duration, duration, IntervalKind::Loaded(0)),
+            span(0.6 * duration, 0.6 * duration, IntervalKind::Violation),
         ],
         duration,
         title: "axes".to_owned(),
@@ -275,8 +275,15 @@ fn gantt(duration: f64) -> Gantt {
 
 #[test]
 fn axes_over_time() {
-    let expected =
-        ["axes", "q1", "T", "violations", "GET port SLOT 1 WITH A", "moves empty", "violation"];
+    let expected = [
+        "axes",
+        "q1",
+        "T",
+        "violations",
+        "GET port SLOT 1 WITH A",
+        "moving without wafer",
+        "violation",
+    ];
     check(&gantt(8.0).to_svg().unwrap(), &expected);
 }
 
@@ -300,7 +307,7 @@ fn no_number_runs_into_the_unit_of_time() {
                 let apart = room.left() > unit.right() + 1.0
                     || room.top() > unit.bottom()
                     || room.bottom() < unit.top();
-                assert!(apart, "{text} runs into the s at {unit:?}: {room:?}");
+                assert!(apart, "{text} overlaps the s at {unit:?}: {room:?}");
             }
         }
     }

@@ -1,5 +1,5 @@
 //! Pictures of mechanisms: what they hold, and that no geometry is too odd to draw.
-#![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![expect(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 use jointplay_core::mechanism::{
     Carrier, Joint, JointKind, LinearAndAngular, Mechanism, VirtualJoint, VirtualMotion,
@@ -143,7 +143,7 @@ fn no_geometry_is_too_odd() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_told() {
+fn invalid_pictures_are_errors() {
     let mechanism = slider_crank();
     let short = MechanismPicture::new(&mechanism, DVector::zeros(4)).to_svg();
     assert!(matches!(short, Err(Error::Coordinates(_))), "{short:?}");

@@ -1,4 +1,4 @@
-//! What can move, how much play it takes, and what the models say of it: results of Python for those of the library.
+//! Results of mobility, sensitivity and comparison as Python objects.
 
 use jointplay::gpr::{EvaluatedBounds, TiltPlay};
 use jointplay::mobility::{FiniteMobility, InstantaneousMobility};
@@ -184,7 +184,7 @@ pub(crate) fn study<'py>(
 }
 
 fn study_summary<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py, PyAny>> {
-    let told = |one: &SeriesSummary| {
+    let summary_of = |one: &SeriesSummary| {
         let fields = fields!(py;
             name = one.name.as_str(),
             min = one.min,
@@ -199,7 +199,7 @@ fn study_summary<'py>(py: Python<'py>, summary: &Summary) -> PyResult<Bound<'py,
     };
     let all = PyDict::new(py);
     for one in &summary.series {
-        all.set_item(&one.name, told(one)?)?;
+        all.set_item(&one.name, summary_of(one)?)?;
     }
     let fields = fields!(py;
         samples = summary.samples,

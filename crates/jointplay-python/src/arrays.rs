@@ -185,14 +185,14 @@ impl<'py> Spread<'py> {
         let shapes = arrays.iter().map(|(_, array)| array.getattr("shape"));
         let shapes = PyTuple::new(py, shapes.collect::<PyResult<Vec<_>>>()?)?;
         let shape = numpy.call_method1("broadcast_shapes", &shapes).map_err(|_| {
-            let told: Vec<String> = arrays
+            let described: Vec<String> = arrays
                 .iter()
                 .zip(&shapes)
                 .map(|((what, _), shape)| format!("{what} {shape}"))
                 .collect();
             let message = format!(
                 "the shapes do not fit each other: {}; each has to be a number or broadcast against the others",
-                told.join(", ")
+                described.join(", ")
             );
             errors::new(py, "ArrayError", &message, Ok(PyDict::new(py)))
         })?;

@@ -86,7 +86,7 @@ fn class_and_facts<'py>(
         E::BeyondLimits(broken) => {
             let limits = broken.iter().map(|limit| broken_limit(py, limit));
             let limits = PyTuple::new(py, limits.collect::<PyResult<Vec<_>>>()?)?;
-            ("BeyondLimitsError", fields!(py; limits_broken = limits))
+            ("RobotLimitsError", fields!(py; limits_broken = limits))
         }
         E::PitchTooLarge { pitch } => ("PitchTooLargeError", fields!(py; pitch_rad = *pitch)),
         E::NotPositive { .. }
@@ -161,20 +161,20 @@ pub(crate) fn not_finite(py: Python<'_>, what: &str, value: f64) -> PyErr {
     new(py, "NotFiniteError", &message, facts())
 }
 
-/// An error of a study: that of its pose, which says which pose it was.
+/// An error of a study: the error of its pose, with the index of the pose.
 pub(crate) fn study(py: Python<'_>, error: &study::Error) -> PyErr {
     let study::Error::Pose { sample, yaw, pitch, source } = error else {
         return input(py, &error.to_string());
     };
     let made = class_and_facts(py, source).map(|(class, facts)| {
-        let told = || {
+        let fields_of_pose = || {
             facts.set_item("sample", *sample)?;
             facts.set_item("yaw_rad", *yaw)?;
             facts.set_item("pitch_rad", *pitch)?;
             Ok(facts)
         };
         let message = format!("sample {sample} (yaw {yaw} rad, pitch {pitch} rad): {source}");
-        new(py, class, &message, told())
+        new(py, class, &message, fields_of_pose())
     });
     made.unwrap_or_else(|failed| failed)
 }
@@ -194,7 +194,7 @@ pub(crate) fn beyond_limits(
     new(py, "JointLimitsError", &message, facts())
 }
 
-/// A bug of ours, told as such.
+/// An internal error.
 pub(crate) fn internal(message: &str) -> PyErr {
     PyException::new_err(format!("a bug of jointplay, please report it: {message}"))
 }

@@ -10,7 +10,7 @@ use crate::errors;
 /// The text of a file, refused where it is longer than `allowed` bytes.
 pub(crate) fn read_text(py: Python<'_>, path: &Path, allowed: u64) -> PyResult<String> {
     let mut bytes = Vec::new();
-    // Counted while reading: pipes and devices do not tell their length.
+    // Counted while reading, since pipes and devices do not report their length.
     let read = py.detach(|| std::fs::File::open(path)?.take(allowed + 1).read_to_end(&mut bytes));
     read.map_err(|error| named(py, &error, path))?;
     if bytes.len() as u64 > allowed {

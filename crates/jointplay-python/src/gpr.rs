@@ -26,7 +26,7 @@ pub(crate) const RODS: &str = "three rod lengths or an array of shape (..., 3) i
 
 /// A three-rod robot, a GPR.
 ///
-/// Three rods of adjustable length stand upright in the base and carry a platform on ball joints.
+/// Three vertical rods of adjustable length carry a platform on ball joints.
 /// Lengths are in metres and angles in radians; a robot never changes.
 ///
 /// Parameters
@@ -40,9 +40,9 @@ pub(crate) const RODS: &str = "three rod lengths or an array of shape (..., 3) i
 /// working_height_m : float
 ///     Axis height at which the robot usually works [m].
 /// socket_angle_rad : array of shape (3,), optional
-///     Directions of the sockets in the platform [rad]; 0°, 120° and 240° if left out.
+///     Directions of the sockets in the platform [rad]; default: 0°, 120° and 240°.
 /// base_points_m : array of shape (3, 2), optional
-///     Where the rods cross the base plane [m]; each under its socket if left out.
+///     Where the rods cross the base plane [m]; default: each under its socket.
 /// name : str, optional
 ///     What messages call it.
 /// check_limits : bool, optional
@@ -230,17 +230,17 @@ impl PyGpr {
     /// rods_m : three numbers, or array of shape (..., 3)
     ///     Rod lengths q_1, q_2, q_3 [m]. Arrays of `float64` in C or Fortran order are read in place, others copied first.
     /// virtualization : str or Virtualization, optional
-    ///     Which virtual joints stand for the play: `'planar'` (if left out), `'radial'`, `'polar'`, `'offset'`, or an object of your own.
+    ///     The virtual joints that model the play: `'planar'` (default), `'radial'`, `'polar'`, `'offset'`, or an object of your own.
     /// solver : str, optional
-    ///     `'closed-form'` (if left out), `'least-norm'` or `'newton'`.
+    ///     `'closed-form'` (default), `'least-norm'` or `'newton'`.
     /// metric : str or float, optional
-    ///     How angles weigh against lengths: `'paper'` (1 mm, if left out), `'radius'` (the mean socket radius), or a length [m].
+    ///     Characteristic length, by which angles are multiplied: `'paper'` (1 mm, default), `'radius'` (the mean socket radius), or a length [m].
     /// quantities : str or sequence of str, optional
-    ///     What to compute for many poses, see `ForwardMany`; all but `'sensitivity'` if left out.
+    ///     What to compute for many poses, see `ForwardMany`; default: all but `'sensitivity'`.
     /// out : dict of arrays, optional
     ///     Arrays by name of quantity, written in place: shape (...) or (..., 3), `float64`, each column in one piece, as `np.empty(shape, order="F")` makes them.
     /// threads : int, optional
-    ///     Number of threads for many poses; all cores if left out. The answer is the same to the bit.
+    ///     Number of threads for many poses; default: all cores. The result does not depend on it.
     ///
     /// Returns
     /// -------
@@ -250,7 +250,7 @@ impl PyGpr {
     /// Raises
     /// ------
     /// NoAnswerError
-    ///     For one pose without an answer, a `BeyondLimitsError` beyond the limits; of many, such poses are NaN and have their status.
+    ///     For one pose without an answer, a `RobotLimitsError` beyond the limits; of many, such poses are NaN and have their status.
     #[pyo3(signature = (rods_m, virtualization=None, *, solver=None, metric=None, quantities=None, out=None, threads=None))]
     #[expect(clippy::too_many_arguments, reason = "keywords of Python")]
     fn forward<'py>(
@@ -288,14 +288,14 @@ impl PyGpr {
     /// Parameters
     /// ----------
     /// yaw_rad, pitch_rad : float or array
-    ///     Azimuth toward which the platform leans, and how far [rad].
+    ///     Tilt direction and tilt angle [rad].
     /// height_m : float or array, optional
-    ///     Where the platform plane crosses the base axis [m]; the working height if left out.
+    ///     Where the platform plane crosses the base axis [m]; default: the working height.
     ///     The three broadcast against each other.
     /// out : array of shape (..., 3), optional
     ///     Written in place: `float64`, each column in one piece, as `np.empty(shape, order="F")` makes it.
     /// threads : int, optional
-    ///     Number of threads for many tilts; all cores if left out.
+    ///     Number of threads for many tilts; default: all cores.
     ///
     /// Returns
     /// -------
@@ -304,7 +304,7 @@ impl PyGpr {
     ///
     /// Raises
     /// ------
-    /// BeyondLimitsError, PitchTooLargeError, NotFiniteError
+    /// RobotLimitsError, PitchTooLargeError, NotFiniteError
     ///     For one tilt; of many, such tilts are NaN and have their status.
     #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None, *, out=None, threads=None))]
     fn inverse<'py>(

@@ -19,12 +19,12 @@ const MOST_POSES: usize = 5_000_000;
 
 #[pymethods]
 impl PyGpr {
-    /// What can move: counted, to first order, and for real.
+    /// Kutzbach, instantaneous and finite mobility.
     ///
     /// Parameters
     /// ----------
     /// rods_m : array of shape (3,), optional
-    ///     Rod lengths [m]; level at the working height if left out.
+    ///     Rod lengths [m]; default: level at the working height.
     /// virtualization : str or Virtualization, optional
     ///     Also the mobility with these virtual joints free.
     ///
@@ -92,14 +92,14 @@ impl PyGpr {
         analyses::sensitivity(py, &found, ModelNames::of_model(&model))
     }
 
-    /// How far the virtual joints move from level to a tilt at the same axis height, beside the paper's first-order bounds.
+    /// Displacement of the virtual joints from level to a tilt at the same axis height, with the paper's first-order bounds.
     ///
     /// Parameters
     /// ----------
     /// yaw_rad, pitch_rad : float
     ///     The tilt [rad].
     /// height_m : float, optional
-    ///     Axis height [m]; the working height if left out.
+    ///     Axis height [m]; default: the working height.
     /// virtualization, solver, metric
     ///     Those of `forward`.
     #[pyo3(signature = (yaw_rad, pitch_rad, height_m=None, virtualization=None, *, solver=None, metric=None))]
@@ -133,9 +133,9 @@ impl PyGpr {
     /// yaw_rad : float, optional
     ///     Azimuth of all tilts [rad].
     /// height_m : float, optional
-    ///     Axis height [m]; the working height if left out.
+    ///     Axis height [m]; default: the working height.
     /// virtualizations : sequence of str or Virtualization, optional
-    ///     Which; all of the library's if left out.
+    ///     Which; default: all of the library.
     /// solver, metric
     ///     Those of `forward`.
     #[pyo3(signature = (pitch_rad, yaw_rad=0.0, height_m=None, *, virtualizations=None, solver=None, metric=None))]

@@ -1,4 +1,4 @@
-//! The Python door: reads arrays and names, asks the façade, hands out arrays.
+//! The Python binding: reads arrays and names, calls the façade, returns arrays.
 //!
 //! Classes for single poses and for mechanisms are here; errors and results of many numbers are Python classes in `python/jointplay/`, which this module fills.
 
@@ -21,6 +21,7 @@ mod pose;
 mod posed;
 mod quantities;
 mod skin;
+mod symbol;
 mod threads;
 
 use pyo3::prelude::*;

@@ -31,7 +31,7 @@ impl PyGpr {
     /// rods_m : three numbers, or array of shape (..., 3)
     ///     Rod lengths [m].
     /// pitch_rad : float or array of shape (...), optional
-    ///     How far the platform leans [rad]; that of the plane through the ball centres if left out.
+    ///     Tilt angle of the platform [rad]; default: the tilt of the plane through the ball centres.
     ///
     /// Returns
     /// -------

@@ -15,7 +15,7 @@ use crate::quantities::Named;
 use crate::skin::{self, fields};
 use crate::threads::Threads;
 
-/// The statuses as an array of `uint8`, and how many poses ended which way.
+/// The statuses as an array of `uint8`, and the number of poses with each.
 pub(crate) fn evidence<'py>(
     py: Python<'py>,
     shape: &[usize],
@@ -70,7 +70,7 @@ pub(crate) struct Wanted<'a, 'py> {
 }
 
 impl<'py> Wanted<'_, 'py> {
-    /// Names asked for: those said, else those of the arrays given.
+    /// The requested names: those given, else those of the output arrays.
     fn names(&self) -> PyResult<Option<Vec<String>>> {
         match (self.quantities, self.out) {
             (Some(names), _) if names.is_instance_of::<PyString>() => {

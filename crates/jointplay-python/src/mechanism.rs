@@ -105,7 +105,7 @@ impl PyMechanism {
         Self::parse(py, text, "text", replaced(parameters)?)
     }
 
-    /// A mechanism that comes along, by its name; `jointplay.catalogue()` has all.
+    /// A mechanism of the catalogue, by its name; `jointplay.catalogue()` lists all.
     #[staticmethod]
     #[pyo3(signature = (name, *, parameters=None))]
     fn from_catalogue(
@@ -177,14 +177,14 @@ impl PyMechanism {
     /// Parameters of its file by name, in the units of the file.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let told = PyDict::new(py);
+        let listed = PyDict::new(py);
         for (name, value) in &self.file.parameters {
-            told.set_item(name, value)?;
+            listed.set_item(name, value)?;
         }
-        Ok(told)
+        Ok(listed)
     }
 
-    /// What of a model has no place in a mechanism and was left out.
+    /// Elements of an imported model that were ignored.
     #[getter]
     fn ignored<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         PyTuple::new(py, &self.ignored)
@@ -353,13 +353,13 @@ fn names_of_catalogue() -> Vec<String> {
     mechanisms.map(|entry| entry.name.to_owned()).collect()
 }
 
-/// The mechanisms that come along: what each is called, by the name to ask for it with.
+/// The included mechanisms: titles by name.
 #[pyfunction]
 #[pyo3(name = "catalogue")]
 pub(crate) fn catalogue_of_names(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
-    let told = PyDict::new(py);
+    let listed = PyDict::new(py);
     for entry in catalogue::entries().iter().filter(is_mechanism) {
-        told.set_item(entry.name, entry.title())?;
+        listed.set_item(entry.name, entry.title())?;
     }
-    Ok(told)
+    Ok(listed)
 }

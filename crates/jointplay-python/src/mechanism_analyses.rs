@@ -23,9 +23,9 @@ use crate::posed::{Posed, STARTS};
 use crate::skin::{self, fields};
 use crate::{errors, mechanism_results as results};
 
-/// Steps of a way to its beginning.
+/// Number of steps to the start of a path.
 const STEPS: usize = 60;
-/// The most steps that a way may have.
+/// Largest number of steps of a path.
 const MOST_STEPS: usize = 100_000;
 /// Starts tried for branches where no number is given.
 const BRANCH_STARTS: usize = 50;
@@ -79,7 +79,7 @@ impl PyMechanism {
     /// at : dict of str to float, optional
     ///     Joint coordinates that are to have these values [m, rad].
     /// starts : int, optional
-    ///     How many starts are tried, 50 if left out, at most 100,000; they are the same at every call.
+    ///     How many starts are tried, default 50, at most 100,000; they are the same at every call.
     #[pyo3(signature = (at=None, *, starts=None))]
     fn branches<'py>(
         &self,
@@ -103,12 +103,12 @@ impl PyMechanism {
             .collect()
     }
 
-    /// What can move: counted, to first order, and for real.
+    /// Kutzbach, instantaneous and finite mobility, and redundant constraints.
     ///
     /// Parameters
     /// ----------
     /// at : dict of str to float, optional
-    ///     Joint coordinates that are to have these values [m, rad]; virtual joints give way where they must.
+    ///     Commanded joint coordinates [m, rad]; virtual joints are displaced if rigid links do not close.
     /// tolerance : float, optional
     ///     Take dimensions as true only to this share: of the characteristic length, and in radians; from 1e-11 to 1e-2.
     #[pyo3(signature = (at=None, *, tolerance=None))]
@@ -147,48 +147,51 @@ impl PyMechanism {
         self.within_limits(py, &values, made)
     }
 
-    /// Drives joints along a way, all others following; virtual joints give way as little as they can.
+    /// Drives joints along a path and solves for the remaining ones; virtual joints are displaced by the least amount.
     ///
     /// Parameters
     /// ----------
-    /// ways : dict of str to float or (float, float)
-    ///     Joint coordinates with where they go, or from where to where [m, rad]; several arrive together.
+    /// drives : dict of str to float or (float, float)
+    ///     Joint coordinates with their final values, or with their initial and final values [m, rad]; several are driven simultaneously.
     /// steps : int, optional
-    ///     In how many equal steps, 60 if left out.
+    ///     Number of equal steps, default 60.
     ///
     /// Returns
     /// -------
     /// Motion
-    ///     Up to where it stopped, if it did; `stopped` says why.
+    ///     The motion, up to where it stopped; `stopped` is the reason.
     ///
     /// Raises
     /// ------
     /// StoppedError
-    ///     Where it stops on the way to the beginning.
+    ///     If it stops before the start of the path.
     ///
     /// Notes
     /// -----
-    /// If only motors are driven, the others hold still; else all others follow.
-    #[pyo3(signature = (ways, *, steps=None))]
+    /// If only actuators are driven, the others are held; otherwise all other joints are solved for.
+    #[pyo3(signature = (drives, *, steps=None))]
     fn drive<'py>(
         &self,
         py: Python<'py>,
-        ways: &Bound<'py, PyMapping>,
+        drives: &Bound<'py, PyMapping>,
         steps: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let steps = steps.map_or(Ok(STEPS), |given| count(given, "steps", 1..=MOST_STEPS))?;
-        if ways.is_empty()? {
-            return Err(errors::input(py, "no joint is driven: say such as {\"crank\": (0, 1)}"));
+        if drives.is_empty()? {
+            return Err(errors::input(
+                py,
+                "no joint is driven; expected a mapping such as {\"crank\": (0, 1)}",
+            ));
         }
         let mut legs: Vec<(usize, Option<f64>, f64)> = Vec::new();
-        for item in ways.items()? {
-            let (name, way): (String, Bound<'py, PyAny>) = item.extract()?;
+        for item in drives.items()? {
+            let (name, range): (String, Bound<'py, PyAny>) = item.extract()?;
             let coordinate = self.find(py, &name)?;
-            match way.extract::<(Bound<'py, PyAny>, Bound<'py, PyAny>)>() {
+            match range.extract::<(Bound<'py, PyAny>, Bound<'py, PyAny>)>() {
                 Ok((from, to)) => {
                     legs.push((coordinate, Some(finite(&from, &name)?), finite(&to, &name)?));
                 }
-                Err(_) => legs.push((coordinate, None, finite(&way, &name)?)),
+                Err(_) => legs.push((coordinate, None, finite(&range, &name)?)),
             }
         }
         let driven: Vec<usize> = legs.iter().map(|leg| leg.0).collect();
@@ -203,11 +206,11 @@ impl PyMechanism {
             })
             .collect();
         if begin.iter().any(|one| one.to != start[one.coordinate]) {
-            let way = py.detach(|| self.along(&start, &begin, &held, STEPS)).map_err(failed)?;
-            let told = report::motion(&self.file, &driven, &held, &way);
-            if let Some(message) = told.message {
-                let message = format!("on the way to the beginning, {message}");
-                let motion = results::motion(py, self, &driven, &held, &way)?;
+            let path = py.detach(|| self.along(&start, &begin, &held, STEPS)).map_err(failed)?;
+            let report = report::motion(&self.file, &driven, &held, &path);
+            if let Some(message) = report.message {
+                let message = format!("before the start of the path: {message}");
+                let motion = results::motion(py, self, &driven, &held, &path)?;
                 return Err(errors::new(
                     py,
                     "StoppedError",
@@ -215,7 +218,7 @@ impl PyMechanism {
                     Ok(fields!(py; motion = motion)),
                 ));
             }
-            if let Some(last) = way.waypoints.last() {
+            if let Some(last) = path.waypoints.last() {
                 start = last.coordinates.clone();
             }
         }
@@ -227,7 +230,7 @@ impl PyMechanism {
 
     /// Where the mechanism would have to have play for commands to be possible.
     ///
-    /// Virtual joints are tried at every joint, in every direction that it lacks; the file's own are left out.
+    /// Virtual joints are tried at every joint, in every direction that the joint constrains; those of the file are ignored.
     ///
     /// Parameters
     /// ----------
@@ -239,7 +242,10 @@ impl PyMechanism {
         commands: Vec<Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let Some(first) = commands.first() else {
-            return Err(errors::input(py, "nothing is commanded: say such as [{\"crank\": 0.5}]"));
+            return Err(errors::input(
+                py,
+                "no command is given; expected a list such as [{\"crank\": 0.5}]",
+            ));
         };
         let commanded: Vec<usize> =
             self.commands(py, Some(first))?.iter().map(|&(k, _)| k).collect();
@@ -265,7 +271,7 @@ impl PyMechanism {
         results::suggestions(py, self, &bare, &found)
     }
 
-    /// The least displacement of the virtual joints that lets joint coordinates be where they are asked to be.
+    /// Least displacement of the virtual joints that makes commanded joint coordinates possible.
     ///
     /// Parameters
     /// ----------
@@ -289,10 +295,7 @@ impl PyMechanism {
     ) -> PyResult<Bound<'py, PyAny>> {
         let commands = self.commands(py, Some(at))?;
         if self.file.mechanism.virtual_joints().is_empty() {
-            return Err(errors::input(
-                py,
-                "this mechanism has no virtual joints that could give way",
-            ));
+            return Err(errors::input(py, "this mechanism has no virtual joints"));
         }
         let commanded: Vec<usize> = commands.iter().map(|&(k, _)| k).collect();
         let found = py.detach(|| {
@@ -350,7 +353,10 @@ impl PyMechanism {
             given.push((self.find(py, &name)?, name, values));
         }
         if given.is_empty() {
-            return Err(errors::input(py, "nothing is commanded: say such as {\"crank\": angles}"));
+            return Err(errors::input(
+                py,
+                "no command is given; expected a mapping such as {\"crank\": angles}",
+            ));
         }
         let named: Vec<(&str, &Bound<'_, PyAny>)> =
             given.iter().map(|(_, name, values)| (name.as_str(), values)).collect();

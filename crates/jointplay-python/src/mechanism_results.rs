@@ -57,7 +57,7 @@ pub(crate) fn mobility<'py>(
             what = stress.words.as_str(),
             joints = PyTuple::new(py, joints.collect::<Vec<_>>())?,
         );
-        skin::result(py, "CarriedTwice", &fields)
+        skin::result(py, "RedundantConstraint", &fields)
     });
     let carried = carried.collect::<PyResult<Vec<_>>>()?;
     let links = PyDict::new(py);
@@ -89,7 +89,7 @@ pub(crate) fn mobility<'py>(
         "branch_dimensions",
         branch_dimensions.as_ref().map(|all| PyTuple::new(py, all)).transpose()?,
     )?;
-    fields.set_item("carried_twice", PyTuple::new(py, carried)?)?;
+    fields.set_item("redundant_constraints", PyTuple::new(py, carried)?)?;
     fields.set_item("link_motions", links)?;
     fields.set_item("near", near.transpose()?)?;
     skin::result(py, "MechanismMobility", &fields)
@@ -119,7 +119,7 @@ pub(crate) fn sparse_mobility<'py>(
         configuration = configuration(py, of, &closure.coordinates, closure.residual, closure.iterations)?,
         classification = class.description(),
         branch_dimensions = py.None(),
-        carried_twice = PyTuple::empty(py),
+        redundant_constraints = PyTuple::empty(py),
         link_motions = PyDict::new(py),
         near = py.None(),
     );
@@ -152,7 +152,7 @@ pub(crate) fn motion<'py>(
         );
         skin::result(py, "SingularConfiguration", &fields)
     });
-    let told = report::motion(&of.file, driven, held, moved);
+    let summary = report::motion(&of.file, driven, held, moved);
     let free = waypoints.iter().map(|at| at.free_mobility as i64);
     let within =
         waypoints.iter().map(|at| of.file.mechanism.beyond_limits(&at.coordinates).is_empty());
@@ -168,10 +168,10 @@ pub(crate) fn motion<'py>(
         least_singular_value = column(|at| at.least_singular_value),
         free_mobility = PyArray1::from_iter(py, free),
         singular = PyTuple::new(py, singular.collect::<PyResult<Vec<_>>>()?)?,
-        limits_broken = PyTuple::new(py, told.limits_broken)?,
+        limits_broken = PyTuple::new(py, summary.limits_broken)?,
         within_limits = PyArray1::from_iter(py, within),
-        stopped = told.stopped,
-        message = told.message,
+        stopped = summary.stopped,
+        message = summary.message,
     );
     skin::result(py, "DrivenMotion", &fields)
 }

@@ -1,4 +1,4 @@
-//! Which virtualization, and how it is solved, as Python says it.
+//! Virtualization, solver and metric from their Python arguments.
 
 use std::collections::BTreeSet;
 use std::sync::{LazyLock, Mutex, PoisonError};
@@ -14,6 +14,7 @@ use pyo3::types::{PyFloat, PyInt, PyString};
 use crate::errors;
 use crate::numbers::finite;
 use crate::own_virtualization::OwnVirtualization;
+use crate::symbol::symbol;
 
 /// A virtualization: one of the library's, each with its own type so that it is compiled for it, or one written in Python.
 pub(crate) enum Model {
@@ -120,7 +121,7 @@ pub(crate) fn options(
 
 fn solver_of(py: Python<'_>, name: &str) -> PyResult<Solver> {
     let all = [Solver::Newton, Solver::LeastNorm, Solver::ClosedForm];
-    // The three names of `Solver`, without writing them anew for each call.
+    // The three names of `Solver`, without formatting them for each call.
     match name {
         "newton" => Ok(Solver::Newton),
         "least-norm" => Ok(Solver::LeastNorm),
@@ -162,20 +163,6 @@ pub(crate) struct ModelNames {
 
 /// Every virtualization that a pose was found with: few, whatever the number of poses.
 static NAMES: Mutex<BTreeSet<&'static ModelNames>> = Mutex::new(BTreeSet::new());
-
-/// Symbols of virtual joints written in Python, which live as long as the process: each kept once.
-static SYMBOLS: Mutex<BTreeSet<&'static str>> = Mutex::new(BTreeSet::new());
-
-/// The symbol, kept for ever.
-pub(crate) fn symbol(text: &str) -> &'static str {
-    let mut symbols = SYMBOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(known) = symbols.get(text) {
-        return known;
-    }
-    let kept: &'static str = Box::leak(text.to_owned().into_boxed_str());
-    symbols.insert(kept);
-    kept
-}
 
 /// Those of the library's own virtualizations, which poses by the million refer to.
 static BUILT_IN: LazyLock<[&ModelNames; 4]> = LazyLock::new(|| built_in().map(ModelNames::of));

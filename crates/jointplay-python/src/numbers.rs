@@ -1,4 +1,4 @@
-//! Plain numbers of Python, read the quick way.
+//! Fast conversion of plain Python numbers.
 
 use std::ops::RangeInclusive;
 
@@ -18,7 +18,7 @@ pub(crate) fn number(given: &Bound<'_, PyAny>) -> Option<f64> {
     if is_number { given.extract().ok() } else { None }
 }
 
-/// Three plain numbers, the quick way; `None` for anything else.
+/// Three plain numbers, converted fast; `None` for anything else.
 pub(crate) fn three(given: &Bound<'_, PyAny>) -> Option<[f64; 3]> {
     if let Ok(tuple) = given.cast::<PyTuple>() {
         if tuple.len() != 3 {

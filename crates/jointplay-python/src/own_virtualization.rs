@@ -13,8 +13,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
 use crate::errors;
-use crate::model::symbol;
 use crate::skin::{self, fields};
+use crate::symbol::symbol;
 
 /// Methods of a Python object behind the trait.
 ///

@@ -52,13 +52,13 @@ impl PyForward {
         PyArray1::from_slice(py, &self.pose.sides)
     }
 
-    /// Azimuth toward which the platform leans, from -π to π [rad].
+    /// Tilt direction: azimuth of the platform normal, from -π to π [rad].
     #[getter]
     fn yaw_rad(&self) -> f64 {
         self.pose.tilt().yaw
     }
 
-    /// How far it leans, from 0 to π [rad].
+    /// Tilt angle, from 0 to π [rad].
     #[getter]
     fn pitch_rad(&self) -> f64 {
         self.pose.tilt().pitch
@@ -82,7 +82,7 @@ impl PyForward {
         PyArray1::from_slice(py, self.pose.base_from_platform.translation.vector.as_slice())
     }
 
-    /// How far the platform's origin stands off the base axis, shape (2,) [m].
+    /// Offset of the platform's origin from the base axis, shape (2,) [m].
     #[getter]
     fn center_shift_m<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         PyArray1::from_slice(py, self.pose.center_shift().as_slice())

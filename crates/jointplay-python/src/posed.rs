@@ -87,7 +87,7 @@ impl PyMechanism {
         }
     }
 
-    /// The least displacement of the virtual joints that lets these coordinates be where they are asked to be.
+    /// Least displacement of the virtual joints that makes the commanded coordinates possible.
     pub(crate) fn relieved(&self, commands: &[(usize, f64)]) -> Result<Relief, Error> {
         let (coordinates, values): (Vec<usize>, Vec<f64>) = commands.iter().copied().unzip();
         let commanded = self.commanded(&coordinates)?;
@@ -112,7 +112,7 @@ impl PyMechanism {
         relieve(&MechanismSystem::new(mechanism, start)?, commanded, solver)
     }
 
-    /// Drives along a way: virtual joints give way where there are any, and many loops are left to sparse algebra.
+    /// Drives along a path: by dense algebra with virtual joints, or by sparse algebra if there are many loops.
     pub(crate) fn along(
         &self,
         from: &DVector<f64>,

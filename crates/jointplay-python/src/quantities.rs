@@ -33,7 +33,7 @@ const ALL: [Named; 12] = [
     Named { name: "iterations", columns: Columns::One(Quantity::Iterations) },
 ];
 
-/// Left out unless asked for: it takes longer than all the others together.
+/// Computed only on request: it takes longer than all the others together.
 const ONLY_IF_ASKED: &str = "sensitivity";
 
 impl Named {
@@ -62,7 +62,7 @@ impl Named {
         }
     }
 
-    /// How many columns; `None` for one that stands alone.
+    /// Number of columns; `None` for a single one without an index.
     pub(crate) fn width(&self, virtual_joints: usize) -> Option<usize> {
         match self.columns {
             Columns::One(_) => None,

@@ -21,7 +21,7 @@ pub(crate) fn result<'py>(
     class(py, name)?.call((), Some(fields))
 }
 
-/// A dictionary of fields, each named as the expression given for it says.
+/// A dictionary of fields by name.
 macro_rules! fields {
     ($py:expr; $($name:ident = $value:expr),* $(,)?) => {{
         let fields = pyo3::types::PyDict::new($py);

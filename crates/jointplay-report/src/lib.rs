@@ -40,8 +40,8 @@ pub use expected::{DisagreementReport, disagreements};
 pub use forward::{ForwardReport, PlatformReport, forward};
 pub use limits::{LimitReport, limits};
 pub use mechanism::{
-    AssemblyReport, ByName, CarriedTwiceReport, ConfigurationReport, LinkMotionReport,
-    MechanismMobilityReport, NearMissReport, NearReport, SparseMobilityReport, UnitsReport,
+    AssemblyReport, ByName, ConfigurationReport, LinkMotionReport, MechanismMobilityReport,
+    NearMissReport, NearReport, RedundantConstraintReport, SparseMobilityReport, UnitsReport,
     assembly, by_name, configuration, mechanism_mobility, sparse_mobility,
 };
 pub use mobility::{FreedomsReport, MobilityReport, mobility};

@@ -162,7 +162,7 @@ pub struct MechanismMobilityReport {
     /// What class of mechanism this makes it, in words.
     pub class: String,
     /// What is carried twice: one entry for each redundant constraint.
-    pub carried_twice: Vec<CarriedTwiceReport>,
+    pub redundant_constraints: Vec<RedundantConstraintReport>,
     /// How each link but the base moves to first order.
     pub link_motions: ByName<LinkMotionReport>,
     /// Singular values of the scaled constraint Jacobian, largest first.
@@ -277,7 +277,7 @@ fn counted(mechanism: &Mechanism) -> i64 {
 
 /// A constraint that says nothing new, as the wrench that the mechanism can carry in itself.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
-pub struct CarriedTwiceReport {
+pub struct RedundantConstraintReport {
     /// In words: `moment about x`.
     pub what: String,
     /// The joints that carry it.
@@ -334,10 +334,10 @@ pub fn mechanism_mobility(
         Some(NearMiss::NotSearched { coordinates, .. }) => (None, Some(coordinates)),
         None => (None, None),
     };
-    let carried_twice = self_stresses(system, first)?.into_iter().map(|stress| {
+    let redundant_constraints = self_stresses(system, first)?.into_iter().map(|stress| {
         let joints =
             stress.wrenches.iter().map(|wrench| mechanism.joints()[wrench.joint].name.clone());
-        CarriedTwiceReport { what: stress.words, joints: joints.collect() }
+        RedundantConstraintReport { what: stress.words, joints: joints.collect() }
     });
     let mut link_motions = Vec::new();
     for (l, link) in mechanism.links().iter().enumerate().skip(1) {
@@ -374,7 +374,7 @@ pub fn mechanism_mobility(
         }),
         near_miss,
         near_miss_not_searched,
-        carried_twice: carried_twice.collect(),
+        redundant_constraints: redundant_constraints.collect(),
         link_motions: ByName(link_motions),
         singular_values: first.singular_values.iter().copied().collect(),
         threshold: first.threshold,

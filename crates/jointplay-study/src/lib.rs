@@ -34,6 +34,6 @@ pub use bounds_check::{BoundsCheck, check_bounds};
 pub use compare::{Comparison, ModelCurve, compare};
 pub use error::Error;
 pub use key_motion::{KeyMotion, KeyPose};
-pub use raster::{Order, Raster};
+pub use raster::{Order, Raster, refine};
 pub use samples::{Samples, Series, SeriesKind, simulate};
 pub use summary::{SeriesSummary, Summary, summarize};

@@ -13,6 +13,17 @@ pub enum Order {
     Serpentine,
 }
 
+/// Values with `intervals` equal intervals in place of each one, for the smooth curves of a figure.
+///
+/// The given values are kept to the bit.
+#[must_use]
+pub fn refine(values: &[f64], intervals: u32) -> Vec<f64> {
+    let inner = values.windows(2).flat_map(|pair| {
+        (0..intervals).map(|i| pair[0] + (pair[1] - pair[0]) * f64::from(i) / f64::from(intervals))
+    });
+    inner.chain(values.last().copied()).collect()
+}
+
 /// A raster of tilts at one axis height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Raster {
@@ -43,6 +54,19 @@ impl Raster {
         }
     }
 
+    /// The raster reduced to one yaw, with `intervals` pitches in place of each: the curves of one tilt direction.
+    ///
+    /// The yaw is the one at a ninth of the raster (40° for the paper's), where no rod stays at rest.
+    #[must_use]
+    pub fn one_direction(&self, intervals: u32) -> Self {
+        Self {
+            yaws: self.yaws.get(self.yaws.len() / 9).copied().into_iter().collect(),
+            pitches: refine(&self.pitches, intervals),
+            height: self.height,
+            order: self.order,
+        }
+    }
+
     /// Number of poses.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -65,5 +89,25 @@ impl Raster {
                 Tilt { yaw, pitch }
             })
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn refinement_keeps_the_given_values() {
+        assert_eq!(refine(&[0.0, 1.0, 3.0], 2), [0.0, 0.5, 1.0, 2.0, 3.0]);
+        assert_eq!(refine(&[0.3], 10), [0.3]);
+        assert_eq!(refine(&[], 10), [0.0; 0]);
+    }
+
+    #[test]
+    fn one_direction_of_the_papers_raster_is_a_yaw_of_40_deg() {
+        let one = Raster::paper().one_direction(10);
+        assert_eq!((one.yaws.len(), one.pitches.len()), (1, 201));
+        assert!((one.yaws[0].to_degrees() - 40.0).abs() < 1e-12);
+        assert_eq!(one.pitches.last(), Raster::paper().pitches.last());
     }
 }

@@ -46,6 +46,7 @@ from ._errors import (
     NotRelievedError,
     OutOfRangeError,
     PitchTooLargeError,
+    RobotLimitsError,
     StoppedError,
     TooLargeError,
     TurnedOverError,
@@ -60,7 +61,7 @@ from ._jointplay import (
     catalogue,
 )
 from ._mechanisms import (
-    CarriedTwice,
+    RedundantConstraint,
     Configuration,
     LinkMotion,
     MechanismMobility,
@@ -95,7 +96,7 @@ __all__ = [
     "BoundsCheck",
     "BrokenLimit",
     "BrokenLimits",
-    "CarriedTwice",
+    "RedundantConstraint",
     "Comparison",
     "Configuration",
     "DependentSidesError",
@@ -130,6 +131,7 @@ __all__ = [
     "Positions",
     "Relief",
     "Result",
+    "RobotLimitsError",
     "Sensitivity",
     "SeriesSummary",
     "SingularConfiguration",
@@ -154,6 +156,6 @@ __all__ = [
 
 for _name in __all__:
     if isinstance(globals()[_name], type):
-        # What people see, in messages and pickles, is the package and not its rooms.
+        # Messages and pickles name the package, not its private modules.
         globals()[_name].__module__ = __name__
 del _name

@@ -22,7 +22,7 @@ class AugmentedMobility(Result):
     virtualization: str
     """Name of the virtualization."""
     mobility: int
-    """Freedoms to first order."""
+    """Instantaneous mobility."""
     rank: int
     """Independent constraints."""
     singular_values: Floats
@@ -31,20 +31,20 @@ class AugmentedMobility(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Freedoms(Result):
-    """What can move: counted, to first order, and for real."""
+    """Kutzbach, instantaneous and finite mobility."""
 
     kutzbach_mobility: int
     """Freedoms by the Kutzbach–Grübler count."""
     instantaneous_mobility: int
-    """Freedoms to first order, h."""
+    """Instantaneous mobility h."""
     finite_mobility: int | None
-    """Freedoms for real; ``None`` where undecided."""
+    """Finite mobility; ``None`` if undecided."""
     finite_mobility_bounds: tuple[int, int]
     """Bounds between which the finite mobility lies."""
     rank: int
     """Independent constraints."""
     redundancy: int
-    """Constraints that say nothing new, r."""
+    """Number of redundant constraints r."""
     threshold: float
     """Singular values at or below it count as zero."""
     characteristic_length_m: float
@@ -61,7 +61,7 @@ class Mobility(Freedoms):
     singular_values: Floats
     """Of the scaled constraint Jacobian, the largest first."""
     null_space: Floats
-    """Motions allowed to first order, shape (n, h), a column each, in radians and characteristic lengths."""
+    """Basis of the instantaneous motions, shape (n, h), one per column, in radians and characteristic lengths."""
     self_stress: Floats
     """Orthonormal self-stresses, shape (c, r), a column each."""
     augmented: AugmentedMobility | None
@@ -112,7 +112,7 @@ class Bounds(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class TiltPlay(Result):
-    """How far the virtual joints move from level to a tilt, beside the first-order bounds."""
+    """Displacement of the virtual joints from level to a tilt, with first-order bounds."""
 
     start: Forward
     """The level pose."""
@@ -125,7 +125,7 @@ class TiltPlay(Result):
     at_start: Bounds
     """With derivatives at the level start, where the bounds are zero."""
     at_midpoint: Bounds
-    """With derivatives half way."""
+    """Bounds with the Jacobian at the midpoint of the motion."""
     at_end: Bounds
     """With derivatives at the tilted end."""
     limb_shares: Floats | None
@@ -136,7 +136,7 @@ class TiltPlay(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ModelCurve(Result):
-    """What one model says over a range of tilts."""
+    """One model over a range of tilts."""
 
     name: str
     """Name of the virtualization."""
@@ -161,7 +161,7 @@ class Comparison(Table):
     approximate_gap_m: Floats
     """The farthest that a socket of the approximate model is off its ball, shape (n,) [m]."""
     models: Mapping[str, ModelCurve]
-    """What each model says, by name."""
+    """The models by name."""
 
     def columns(self) -> dict[str, NDArray[Any]]:
         """Pitch, the approximate model's gap, and three columns of each model, such as ``planar_center_shift_x_m``."""
@@ -200,7 +200,7 @@ class SeriesSummary(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class StudySummary(Result):
-    """What a study comes to."""
+    """Summary of a study."""
 
     samples: int
     """Number of poses."""
@@ -276,6 +276,6 @@ class BoundsCheck(Result):
     held_at_start: int
     """Held with derivatives at the level start, where the bounds are zero."""
     held_at_midpoint: int
-    """Held with derivatives half way."""
+    """Number of poses that satisfy the bounds with the Jacobian at the midpoint."""
     held_at_end: int
     """Held with derivatives at the tilted end."""

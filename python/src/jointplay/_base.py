@@ -47,19 +47,19 @@ class Result:
     __slots__ = ()
     __hash__ = None  # type: ignore[assignment]
 
-    def _told(self) -> Iterator[tuple[str, Any]]:
+    def _fields_shown(self) -> Iterator[tuple[str, Any]]:
         for field in fields(self):  # type: ignore[arg-type]
             yield field.name, getattr(self, field.name)
 
     def __eq__(self, other: object) -> bool:
         if type(other) is not type(self):
             return NotImplemented
-        mine, theirs = dict(self._told()), dict(other._told())
+        mine, theirs = dict(self._fields_shown()), dict(other._fields_shown())
         return _equal(mine, theirs)
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name}={_brief(value)}" for name, value in self._told())
-        return f"{type(self).__name__}({told})"
+        shown = ", ".join(f"{name}={_brief(value)}" for name, value in self._fields_shown())
+        return f"{type(self).__name__}({shown})"
 
 
 class Table(Result):

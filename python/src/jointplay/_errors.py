@@ -1,4 +1,4 @@
-"""What can go wrong, each with its facts as attributes; all are re-exported by ``jointplay``."""
+"""Errors with their facts as attributes; all are re-exported by ``jointplay``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 class JointplayError(Exception):
     """Base class of all errors of this package.
 
-    The facts that an error knows are attributes of it, in SI units.
+    The facts of an error are its attributes, in SI units.
     """
 
     def __init__(self, message: str, /, **facts: Any) -> None:
@@ -29,11 +29,11 @@ def _again(cls: type[JointplayError], message: str, facts: dict[str, Any]) -> Jo
 
 
 class InputError(JointplayError, ValueError):
-    """What was given cannot be computed with."""
+    """An argument is invalid."""
 
 
 class ArrayError(InputError):
-    """An array has the wrong shape or layout, is read-only, or overlaps another."""
+    """An array has an invalid shape or layout, is read-only, or overlaps another."""
 
     shape: tuple[int, ...] | None
     """Shape that was found."""
@@ -42,7 +42,7 @@ class ArrayError(InputError):
 
 
 class ArgumentTypeError(JointplayError, TypeError):
-    """An argument has a type that cannot be taken."""
+    """An argument has an invalid type."""
 
 
 class ArrayTypeError(ArgumentTypeError):
@@ -55,21 +55,21 @@ class ArrayTypeError(ArgumentTypeError):
 
 
 class UnknownNameError(InputError):
-    """A name is none of the known ones."""
+    """A name is unknown."""
 
     what: str
-    """What it should be the name of."""
+    """Kind of the named object."""
     name: str
     """The name that was given."""
     known: list[str]
-    """All names that there are."""
+    """The known names."""
 
 
 class FileError(InputError):
-    """A file is refused, at a place in it."""
+    """A file is invalid, with the position of the error."""
 
     file: str
-    """What the file is called."""
+    """Name of the file."""
     line: int
     """Line, counted from 1."""
     column: int
@@ -80,22 +80,22 @@ class NotFiniteError(InputError):
     """A number is NaN or infinite."""
 
     what: str
-    """Which number."""
+    """Name of the number."""
     value: float
-    """What was found."""
+    """The value."""
 
 
 class OutOfRangeError(InputError):
-    """A number lies outside the range that it has to be in."""
+    """A number is out of range."""
 
     what: str
-    """Which number."""
+    """Name of the number."""
     value: float
-    """What was found, in ``unit``."""
+    """The value, in ``unit``."""
     min: float
-    """Least that is allowed, in ``unit``."""
+    """Smallest allowed value, in ``unit``."""
     max: float
-    """Greatest that is allowed, in ``unit``."""
+    """Largest allowed value, in ``unit``."""
     unit: str
     """``'m'``, ``'rad'``, or ``'1'`` for a plain number."""
 
@@ -104,57 +104,64 @@ class PitchTooLargeError(InputError):
     """A tilt at which the rods no longer meet the platform plane."""
 
     pitch_rad: float
-    """Pitch that was asked for [rad]."""
+    """Commanded pitch [rad]."""
 
 
 class GeometryError(InputError):
-    """Dimensions that make no robot."""
+    """Dimensions that do not define a robot."""
 
 
 class TooLargeError(InputError):
-    """A mechanism that the algebra asked for would work on for hours."""
+    """A mechanism is too large for the requested analysis."""
 
     what: str
-    """What there is too much of."""
+    """The quantity that is too large."""
     found: int
-    """How many there are."""
+    """The number found."""
     allowed: int
-    """How many there may be."""
+    """The largest allowed number."""
 
 
 class NoAnswerError(JointplayError):
-    """The question is in order, but has no answer, or none was found."""
+    """A valid request has no solution, or none was found."""
 
 
 class BeyondLimitsError(NoAnswerError):
-    """A pose is beyond the robot's limits of rods and tilt."""
+    """A pose of a robot or a configuration of a mechanism is beyond its limits."""
+
+    limits_broken: tuple[BrokenLimit, ...] | list[str]
+    """The limits that are exceeded."""
+
+
+class RobotLimitsError(BeyondLimitsError):
+    """A pose is beyond the robot's limits of rod lengths and tilt."""
 
     limits_broken: tuple[BrokenLimit, ...]
-    """The limits that it breaks, rods first."""
+    """The limits that are exceeded, rods first."""
 
 
 class NotConvergedError(NoAnswerError):
     """The iteration for the virtual joints did not converge."""
 
     solver: str
-    """Which iteration."""
+    """The solver."""
     best_virtual_joints: list[float]
     """Virtual joints with the least residual found [m, rad]."""
     residual_m: float
     """Largest difference between a side and its virtual length there [m]."""
     threshold_m: float
-    """Residual that was asked for [m]."""
+    """Requested residual [m]."""
     iterations: int
-    """Iterations done."""
+    """Number of iterations."""
 
 
 class DependentSidesError(NoAnswerError):
     """The virtual joints cannot change the three sides independently."""
 
     characteristic_length_m: float
-    """Length by which angles are weighed [m]."""
+    """Characteristic length, by which angles are multiplied [m]."""
     iterations: int
-    """Iterations done."""
+    """Number of iterations."""
 
 
 class TurnedOverError(NoAnswerError):
@@ -170,47 +177,47 @@ class NotClosedError(NoAnswerError):
     residual: float
     """Largest mismatch, in radians and characteristic lengths."""
     allowed: float
-    """Largest that counts as closed."""
+    """Largest mismatch of closed loops."""
 
 
 class NotAssembledError(NoAnswerError):
-    """The loops of a mechanism could not be closed as asked."""
+    """The loops of a mechanism cannot be closed as commanded."""
 
     branches: list[list[float]]
-    """Configurations that were found instead [m, rad]."""
+    """Closed configurations found from other starts [m, rad]."""
 
 
 class NotReachedError(NoAnswerError):
-    """The loops did not close from where the search began."""
+    """The loops did not close from the initial guess."""
 
     residual: float
-    """Largest mismatch that is left, in radians and characteristic lengths."""
+    """Largest residual mismatch, in radians and characteristic lengths."""
     allowed: float
-    """Largest that counts as closed."""
+    """Largest mismatch of closed loops."""
     iterations: int
-    """Steps done."""
+    """Number of steps."""
 
 
 class NotRelievedError(NoAnswerError):
     """The virtual joints do not make the commanded motion possible."""
 
     residual: float
-    """Largest mismatch that is left, in radians and characteristic lengths."""
+    """Largest residual mismatch, in radians and characteristic lengths."""
     allowed: float
-    """Largest that counts as closed."""
+    """Largest mismatch of closed loops."""
 
 
-class JointLimitsError(NoAnswerError):
-    """A mechanism is beyond joint limits, or virtual joints are beyond their clearance."""
+class JointLimitsError(BeyondLimitsError):
+    """A joint is beyond its limits, or a virtual joint beyond its clearance."""
 
     limits_broken: list[str]
-    """Names of the coordinates that are beyond."""
+    """Names of the coordinates beyond their limits."""
     result: Any
-    """The result that was computed there."""
+    """The result computed at the configuration."""
 
 
 class StoppedError(NoAnswerError):
-    """A mechanism stopped on the way to where its motion was to begin."""
+    """A mechanism stopped before the start of its path."""
 
     motion: Any
-    """The ``Motion`` up to there."""
+    """The ``Motion`` up to the stop."""

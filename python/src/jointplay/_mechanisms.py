@@ -44,8 +44,8 @@ class Configuration(Result, Mapping[str, float]):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class CarriedTwice(Result):
-    """A constraint that says nothing new, as the wrench that the mechanism can carry in itself."""
+class RedundantConstraint(Result):
+    """A redundant constraint, as the wrench of its self-stress."""
 
     what: str
     """In words, such as ``'moment about x'``."""
@@ -55,16 +55,16 @@ class CarriedTwice(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LinkMotion(Result):
-    """How a link moves to first order."""
+    """Instantaneous motion of a link."""
 
     dimension: int
-    """In how many independent ways."""
+    """Number of independent motions."""
     translations: int
     """How many of them are translations."""
     twists: Floats
     """Its independent twists as columns, angular, then linear, shape (6, dimension)."""
     pitch_m_per_rad: float | None
-    """For one way that is no translation: advance for a radian [m/rad]."""
+    """Pitch of a single motion that is not a translation [m/rad]."""
     axis_point_m: Floats | None
     """And a point of its axis in the base frame, shape (3,) [m]."""
 
@@ -97,40 +97,40 @@ class MechanismMobility(Freedoms):
     singular_values: Floats | None
     """Of the scaled constraint Jacobian, the largest first; ``None`` where sparse algebra had to do."""
     null_space: Floats | None
-    """Motions allowed to first order, shape (n, h), a column each, in radians and characteristic lengths; ``None`` beyond a million numbers."""
+    """Basis of the instantaneous motions, shape (n, h), one per column, in radians and characteristic lengths; ``None`` beyond a million numbers."""
     self_stress: Floats | None
     """Orthonormal self-stresses, shape (c, r), for each loop three moments and three forces; ``None`` as above."""
     classification: str
     """What class of mechanism this makes it, in words."""
     branch_dimensions: tuple[int, ...] | None
-    """Freedoms of the branches found to meet there, where not all motions to first order are motions for real."""
-    carried_twice: tuple[CarriedTwice, ...]
-    """What is carried twice: one entry for each redundant constraint."""
+    """Dimensions of the branches that meet, if not every instantaneous motion is finite."""
+    redundant_constraints: tuple[RedundantConstraint, ...]
+    """Redundant constraints, one entry each."""
     link_motions: Mapping[str, LinkMotion]
-    """How each link but the base moves to first order."""
+    """Instantaneous motion of each link but the base."""
     near: NearMobility | None
     """What moves within a tolerance, if one was given."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SingularConfiguration(Result):
-    """A singular configuration on the way."""
+    """A singular configuration along the path."""
 
     share: float
-    """How much of the way is done there, 0 to 1."""
+    """Path parameter, 0 to 1."""
     coordinates: Floats
     """All coordinates there, shape (f + M,) [m, rad]."""
     instantaneous_mobility: int
-    """Freedoms to first order there, drives free."""
+    """Instantaneous mobility with the drives free."""
     least_singular_value: float
     """The least singular value found there, as a share of the largest."""
     branches: int | None
-    """How many branches of the motion meet there; ``None`` where second order does not tell."""
+    """Number of branches of the motion that meet; ``None`` if second order does not decide."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Motion(Table):
-    """A mechanism on its way: n configurations, the start first."""
+    """A motion of a mechanism: n configurations, the start first."""
 
     name: str
     """Name of the mechanism."""
@@ -143,34 +143,34 @@ class Motion(Table):
     held: tuple[str, ...]
     """Coordinates of other motors, which held still."""
     coordinates: Floats
-    """All coordinates along the way, shape (n, f + M) [m, rad]."""
+    """All coordinates along the path, shape (n, f + M) [m, rad]."""
     share: Floats
-    """How much of the way is done, 0 to 1, shape (n,)."""
+    """Path parameter, 0 to 1, shape (n,)."""
     residual: Floats
     """Largest mismatch of a loop, in radians and characteristic lengths, shape (n,)."""
     least_singular_value: Floats
-    """As a share of the largest, shape (n,): goes to zero at a singular configuration."""
+    """As a share of the largest, shape (n,): zero at a singular configuration."""
     free_mobility: NDArray[np.int64]
-    """Freedoms to first order with the drives held, shape (n,)."""
+    """Instantaneous mobility with the drives held, shape (n,)."""
     singular: tuple[SingularConfiguration, ...]
-    """Singular configurations on the way."""
+    """Singular configurations along the path."""
     limits_broken: tuple[str, ...]
-    """Coordinates that went beyond their limits or clearance."""
+    """Coordinates beyond their limits or clearance."""
     within_limits: NDArray[np.bool_]
     """Whether all joint limits and clearances hold, shape (n,)."""
     stopped: Literal["locked", "singular_start", "incompatible"] | None
-    """Why it stopped, if it did not come to the end."""
+    """Why it stopped before the end; ``None`` if it did not."""
     message: str | None
     """The same in words, and where, in the units of the file."""
 
     def __getitem__(self, name: str) -> Floats:
-        """One coordinate along the way, shape (n,) [m or rad]."""
+        """One coordinate along the path, shape (n,) [m or rad]."""
         if name not in self.names:
             raise KeyError(name)
         return self.coordinates[:, self.names.index(name)]
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Every coordinate along the way by name and unit, such as ``crank_rad``."""
+        """Every coordinate along the path by name and unit, such as ``crank_rad``."""
         return _by_name_and_unit(self.names, self.units, self.coordinates)
 
 
@@ -226,7 +226,7 @@ class SuggestedJoint(Result):
     direction: Floats
     """Along or about what, in the frame of the link that carries it, shape (3,)."""
     largest: float
-    """How far it goes at most over the commands, in ``unit``."""
+    """Largest displacement over the commands, in ``unit``."""
     unit: str
     """``'m'`` or ``'rad'``."""
 
@@ -271,7 +271,7 @@ class Suggestions(Result):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Relief(Result):
-    """How virtual joints give way for a command."""
+    """Displacement of the virtual joints for a command."""
 
     configuration: Configuration
     """The closed configuration."""
@@ -282,7 +282,7 @@ class Relief(Result):
     virtual_joints: Floats
     """Their displacements, shape (M,) [m, rad]."""
     clearances: Floats
-    """How far each can go either way, shape (M,) [m, rad]; NaN where not known."""
+    """Clearance of each virtual joint, ± its displacement, shape (M,) [m, rad]; NaN if unknown."""
     size: float
     """Size of the displacement, in ``size_unit``."""
     size_unit: str

@@ -54,9 +54,9 @@ class ForwardMany(Many):
 
     if TYPE_CHECKING:
         yaw_rad: Floats
-        """Azimuth toward which the platform leans, from -π to π, shape (...) [rad]."""
+        """Tilt direction: azimuth of the platform normal, from -π to π, shape (...) [rad]."""
         pitch_rad: Floats
-        """How far it leans, from 0 to π, shape (...) [rad]."""
+        """Tilt angle, from 0 to π, shape (...) [rad]."""
         twist_rad: Floats
         """Turn about the platform normal beyond the shortest rotation to it, shape (...) [rad]."""
         axis_height_m: Floats
@@ -119,7 +119,7 @@ class ForwardMany(Many):
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *self._arrays]
 
-    def _told(self) -> Iterator[tuple[str, Any]]:
+    def _fields_shown(self) -> Iterator[tuple[str, Any]]:
         yield "virtualization", self.virtualization
         yield from self._arrays.items()
         yield "status", self.status

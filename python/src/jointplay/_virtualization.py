@@ -27,16 +27,16 @@ class VirtualJoint:
 
 
 class Virtualization(ABC):
-    """A way to let the sockets move in the platform plane: a map X → sockets.
+    """A model of the socket displacements in the platform plane: a map X → sockets.
 
     Use an object of a subclass wherever the name of a virtualization is taken.
     Any object with these attributes will do; being a subclass only helps to get them right.
     All vectors are in the platform frame.
-    Python is asked several times for each pose, so that this is slow beside the library's own.
+    Python is called several times for each pose, so this is slow compared with the built-in ones.
     """
 
     name: str
-    """The name that people use, in lower case."""
+    """The name, in lower case."""
     joints: Sequence[VirtualJoint]
     """The virtual joints, in the order of X, from 3 to 12 of them."""
 

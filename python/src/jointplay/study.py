@@ -28,22 +28,22 @@ def simulate(
 ) -> Study:
     """All poses of a raster, every one from the nominal virtual joints.
 
-    What is left out is the paper's: its robot, pitch from -2° to 2° by 0.2° for each yaw from 0° to 360°, here by 10°.
+    Defaults are the paper's: its robot, pitch from -2° to 2° by 0.2° for each yaw from 0° to 360°, here by 10°.
 
     Parameters
     ----------
     gpr
         The robot.
     virtualization
-        Which virtual joints stand for the play.
+        The virtual joints that model the play.
     yaw_rad, pitch_rad
         Arrays of shape (n,): the slow and the fast direction of the raster [rad].
     height_m
-        Axis height [m]; the robot's working height if left out.
+        Axis height [m]; default: the robot's working height.
     order
         ``'raster'``: every yaw from the first pitch to the last; ``'serpentine'``: every other yaw backwards.
     solver, metric
-        Those of ``Gpr.forward``; the paper's iteration if left out.
+        Those of ``Gpr.forward``; default: the paper's iteration.
     """
     if order not in ("raster", "serpentine"):
         from ._errors import UnknownNameError
@@ -67,7 +67,7 @@ def check_bounds(
     solver: Literal["closed-form", "least-norm", "newton"] = "newton",
     metric: Literal["paper", "radius"] | float = "paper",
 ) -> BoundsCheck:
-    """Sets the true displacement of every tilted pose, from level at the same height, beside the paper's bounds.
+    """Compares the exact displacement of every tilted pose, from level at the same height, with the paper's bounds.
 
     Parameters are those of ``simulate``.
     """

@@ -1,4 +1,4 @@
-//! `jointplay assemble`: a closed configuration of a mechanism.
+//! `jointplay assemble`: closed configurations of a mechanism.
 
 use std::fmt::Write as _;
 
@@ -11,9 +11,10 @@ use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, MechanismArgs, Posed, ToleranceArgs, assignment};
 use crate::progress::Progress;
 
-/// Close the loops of a mechanism, starting from the guesses of its file
+/// Close the loops of a mechanism, starting from the initial guess in its file
 ///
-/// Where rigid links do not close for the values of --at, the virtual joints of the file take their least displacement.
+/// If rigid links cannot close for the values of --at, the virtual joints of the file are displaced by the least amount.
+/// If the loops do not close, the command fails and reports the best mismatch.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -22,14 +23,14 @@ Examples:
   jointplay assemble four-bar --at A=30 --branches 50
   jointplay assemble bennett --set b=0.1101 --tolerance 1e-3
 
-Exit codes: 0 done, 1 the loops do not close, or beyond a joint limit or clearance, 2 bad input or usage.")]
+Exit codes: 0 done, 1 the loops do not close, or a joint limit or clearance is exceeded, 2 bad input or usage.")]
 pub(crate) struct Assemble {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
-    /// Joint coordinates that are to have these values, in the units of the file
+    /// Commanded joint coordinates, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
     at: Vec<Assignment>,
-    /// Also look for other closed configurations, from this many starts
+    /// Also search for other closed configurations, from this number of random starts
     #[arg(long, value_name = "STARTS", value_parser = |text: &str| whole::<u16>(text, 1, 10_000))]
     branches: Option<u16>,
     #[command(flatten)]
@@ -46,7 +47,7 @@ impl Assemble {
             None => None,
             Some(starts) => {
                 let mut found = input.branches(&commands, usize::from(starts))?;
-                // The first is the one from the guess.
+                // The first one is the closure from the guess.
                 found.retain(|branch| branch.coordinates != closed.coordinates);
                 Some(found)
             }
@@ -59,7 +60,7 @@ impl Assemble {
             input.tolerance,
             others.as_deref(),
         );
-        self.mechanism.print(&report, |report| text(&input, report))?;
+        self.mechanism.format.print(&report, |report| text(&input, report))?;
         input.within_limits(&closed.coordinates)
     }
 }
@@ -68,7 +69,7 @@ fn text(input: &Input, report: &AssemblyReport) -> String {
     let mut text = format!("{}, assembled\n", report.name);
     text.push_str(&input.table(&report.closed.coordinates.0, 0));
     if let Some(displaced) = &report.virtual_joints {
-        text.push_str("rigid links do not close there; displacement of the virtual joints\n");
+        text.push_str("rigid links do not close; displacement of the virtual joints\n");
         text.push_str(&input.table(&displaced.0, report.closed.coordinates.0.len()));
     }
     let closed = match report.tolerance {

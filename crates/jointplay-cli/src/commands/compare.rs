@@ -1,4 +1,4 @@
-//! `jointplay compare`: all models side by side.
+//! `jointplay compare`: all models over a range of tilts.
 
 use std::fmt::Write as _;
 
@@ -9,34 +9,34 @@ use jointplay::gpr::AxisHeight;
 use jointplay::plot::results::comparison as comparison_figure;
 use jointplay::report::{self, CompareReport};
 use jointplay::spatial::Tilt;
-use jointplay::study::compare;
+use jointplay::study::{compare, refine};
 use jointplay::virtualization::built_in;
 
 use crate::arguments::{AnswerArgs, MetricArgs, SolverName, Steps, finite, length, pitches, yaw};
 use crate::failure::Failure;
-use crate::figure::{FigureArgs, Format};
+use crate::figure::{FIGURE_REFINEMENT, FigureArgs};
 use crate::output::{self, fixed, limits};
 
-/// What every model says of a range of tilts, side by side
+/// Compare all models over a range of tilts
 ///
-/// The models agree on the plane and the sides, and differ in where the platform sits over them: their centre shifts have opposite signs.
-/// Which one is true is physics, not kinematics: see docs/explanation/errata.md.
+/// The models agree on the platform plane and on the sides; they differ in the in-plane position of the platform, and their centre shifts can have opposite signs.
+/// Kinematics alone cannot decide between them; see docs/explanation/errata.md.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   jointplay compare
   jointplay compare --pitch-deg 0:2:0.1 --ignore-limits --figure shifts.svg")]
 pub(crate) struct Compare {
-    /// Azimuth of all tilts
+    /// Tilt direction γ
     #[arg(long, value_name = "DEG", default_value = "0", value_parser = finite)]
     yaw_deg: f64,
-    /// The tilts
+    /// Tilt angles α
     #[arg(long, value_name = "FROM:TO:STEP", default_value = "0:1.5:0.25", value_parser = pitches)]
     pitch_deg: Steps,
-    /// Axis height; without it, the robot's working height
+    /// Axis height [default: the robot's working height]
     #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
-    /// How the virtual displacements are found
+    /// Solver for the virtual joints
     #[arg(long, value_enum, default_value = "closed-form")]
     solver: SolverName,
     #[command(flatten)]
@@ -47,9 +47,6 @@ pub(crate) struct Compare {
     pub(crate) answer: AnswerArgs,
 }
 
-/// Width of a PNG figure [px].
-const PNG_WIDTH: u32 = 1800;
-
 impl Compare {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         self.figure.target()?;
@@ -58,7 +55,7 @@ impl Compare {
         let yaw = yaw(self.yaw_deg);
         let pitches: Vec<f64> = self.pitch_deg.0.iter().map(|pitch| pitch.to_radians()).collect();
         let mut broken = Vec::new();
-        // The ends of the range break whatever any of its tilts does at this azimuth and height.
+        // At one azimuth and height, the ends of the range exceed every limit that any tilt of it exceeds.
         let ends =
             [pitches.iter().copied().reduce(f64::min), pitches.iter().copied().reduce(f64::max)];
         for pitch in ends.into_iter().flatten() {
@@ -72,14 +69,15 @@ impl Compare {
         let options = self.metric.options(self.solver);
         let comparison = compare(&gpr, &built_in(), yaw, &pitches, height, &options)?;
         let report = report::compare(&comparison, &broken);
-        self.answer.print(&report, table)?;
-        let figure = comparison_figure(&comparison);
-        let written = self.figure.write(|format| match format {
-            Format::Svg => figure.to_svg().map(String::into_bytes),
-            Format::Png => figure.to_png(PNG_WIDTH),
-        })?;
+        self.answer.format.print(&report, table)?;
+        if self.figure.target()?.is_none() {
+            return Ok(());
+        }
+        let fine = refine(&pitches, FIGURE_REFINEMENT);
+        let figure = comparison_figure(&compare(&gpr, &built_in(), yaw, &fine, height, &options)?);
+        let written = self.figure.write(&figure)?;
         match written {
-            Some(path) if !self.answer.json() => {
+            Some(path) if !self.answer.format.json() => {
                 output::text(&format!("figure: {}\n", path.display()))
             }
             _ => Ok(()),
@@ -92,7 +90,7 @@ fn table(report: &CompareReport) -> String {
     let names: String = report.models.iter().map(|m| format!("{:>20}", m.virtualization)).collect();
     let _ = writeln!(
         text,
-        "centre shift x, y (µm), tilts toward yaw {}° at axis height {} mm",
+        "centre shift x, y (µm), tilt direction {}°, axis height {} mm",
         number(report.yaw_deg),
         number(report.height_mm)
     );
@@ -107,7 +105,7 @@ fn table(report: &CompareReport) -> String {
     }
     let _ = writeln!(
         text,
-        "farthest that a socket moves in the platform; approximate: is off its ball (µm)"
+        "largest socket displacement in the platform; approximate: largest gap between socket and ball (µm)"
     );
     let _ = writeln!(text, "  pitch (deg){names}{:>20}", "approximate");
     for (i, pitch) in report.pitch_deg.iter().enumerate() {
@@ -121,7 +119,7 @@ fn table(report: &CompareReport) -> String {
         if let Some(failure) = &model.failure {
             let _ = writeln!(
                 text,
-                "{}: no answer from {}° on",
+                "{}: no solution from {}° on",
                 model.virtualization,
                 number(report.pitch_deg[model.center_shift_x_um.len()])
             );
@@ -131,7 +129,7 @@ fn table(report: &CompareReport) -> String {
     text + &limits(&report.limits_broken)
 }
 
-/// A number of the table, or a dash where the model has none.
+/// A number of the table, or a dash if the model has no solution.
 fn cell(value: Option<&f64>) -> String {
     value.map_or_else(|| "-".to_owned(), |&value| fixed(value, 3))
 }

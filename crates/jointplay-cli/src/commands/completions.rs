@@ -1,57 +1,111 @@
-//! `jointplay completions`: for the shell.
+//! `jointplay completions`: completion of commands, options, files and catalogue names in a shell.
+//!
+//! The printed script asks this program for candidates at each Tab, so every shell knows the same names.
 
-use clap::builder::PossibleValuesParser;
+use std::ffi::OsStr;
+
 use clap::{Arg, Args, Command};
-use clap_complete::Shell;
+use clap_complete::engine::{
+    ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter as _,
+};
+use clap_complete::env::Shells;
+use clap_complete::{CompleteEnv, Shell};
 use jointplay::format::{catalogue, study};
 
 use crate::failure::Failure;
 use crate::output;
 
-/// Print completions for a shell
+/// Print the completion script of a shell
+///
+/// The script completes commands, options, file names and names of the catalogue.
+/// It calls `jointplay` while completing; load it again after an update.
 #[derive(Args)]
 #[command(after_help = "\
-Example:
-  jointplay completions bash > ~/.local/share/bash-completion/completions/jointplay")]
+Examples:
+  source <(jointplay completions bash)                 in ~/.bashrc
+  source <(jointplay completions zsh)                  in ~/.zshrc
+  jointplay completions fish > ~/.config/fish/completions/jointplay.fish")]
 pub(crate) struct Completions {
-    /// Which shell
+    /// The shell
     shell: Shell,
 }
+
+/// The variable by which a completion script asks for candidates.
+const VARIABLE: &str = "JOINTPLAY_COMPLETE";
 
 impl Completions {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut script = Vec::new();
-        let mut command = crate::usage::command();
-        if self.shell == Shell::Bash {
-            // Other shells would offer names in place of files; Bash falls back to files.
-            command = with_names(command);
-        }
-        clap_complete::generate(self.shell, &mut command, "jointplay", &mut script);
+        let name = self.shell.to_string();
+        let shells = Shells::builtins();
+        let shell = shells.completer(&name).expect("every shell of the list has a completer");
+        shell.write_registration(VARIABLE, "jointplay", "jointplay", "jointplay", &mut script)?;
         output::raw(&String::from_utf8_lossy(&script))
     }
 }
 
-/// The command line with names of the catalogue, or of studies, where a file is asked for.
+/// Prints the candidates and ends the process, if a completion script asks for them.
+pub(crate) fn answer_shell(definition: fn() -> Command) {
+    CompleteEnv::with_factory(|| with_names(definition())).var(VARIABLE).complete();
+}
+
+/// The names that complete an argument, in addition to files.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Names {
+    Robots,
+    Catalogue,
+    Studies,
+}
+
+impl Names {
+    fn of(command: &str, argument: &Arg) -> Option<Self> {
+        let is_file = || matches!(argument.get_id().as_str(), "file" | "name");
+        if argument.get_long() == Some("robot") {
+            Some(Self::Robots)
+        } else if !argument.is_positional() || !is_file() {
+            None
+        } else if command == "study" {
+            Some(Self::Studies)
+        } else {
+            Some(Self::Catalogue)
+        }
+    }
+
+    fn all(self) -> Vec<&'static str> {
+        let entries = catalogue::entries().iter();
+        match self {
+            Self::Robots => {
+                let robots = entries.filter(|entry| entry.kind().as_deref() == Some("gpr"));
+                robots.map(|entry| entry.name).collect()
+            }
+            Self::Catalogue => entries.map(|entry| entry.name).collect(),
+            Self::Studies => study::examples().iter().map(|example| example.name).collect(),
+        }
+    }
+
+    fn candidates(self, current: &OsStr) -> Vec<CompletionCandidate> {
+        let start = current.to_string_lossy();
+        let names = self.all().into_iter().filter(|name| name.starts_with(&*start));
+        let mut found: Vec<_> = names.map(CompletionCandidate::new).collect();
+        found.extend(PathCompleter::any().complete(current));
+        found
+    }
+}
+
+/// The command line with completers for arguments that take names of the catalogue or of studies.
 fn with_names(command: Command) -> Command {
+    // Its files are cells and programs, of which the catalogue has none.
     if command.get_name() == "cell" {
         return command;
     }
-    let is_study = command.get_name() == "study";
-    let names = move || -> Vec<&'static str> {
-        if is_study {
-            study::examples().iter().map(|example| example.name).collect()
-        } else {
-            catalogue::entries().iter().map(|entry| entry.name).collect()
-        }
-    };
-    let named = |argument: &Arg| {
-        let is_robot = argument.get_long() == Some("robot");
-        is_robot
-            || (argument.is_positional() && matches!(argument.get_id().as_str(), "file" | "name"))
-    };
+    let name = command.get_name().to_owned();
     command
-        .mut_args(|one| {
-            if named(&one) { one.value_parser(PossibleValuesParser::new(names())) } else { one }
+        .mut_args(|argument| match Names::of(&name, &argument) {
+            Some(names) => {
+                let completer = move |current: &OsStr| names.candidates(current);
+                argument.add(ArgValueCompleter::new(completer))
+            }
+            None => argument,
         })
         .mut_subcommands(with_names)
 }

@@ -1,29 +1,28 @@
-//! `jointplay draw`: a picture of a mechanism.
+//! `jointplay draw`: pictures of mechanisms.
 
 use std::path::PathBuf;
 
 use clap::Args;
 use jointplay::format::number::number;
 use jointplay::plot::{MechanismPicture, View};
+use serde::Serialize;
 
 use super::motion::driven;
 use crate::arguments::finite;
 use crate::failure::Failure;
-use crate::figure::{FigureArgs, Format};
+use crate::figure::FigureArgs;
 use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
-use crate::output;
+use crate::output::{self, FormatArgs};
 use crate::source::STANDARD;
 
-/// Width of a PNG figure [px].
-const PNG_WIDTH: u32 = 1800;
-/// Play is shown larger by this much at most: a nanometre as a metre.
+/// Largest play scale: a nanometre drawn as a metre.
 const LARGEST_FACTOR: f64 = 1e9;
 
-/// Draw a mechanism: its links, its joints by kind, what is actuated, its virtual joints
+/// Draw a mechanism: links, joints by kind, actuators, virtual joints
 ///
-/// The picture is written into the file that --figure names; without it, as SVG on standard output.
-/// The mechanism is closed from the guesses of its file.
-/// It is seen from where its joints stand apart best, a planar one nearly square on.
+/// Use --figure to write the picture into a file; without it, SVG is printed on standard output.
+/// The loops are closed from the initial guess in the file.
+/// The default view separates the joints best; a planar mechanism is seen almost along its normal.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -37,28 +36,39 @@ pub(crate) struct Draw {
     file: PathBuf,
     #[command(flatten)]
     set: SetArgs,
-    /// Joint coordinates that are to have these values, in the units of the file
+    /// Commanded joint coordinates, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
     at: Vec<Assignment>,
-    /// Show the links faintly where they are once these joints are driven to these values
+    /// Also draw the links faintly with these joints driven to these values
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment)]
     ghost: Vec<Assignment>,
-    /// Show the play that the configuration takes larger by this factor; all joints stay where they truly are
+    /// Play scale: draw the displacement of the virtual joints larger by this factor; joints keep their positions
     #[arg(long, value_name = "FACTOR", value_parser = factor)]
     exaggerate: Option<f64>,
-    /// From where it is seen: azimuth and elevation of the eye in degrees, z being up
+    /// Direction to the viewer: azimuth and elevation in degrees, with z up
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = view)]
     view: Option<View>,
     #[command(flatten)]
     figure: FigureArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// The picture: the file that it was written to, or its SVG text.
+#[derive(Serialize)]
+#[serde(rename_all = "snake_case")]
+enum Drawn {
+    Figure(String),
+    Svg(String),
 }
 
 fn view(text: &str) -> Result<View, String> {
-    let (azimuth, elevation) =
-        text.split_once(',').ok_or_else(|| format!("{text:?} is not AZIMUTH,ELEVATION"))?;
+    let (azimuth, elevation) = text
+        .split_once(',')
+        .ok_or_else(|| format!("invalid view {text:?}: expected AZIMUTH,ELEVATION"))?;
     let (azimuth, elevation) = (finite(azimuth)?, finite(elevation)?);
     if elevation.abs() > 90.0 {
-        return Err(format!("an elevation of {}° is not between -90° and 90°", number(elevation)));
+        return Err(format!("elevation must be from -90° to 90°, got {}°", number(elevation)));
     }
     let azimuth = (azimuth % 360.0).to_radians();
     Ok(View { azimuth, elevation: elevation.to_radians() })
@@ -69,10 +79,7 @@ fn factor(text: &str) -> Result<f64, String> {
     if (1.0..=LARGEST_FACTOR).contains(&factor) {
         Ok(factor)
     } else {
-        Err(format!(
-            "play is shown larger by a factor from 1 to {LARGEST_FACTOR:e}, not {}",
-            number(factor)
-        ))
+        Err(format!("the play scale must be from 1 to {LARGEST_FACTOR:e}, got {}", number(factor)))
     }
 }
 
@@ -82,8 +89,8 @@ impl Draw {
         let input = Input::read(&self.file, &self.set.set)?;
         let posed = input.posed(&input.commands(&self.at)?)?;
         if self.exaggerate.is_some() && posed.relief.is_none() {
-            let text = "--exaggerate: this configuration takes no play that could be shown larger; say one with --at that closes by the file's virtual joints only";
-            return Err(Failure::Misused(text.to_owned()));
+            let text = "--exaggerate: the virtual joints are not displaced in this configuration; use --at to command one that needs them";
+            return Err(Failure::Usage(text.to_owned()));
         }
         let mut picture = MechanismPicture::new(&input.file.mechanism, posed.closed.coordinates);
         (picture.view, picture.exaggeration) = (self.view, self.exaggerate);
@@ -91,16 +98,18 @@ impl Draw {
             let to = input.commands(&self.ghost)?;
             picture.ghost = Some(driven(&input, &picture.coordinates, &to, "--ghost")?);
         }
-        let written = self.figure.write(|format| match format {
-            Format::Svg => picture.to_svg().map(String::into_bytes),
-            Format::Png => picture.to_png(PNG_WIDTH),
-        })?;
-        match written {
-            Some(path) => output::text(&format!("picture: {}\n", path.display())),
+        let written = self.figure.write(&picture)?;
+        let drawn = match written {
+            Some(path) => Drawn::Figure(path.display().to_string()),
             None => {
                 let failed = |source| Failure::Figure { figure: STANDARD.to_owned(), source };
-                output::raw(&picture.to_svg().map_err(failed)?)
+                Drawn::Svg(picture.to_svg().map_err(failed)?)
             }
+        };
+        match &drawn {
+            _ if self.format.json() => output::json(&drawn),
+            Drawn::Figure(path) => output::text(&format!("picture: {path}\n")),
+            Drawn::Svg(svg) => output::raw(svg),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `jointplay forward`: from rods to pose.
+//! `jointplay forward`: forward kinematics, from rod lengths to the platform pose.
 
 use clap::Args;
 use jointplay::report;
@@ -7,7 +7,7 @@ use super::pose_text;
 use crate::arguments::{AnswerArgs, ModelArgs, RodArgs};
 use crate::failure::Failure;
 
-/// Where the platform is for given rods
+/// Compute the platform pose for given rod lengths (forward kinematics)
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -30,6 +30,8 @@ impl ForwardCommand {
         let broken = self.answer.limits.check_rods(&gpr, &rods)?;
         let pose = gpr.forward(rods, model, &self.model.options())?;
         let report = report::forward(&pose, model, &broken);
-        self.answer.print(&report, |report| pose_text::pose(report, self.model.options().solver))
+        self.answer
+            .format
+            .print(&report, |report| pose_text::pose(report, self.model.options().solver))
     }
 }

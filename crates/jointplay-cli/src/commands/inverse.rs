@@ -1,4 +1,4 @@
-//! `jointplay inverse`: from tilt and height to rods.
+//! `jointplay inverse`: inverse kinematics, from tilt and height to rod lengths.
 
 use clap::{Args, ValueEnum};
 use jointplay::gpr::{AxisHeight, CenterHeight};
@@ -8,9 +8,9 @@ use super::pose_text;
 use crate::arguments::{AnswerArgs, ModelArgs, TiltArgs};
 use crate::failure::Failure;
 
-/// Which rods tilt the platform so, and where it then is
+/// Compute rod lengths for a tilt (inverse kinematics) and the resulting platform pose
 ///
-/// Without a tilt: level.
+/// Without a tilt, the platform is level.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -19,7 +19,7 @@ Examples:
 pub(crate) struct Inverse {
     #[command(flatten)]
     tilt: TiltArgs,
-    /// What the height is of
+    /// Point whose height is commanded
     #[arg(long, value_enum, default_value = "axis")]
     height_of: HeightOf,
     #[command(flatten)]
@@ -30,9 +30,9 @@ pub(crate) struct Inverse {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum HeightOf {
-    /// where the platform plane crosses the base axis
+    /// intersection of the platform plane with the base axis
     Axis,
-    /// the platform's own centre
+    /// centre of the platform
     Center,
 }
 
@@ -41,7 +41,7 @@ impl Inverse {
         let gpr = self.answer.load()?;
         let (model, options) = (self.model.model(), self.model.options());
         let (tilt, height) = (self.tilt.tilt(0.0), self.tilt.height(&gpr));
-        // Limits first: past them the virtual joints may not be found at all.
+        // Limits first: beyond them the solver for the virtual joints may not converge.
         let rods = gpr.inverse(tilt, AxisHeight(height))?;
         let mut broken = self.answer.limits.check(&gpr, &rods, tilt)?;
         let pose = match self.height_of {
@@ -53,6 +53,6 @@ impl Inverse {
             }
         };
         let report = report::forward(&pose, model, &broken);
-        self.answer.print(&report, |report| pose_text::pose(report, options.solver))
+        self.answer.format.print(&report, |report| pose_text::pose(report, options.solver))
     }
 }

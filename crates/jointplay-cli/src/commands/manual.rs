@@ -1,4 +1,4 @@
-//! `jointplay manual`: the manual pages.
+//! `jointplay manual`: manual pages.
 
 use std::path::PathBuf;
 
@@ -9,14 +9,14 @@ use crate::failure::Failure;
 use crate::folder::ForceArgs;
 use crate::{folder, output};
 
-/// Print the manual page, or write one for every command
+/// Print the manual page, or write the pages of all commands
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   jointplay manual | man -l -
   jointplay manual --out ~/.local/share/man/man1")]
 pub(crate) struct Manual {
-    /// Folder to write all pages into
+    /// Folder for the pages of all commands
     #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -24,8 +24,7 @@ pub(crate) struct Manual {
 }
 
 impl Manual {
-    pub(crate) fn run(&self) -> Result<(), Failure> {
-        let mut command = crate::usage::command();
+    pub(crate) fn run(&self, mut command: clap::Command) -> Result<(), Failure> {
         command.build();
         let Some(out) = &self.out else {
             return output::raw(&String::from_utf8_lossy(&page(&command)?));
@@ -38,7 +37,7 @@ impl Manual {
     }
 }
 
-/// Adds the page of a command and those of its subcommands, to which it refers.
+/// Adds the page of a command and the pages of its subcommands.
 fn add(
     pages: &mut Vec<(String, Vec<u8>)>,
     command: &clap::Command,

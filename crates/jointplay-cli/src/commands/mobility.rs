@@ -1,4 +1,4 @@
-//! `jointplay mobility`: what can move.
+//! `jointplay mobility`: Kutzbach, instantaneous and finite mobility.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -24,25 +24,30 @@ use crate::output::{fixed, limits, magnitude, three};
 use crate::progress::Progress;
 use crate::source::{Kind, Source};
 
-/// What the constraints let move: counted, to first order, and for real
+/// Compute the Kutzbach, instantaneous and finite mobility, and redundant constraints
+///
+/// The Kutzbach mobility counts freedoms and constraints.
+/// The instantaneous mobility is the dimension of the admissible velocities at one configuration.
+/// The finite mobility is the dimension of the admissible motions.
+/// A mechanism with finite mobility below its instantaneous mobility is infinitesimally mobile ("shaky" in rigidity theory).
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
-  jointplay mobility                                      level: shaky
-  jointplay mobility --q-mm 500,501,502                   tilted: stiff
+  jointplay mobility                                      level: infinitesimally mobile
+  jointplay mobility --q-mm 500,501,502                   tilted: rigid
   jointplay mobility --q-mm 500,501,502 --virtualization polar
   jointplay mobility bennett                              any mechanism
   jointplay mobility four-bar --at A=30 --set coupler=0.25
   jointplay mobility bennett --set b=0.1101 --tolerance 1e-3
-                                                          moves, to a thousandth
+                                                          mobile within a tolerance of 1e-3
 
-Where the file of a mechanism says what to expect, in `[expected]`, an answer that differs from it is an error; not with --at, --set or --tolerance.
-Exit codes: 0 done, 1 no such configuration, beyond a limit, or not what the file expects, 2 bad input or usage.")]
+If a mechanism file has an [expected] table, a different result is an error; it is not compared with --at, --set or --tolerance.
+Exit codes: 0 done, 1 no such configuration, a limit is exceeded, or the result differs from [expected], 2 bad input or usage.")]
 pub(crate) struct Mobility {
-    /// Mechanism or robot file (TOML), or a name from `jointplay catalogue`; without it, the paper's robot
+    /// Mechanism or robot file (TOML), or a name from `jointplay catalogue` [default: the paper's robot]
     #[arg(value_name = "FILE", conflicts_with = "robot")]
     file: Option<PathBuf>,
-    /// Joint coordinates of a mechanism that are to have these values, in the units of the file
+    /// Commanded joint coordinates of a mechanism, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment, requires = "file", conflicts_with_all = ["q_mm", "virtualization"])]
     at: Vec<Assignment>,
     #[command(flatten)]
@@ -51,7 +56,7 @@ pub(crate) struct Mobility {
     near: ToleranceArgs,
     #[command(flatten)]
     rods: RodArgs,
-    /// Also the mobility with these virtual joints free
+    /// Also compute the mobility with these virtual joints free
     #[arg(long, value_enum)]
     virtualization: Option<VirtualizationName>,
     #[command(flatten)]
@@ -74,7 +79,7 @@ impl Mobility {
                 self.robot(&source)?.without_limit_checks()
             }
         };
-        // The rigid mechanism is the one whose virtual joints are held; which virtualization holds them makes no difference.
+        // The rigid robot is the one with its virtual joints held; the choice of virtualization makes no difference.
         let options = SolveOptions::default();
         let rods = self.rods.rods(&gpr);
         let broken = self.answer.limits.check_rods(&gpr, &rods)?;
@@ -92,14 +97,13 @@ impl Mobility {
         };
         let augmented = augmented.as_ref().map(|(name, found)| (*name, found));
         let report = report::mobility(&pose, gpr.kutzbach_mobility(), &finite, augmented, &broken);
-        self.answer.print(&report, text)
+        self.answer.format.print(&report, text)
     }
 
     fn of_mechanism(&self, source: &Source) -> Result<(), Failure> {
         if self.rods.q_mm.is_some() || self.virtualization.is_some() {
-            let text =
-                "--q-mm and --virtualization are of the three-rod robot; say --at for a mechanism";
-            return Err(Failure::Misused(text.to_owned()));
+            let text = "--q-mm and --virtualization apply to the three-rod robot; use --at for a mechanism";
+            return Err(Failure::Usage(text.to_owned()));
         }
         let tolerance = self.near.tolerance;
         let input = Input { tolerance, ..Input::parse(source, &self.set.set)? };
@@ -109,7 +113,7 @@ impl Mobility {
             let found = system.mobility(RANK_THRESHOLD)?;
             let report = report::sparse_mobility(&input.file, &system, &found);
             drop(working);
-            self.answer.print(&report, sparse_text)?;
+            self.answer.format.print(&report, sparse_text)?;
             input.within_limits(system.coordinates())?;
             return self.compare_with_file(&input, report.joint_freedoms, &report.freedoms);
         }
@@ -117,7 +121,7 @@ impl Mobility {
         let system = MechanismSystem::new(&input.file.mechanism, posed.closed.coordinates.clone())?;
         let at = system.at_home();
         let near = tolerance.map(|tolerance| near_mobility(&system, &at, tolerance)).transpose()?;
-        // Loops that do not close are taken as forced shut.
+        // Within a tolerance, open loops are analysed as if forced shut.
         let forced = tolerance.is_some() && !system.is_closed();
         let found = mechanism_mobility(&system, RANK_THRESHOLD, forced)?;
         let report = report::mechanism_mobility(
@@ -129,14 +133,14 @@ impl Mobility {
             near.as_ref(),
         )?;
         drop(working);
-        self.answer.print(&report, |report| mechanism_text(&input, report))?;
+        self.answer.format.print(&report, |report| mechanism_text(&input, report))?;
         input.within_limits(&posed.closed.coordinates)?;
         self.compare_with_file(&input, report.joint_freedoms, &report.freedoms)
     }
 
-    /// Refuses an answer that is not what the file itself expects.
+    /// Refuses a result that differs from the `[expected]` table of the file.
     ///
-    /// Expectations hold for the mechanism as its file describes it: other parameters, commanded coordinates and a tolerance are not compared.
+    /// The table holds for the mechanism as its file describes it: with other parameters, commanded coordinates or a tolerance it is not compared.
     fn compare_with_file(
         &self,
         input: &Input,
@@ -153,35 +157,35 @@ impl Mobility {
     }
 
     fn refuse_tolerance(&self) -> Result<(), Failure> {
-        let text = "--tolerance is for mechanism files; `gpr-mechanism` of the catalogue is this robot as one";
-        self.near.tolerance.map_or(Ok(()), |_| Err(Failure::Misused(text.to_owned())))
+        let text = "--tolerance applies to mechanism files; `gpr-mechanism` of the catalogue describes this robot as a mechanism";
+        self.near.tolerance.map_or(Ok(()), |_| Err(Failure::Usage(text.to_owned())))
     }
 
     fn robot(&self, source: &Source) -> Result<Gpr, Failure> {
         self.refuse_tolerance()?;
         if !self.at.is_empty() || !self.set.set.is_empty() {
-            let text = "--at and --set are for mechanism files; say --q-mm for this robot";
-            return Err(Failure::Misused(text.to_owned()));
+            let text = "--at and --set apply to mechanism files; use --q-mm for this robot";
+            return Err(Failure::Usage(text.to_owned()));
         }
         let read = robot::parse(&source.text);
         Ok(read.map_err(|error| Failure::at(&error, &source.label))?.gpr)
     }
 }
 
-/// Freedoms and constraints, told alike of the robot and of any mechanism.
+/// Mobilities and constraints, in the same form for the robot and for any mechanism.
 fn freedoms(text: &mut String, found: &FreedomsReport) {
     let [lower, upper] = found.finite_mobility_bounds;
     let undecided = format!("undecided, {lower} to {upper}");
     let finite = found.finite_mobility.map_or(undecided, |finite| finite.to_string());
-    let _ = writeln!(text, "  counted (Kutzbach)   {:>3}", found.kutzbach_mobility);
-    let _ = writeln!(text, "  to first order       {:>3}", found.instantaneous_mobility);
-    let _ = writeln!(text, "  for real             {finite:>3}");
+    let _ = writeln!(text, "  Kutzbach             {:>3}", found.kutzbach_mobility);
+    let _ = writeln!(text, "  instantaneous        {:>3}", found.instantaneous_mobility);
+    let _ = writeln!(text, "  finite               {finite:>3}");
     let _ = writeln!(text, "constraints");
     let _ = writeln!(text, "  rank                 {:>3}", found.rank);
     let _ = writeln!(text, "  redundant            {:>3}", found.redundancy);
 }
 
-/// Singular values, those that count apart from those that do not.
+/// Singular values above and below the rank threshold.
 fn spectrum(text: &mut String, values: [&[f64]; 2], threshold: f64, length_mm: f64) {
     let _ = writeln!(text, "singular values, lengths in units of {} mm", rounded(length_mm, 6));
     singular_values(text, values);
@@ -199,7 +203,7 @@ fn text(report: &MobilityReport) -> String {
         let lost = instantaneous_mobility - finite;
         let _ = writeln!(
             text,
-            "shaky: {} only instantaneous",
+            "infinitesimally mobile: {} only instantaneous",
             if lost == 1 { "1 motion is".to_owned() } else { format!("{lost} motions are") }
         );
     }
@@ -230,7 +234,7 @@ fn sparse_text(report: &SparseMobilityReport) -> String {
         spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
         let _ = writeln!(
             text,
-            "  of the joint closures by sparse algebra: the largest, the least that counts, the largest that does not"
+            "  of the joint closures, by sparse algebra: the largest, the smallest above and the largest below the threshold"
         );
     }
     let _ = writeln!(text, "{}", report.class);
@@ -241,7 +245,7 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     let mut text = format!("mobility of {}, at\n", report.name);
     text.push_str(&input.table(&report.coordinates.0, 0));
     if let Some(displaced) = &report.virtual_joints {
-        text.push_str("rigid links do not close there; virtual joints gave way by\n");
+        text.push_str("rigid links do not close; displacement of the virtual joints\n");
         text.push_str(&input.table(&displaced.0, report.coordinates.0.len()));
     }
     let _ = writeln!(text, "freedoms");
@@ -252,42 +256,46 @@ fn mechanism_text(input: &Input, report: &MechanismMobilityReport) -> String {
     spectrum(&mut text, values, report.threshold, report.characteristic_length_mm);
     let _ = writeln!(
         text,
-        "  deviations of dimensions that change singular values by less than the threshold, or close to {CLOSURE_TOLERANCE:.0e}, are round-off and count as none"
+        "  singular values below the threshold and closure residuals below {CLOSURE_TOLERANCE:.0e} are treated as zero"
     );
     let _ = writeln!(text, "{}", report.class);
-    for carried in &report.carried_twice {
-        let _ =
-            writeln!(text, "  carried twice: {}, by {}", carried.what, carried.joints.join(", "));
+    for carried in &report.redundant_constraints {
+        let _ = writeln!(
+            text,
+            "  redundant constraint: {}, by {}",
+            carried.what,
+            carried.joints.join(", ")
+        );
     }
     text.push_str(&near_words(report));
-    let _ = writeln!(text, "links, to first order");
+    let _ = writeln!(text, "instantaneous motions of the links");
     for (link, motion) in &report.link_motions.0 {
         let _ = writeln!(text, "  {link:<20} {}", motion_words(motion));
     }
     text
 }
 
-/// What dimensions true only to a tolerance make of it, or what to ask.
+/// Mobility within a tolerance of the dimensions, or a hint at `--tolerance`.
 fn near_words(report: &MechanismMobilityReport) -> String {
     let mut text = String::new();
     if let Some(near) = &report.near {
         let (mobility, needed) = (near.near_mobility, near.near_tolerance_needed);
         let words = if report.freedoms.finite_mobility == Some(mobility) {
-            ", as for real".to_owned()
+            ", equal to the finite mobility".to_owned()
         } else if needed <= CLOSURE_TOLERANCE {
-            format!("; the largest mismatch on the way, {needed:.1e}, is round-off")
+            format!("; the largest mismatch along the motion, {needed:.1e}, is round-off")
         } else {
-            format!(", if dimensions are true only to {needed:.1e}")
+            format!(", if dimensions are accurate only to {needed:.1e}")
         };
         let _ = writeln!(text, "within a tolerance of {:.1e}: {mobility}{words}", near.tolerance);
         if let Some(gap) = near.forced_shut {
             let _ = writeln!(
                 text,
-                "  \"for real\" is with the loops forced shut: they miss by {gap:.1e}"
+                "  the finite mobility assumes that the loops are forced shut: they are open by {gap:.1e}"
             );
         }
         if let Some(more) = near.near_tolerance_for_one_more {
-            let _ = writeln!(text, "  one more would need about {more:.1e}");
+            let _ = writeln!(text, "  one more degree of freedom needs about {more:.1e}");
         }
     }
     if let Some(NearMissReport { near_mobility, near_tolerance_needed, tolerance_to_try }) =
@@ -295,13 +303,13 @@ fn near_words(report: &MechanismMobilityReport) -> String {
     {
         let _ = writeln!(
             text,
-            "near miss: mobility {near_mobility} if dimensions are true only to {near_tolerance_needed:.1e}; see --tolerance {tolerance_to_try:.0e}"
+            "near miss: mobility {near_mobility} if dimensions are accurate only to {near_tolerance_needed:.1e}; see --tolerance {tolerance_to_try:.0e}"
         );
     }
     if let Some(coordinates) = report.near_miss_not_searched {
         let _ = writeln!(
             text,
-            "near misses were not searched for, with {coordinates} coordinates; --tolerance 1e-4 does"
+            "near misses were not searched, because of {coordinates} coordinates; use --tolerance 1e-4 to search"
         );
     }
     text
@@ -310,29 +318,33 @@ fn near_words(report: &MechanismMobilityReport) -> String {
 fn motion_words(motion: &LinkMotionReport) -> String {
     let LinkMotionReport { dimension, translations, pitch_mm_per_rad, axis_point_mm } = motion;
     match (dimension, pitch_mm_per_rad, axis_point_mm) {
-        (0, ..) => "does not move".to_owned(),
+        (0, ..) => "at rest".to_owned(),
         (1, Some(pitch), Some(point)) => {
-            // Advances that are round-off of the mechanism's own size are none.
+            // An advance below round-off of the mechanism's size is zero.
             let turns =
                 if pitch.abs() < 1e-9 * point.iter().fold(1.0, |most: f64, x| most.max(x.abs())) {
-                    "turns about an axis".to_owned()
+                    "rotation about an axis".to_owned()
                 } else {
-                    format!("screws with an advance of {pitch:.6} mm/rad about an axis")
+                    format!("screw motion with an advance of {pitch:.6} mm/rad about an axis")
                 };
             format!("{turns} through ({}) mm", point.map(|x| fixed(x, 4)).join(", "))
         }
-        (1, ..) => "slides".to_owned(),
-        _ => format!("in {}, {translations} of them translations", counted(*dimension, "way")),
+        (1, ..) => "translation".to_owned(),
+        _ => format!(
+            "{}, including {}",
+            counted(*dimension, "freedom"),
+            counted(*translations, "translation")
+        ),
     }
 }
 
-/// Values that count, then those that do not.
+/// Singular values above, then below the threshold.
 fn singular_values(text: &mut String, [counted, zero]: [&[f64]; 2]) {
     let list = |values: &[f64]| {
         values.iter().map(|&value| format!(" {}", magnitude(value))).collect::<String>()
     };
     for (row, chunk) in counted.chunks(6).enumerate() {
-        let label = if row == 0 { "counted" } else { "" };
+        let label = if row == 0 { "nonzero" } else { "" };
         let _ = writeln!(text, "  {label:<20}{}", list(chunk));
     }
     if !zero.is_empty() {

@@ -1,4 +1,4 @@
-//! One file a command: what its flags are, what it asks the library, how it tells the answer.
+//! One file per command: its flags, its calls of the library, and its answer as text.
 
 mod assemble;
 mod catalogue;
@@ -20,11 +20,10 @@ mod simulate_text;
 #[cfg(feature = "studio")]
 mod studio;
 mod study;
-mod study_file;
-mod study_text;
 mod suggest;
 
 use clap::Subcommand;
+pub(crate) use completions::answer_shell;
 
 use crate::failure::Failure;
 
@@ -52,7 +51,11 @@ pub(crate) enum Command {
 }
 
 impl Command {
-    pub(crate) fn run(&self) -> Result<(), Failure> {
+    /// Runs the command.
+    ///
+    /// # Arguments
+    /// * `definition` – the whole command line, for the manual
+    pub(crate) fn run(&self, definition: fn() -> clap::Command) -> Result<(), Failure> {
         match self {
             Self::Simulate(command) => command.run(),
             Self::Study(command) => command.run(),
@@ -71,31 +74,32 @@ impl Command {
             Self::Import(command) => command.run(),
             Self::Catalogue(command) => command.run(),
             Self::Completions(command) => command.run(),
-            Self::Manual(command) => command.run(),
+            Self::Manual(command) => command.run(definition()),
         }
     }
 
-    /// Whether errors are to be told as JSON too.
+    /// Whether errors are reported as JSON.
     pub(crate) fn wants_json(&self) -> bool {
-        match self {
-            Self::Study(command) => command.json(),
-            Self::Forward(command) => command.answer.json(),
-            Self::Inverse(command) => command.answer.json(),
-            Self::Mobility(command) => command.answer.json(),
-            Self::Sensitivity(command) => command.answer.json(),
-            Self::Compare(command) => command.answer.json(),
-            Self::Assemble(command) => command.mechanism.json(),
-            Self::Move(command) => command.mechanism.json(),
-            Self::Cell(command) => command.json(),
-            Self::Suggest(command) => command.mechanism.json(),
-            Self::Simulate(_)
-            | Self::Draw(_)
-            | Self::Import(_)
-            | Self::Catalogue(_)
-            | Self::Completions(_)
-            | Self::Manual(_) => false,
+        let format = match self {
+            Self::Simulate(command) => command.format,
+            Self::Study(command) => command.format,
+            Self::Forward(command) => command.answer.format,
+            Self::Inverse(command) => command.answer.format,
+            Self::Mobility(command) => command.answer.format,
+            Self::Sensitivity(command) => command.answer.format,
+            Self::Compare(command) => command.answer.format,
+            Self::Assemble(command) => command.mechanism.format,
+            Self::Move(command) => command.mechanism.format,
+            Self::Draw(command) => command.format,
+            Self::Cell(command) => command.format(),
+            Self::Suggest(command) => command.mechanism.format,
             #[cfg(feature = "studio")]
-            Self::Studio(_) => false,
-        }
+            Self::Studio(command) => command.format,
+            Self::Import(command) => command.format,
+            Self::Catalogue(command) => command.format,
+            // A script for a shell and pages for man have one format only.
+            Self::Completions(_) | Self::Manual(_) => return false,
+        };
+        format.json()
     }
 }

@@ -1,4 +1,4 @@
-//! `jointplay move`: joints driven along a way, all others following.
+//! `jointplay move`: joints driven along a path.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -17,25 +17,24 @@ use jointplay::report::{self, MotionReport};
 
 use crate::arguments::finite;
 use crate::failure::Failure;
+use crate::figure::svg_and_png;
 use crate::folder::{self, ForceArgs};
 use crate::mechanism_input::{Input, MechanismArgs};
 use crate::output::fixed;
 use crate::progress::Progress;
 use crate::source;
 
-/// Steps of a way whose step is not said.
+/// Default number of steps of a path.
 const STEPS: usize = 60;
-/// The most steps that a way may have.
+/// Largest number of steps of a path.
 const MOST_STEPS: usize = 100_000;
-/// Width of the figure's PNG [px]: 180 mm at 250 dots an inch.
-const PNG_WIDTH: u32 = 1800;
 
-/// Drive joints of a mechanism along a way, all others following
+/// Drive joints along a path and solve for the remaining ones
 ///
-/// The mechanism is closed from the guesses of its file, driven to FROM and then, step by step, to TO.
-/// Without --drive, the first actuated joint goes over its limits, or 20° or a tenth of the characteristic length either way.
-/// If only actuated joints are driven, the other actuated joints hold still; else all others follow.
-/// Virtual joints give way as little as they can.
+/// The loops are closed from the initial guess in the file; the joints are driven to FROM and then, step by step, to TO.
+/// Without --drive, the first actuated joint is driven between its limits, or by ±20° or ± a tenth of the characteristic length.
+/// If only actuated joints are driven, the other actuated joints are held; otherwise all other joints are solved for.
+/// Virtual joints are displaced by the least amount.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -43,14 +42,14 @@ Examples:
   jointplay move four-bar --drive A=0:360:5 --out four-bar-motion
   jointplay move hexapod --drive P1=0:0.02 --drive P2=0:-0.02:-0.005 --format json
 
-Exit codes: 0 went to the end, 1 stopped on the way or left joint limits or clearances, 2 bad input or usage.")]
+Exit codes: 0 reached the end, 1 stopped before the end, or a joint limit or clearance was exceeded, 2 bad input or usage.")]
 pub(crate) struct Move {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
-    /// A joint coordinate to drive; FROM may be left out, and so may STEP, which has to fit into the range; several arrive together
-    #[arg(long = "drive", value_name = "JOINT=FROM:TO[:STEP]", value_parser = way)]
-    drives: Vec<Way>,
-    /// Folder for the series (CSV) and the figure (SVG, PNG); without it, none are written
+    /// Joint coordinate to drive; FROM and STEP are optional, and STEP must divide the range; several coordinates are driven simultaneously
+    #[arg(long = "drive", value_name = "JOINT=FROM:TO[:STEP]", value_parser = drive_range)]
+    drives: Vec<DriveRange>,
+    /// Folder for the series (CSV) and the figure (SVG, PNG); by default none are written
     #[arg(short, long, value_name = "FOLDER")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -59,15 +58,15 @@ pub(crate) struct Move {
 
 /// `JOINT=FROM:TO[:STEP]`, in the unit of the file.
 #[derive(Clone, Debug)]
-struct Way {
+struct DriveRange {
     joint: String,
     from: Option<f64>,
     to: f64,
     step: Option<f64>,
 }
 
-fn way(text: &str) -> Result<Way, String> {
-    let form = || format!("{text:?} is not JOINT=FROM:TO or JOINT=FROM:TO:STEP");
+fn drive_range(text: &str) -> Result<DriveRange, String> {
+    let form = || format!("invalid drive {text:?}: expected JOINT=FROM:TO or JOINT=FROM:TO:STEP");
     let (joint, range) = text.rsplit_once('=').ok_or_else(form)?;
     let parts: Vec<&str> = range.split(':').map(str::trim).collect();
     let (from, to, step) = match parts[..] {
@@ -76,19 +75,19 @@ fn way(text: &str) -> Result<Way, String> {
         _ => return Err(form()),
     };
     if step == Some(0.0) {
-        return Err("a step of 0 leads nowhere".to_owned());
+        return Err("STEP must not be 0".to_owned());
     }
     let from = if from.is_empty() { None } else { Some(finite(from)?) };
-    Ok(Way { joint: joint.trim().to_owned(), from, to: finite(to)?, step })
+    Ok(DriveRange { joint: joint.trim().to_owned(), from, to: finite(to)?, step })
 }
 
-/// A way in SI units.
-struct Leg {
+/// The range of one driven coordinate [m, rad].
+struct DriveSegment {
     coordinate: usize,
     from: Option<f64>,
     to: f64,
     step: Option<f64>,
-    /// How messages name it.
+    /// Name in messages.
     name: String,
 }
 
@@ -99,46 +98,42 @@ impl Move {
         let legs = self.legs(&input, &start)?;
         let driven: Vec<usize> = legs.iter().map(|leg| leg.coordinate).collect();
         let held = held(&input, &driven);
-        let names = self.out.as_ref().map(|folder| self.names(folder)).transpose()?;
-        let moved = go(&input, start, &legs, &held)?;
-        let report = report::motion(&input.file, &driven, &held, &moved);
-        if let (Some(folder), Some(names)) = (&self.out, names) {
-            write(&input, &report, &driven, folder, names, self.force)?;
+        if let Some(folder) = &self.out {
+            folder::check_folder(folder, self.force)?;
         }
-        self.mechanism.print(&report, |report| self.text(&input, report, &driven))?;
+        let moved = drive_path(&input, start, &legs, &held)?;
+        let report = report::motion(&input.file, &driven, &held, &moved);
+        if let Some(folder) = &self.out {
+            let stem = format!("{}-motion", source::stem(self.mechanism.path()));
+            write(&input, &report, &driven, folder, &stem, self.force)?;
+        }
+        self.mechanism.format.print(&report, |report| self.text(&input, report, &driven))?;
         if let Some(message) = report.message {
             return Err(Failure::Stopped(message));
         }
         moved.waypoints.iter().try_for_each(|at| input.within_limits(&at.coordinates))
     }
 
-    fn legs(&self, input: &Input, start: &DVector<f64>) -> Result<Vec<Leg>, Failure> {
+    fn legs(&self, input: &Input, start: &DVector<f64>) -> Result<Vec<DriveSegment>, Failure> {
         if self.drives.is_empty() {
-            return Ok(vec![usual(input, start)?]);
+            return Ok(vec![default_segment(input, start)?]);
         }
-        let mut legs: Vec<Leg> = Vec::new();
-        for way in &self.drives {
-            let coordinate = input.find(&way.joint)?;
+        let mut legs: Vec<DriveSegment> = Vec::new();
+        for drive in &self.drives {
+            let coordinate = input.find(&drive.joint)?;
             if legs.iter().any(|leg| leg.coordinate == coordinate) {
-                return Err(Failure::Misused(format!("--drive {} is said twice", way.joint)));
+                return Err(Failure::Usage(format!("--drive {} is given twice", drive.joint)));
             }
             let si = |value| input.value(coordinate, value);
-            let (from, to) = (way.from.map(si).transpose()?, si(way.to)?);
-            let step = way.step.map(si).transpose()?;
+            let (from, to) = (drive.from.map(si).transpose()?, si(drive.to)?);
+            let step = drive.step.map(si).transpose()?;
             if from.is_some_and(|from| from == to) {
-                let text = format!("--drive {}: FROM and TO are the same", way.joint);
-                return Err(Failure::Misused(text));
+                let text = format!("--drive {}: FROM and TO are equal", drive.joint);
+                return Err(Failure::Usage(text));
             }
-            legs.push(Leg { coordinate, from, to, step, name: way.joint.clone() });
+            legs.push(DriveSegment { coordinate, from, to, step, name: drive.joint.clone() });
         }
         Ok(legs)
-    }
-
-    /// Names of the series and the two pictures, after a check of the folder.
-    fn names(&self, folder: &Path) -> Result<[String; 3], Failure> {
-        let stem = source::stem(self.mechanism.path());
-        folder::check_folder(folder, self.force)?;
-        Ok(["csv", "svg", "png"].map(|end| format!("{stem}-motion.{end}")))
     }
 
     fn text(&self, input: &Input, report: &MotionReport, driven: &[usize]) -> String {
@@ -152,9 +147,9 @@ impl Move {
             let _ = writeln!(text, "  {name} from {from} to {to} {}", input.coordinates.unit(k));
         }
         if !report.held.is_empty() {
-            let _ = writeln!(text, "  held still: {}", report.held.join(", "));
+            let _ = writeln!(text, "  held: {}", report.held.join(", "));
         }
-        let _ = writeln!(text, "way");
+        let _ = writeln!(text, "path");
         let _ = writeln!(text, "  steps                {}", report.steps);
         let _ = writeln!(text, "  largest residual     {:.1e}", report.largest_residual);
         for (k, (name, value)) in report.largest_displacements.iter().flat_map(|d| &d.0).enumerate()
@@ -165,11 +160,11 @@ impl Move {
             let _ = writeln!(text, "  {label:<20} {name} {number} {}", input.coordinates.unit(k));
         }
         if !report.limits_broken.is_empty() {
-            let _ = writeln!(text, "  beyond limits        {}", report.limits_broken.join(", "));
+            let _ = writeln!(text, "  limits exceeded      {}", report.limits_broken.join(", "));
         }
         let _ = writeln!(text, "singular configurations: {}", report.singular.len());
-        for there in &report.singular {
-            let at: Vec<String> = there
+        for singular in &report.singular {
+            let at: Vec<String> = singular
                 .drives
                 .0
                 .iter()
@@ -179,14 +174,14 @@ impl Move {
                     format!("{name} = {} {}", fixed(*value, decimals), input.coordinates.unit(k))
                 })
                 .collect();
-            let mobility = there.instantaneous_mobility;
-            let branches = match there.branches {
-                Some(1) => "one branch, on which the drives come to a stop".to_owned(),
+            let mobility = singular.instantaneous_mobility;
+            let branches = match singular.branches {
+                Some(1) => "one branch, on which the driven coordinates reverse".to_owned(),
                 Some(count) => format!("{count} branches cross"),
                 None => "branches undecided".to_owned(),
             };
             let at = at.join(", ");
-            let _ = writeln!(text, "  {at}: mobility to first order {mobility}, {branches}");
+            let _ = writeln!(text, "  {at}: instantaneous mobility {mobility}, {branches}");
         }
         if let Some(folder) = &self.out {
             let _ = writeln!(text, "3 files written into {}", folder.display());
@@ -195,21 +190,20 @@ impl Move {
     }
 }
 
-/// The first actuated joint, over its limits, or over a little either way.
-fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
+/// The first actuated joint between its limits, or over a default range.
+fn default_segment(input: &Input, start: &DVector<f64>) -> Result<DriveSegment, Failure> {
     let mechanism = &input.file.mechanism;
     let actuated = mechanism.joints().iter().find(|j| j.actuated && j.kind.freedoms() > 0);
     let Some(joint) = actuated else {
-        let text =
-            "no joint of this mechanism is actuated; say which to drive: --drive JOINT=FROM:TO";
-        return Err(Failure::Misused(text.to_owned()));
+        let text = "no joint of this mechanism is actuated; use --drive JOINT=FROM:TO";
+        return Err(Failure::Usage(text.to_owned()));
     };
     let named = input.coordinates.all();
     let found = named.iter().position(|one| one.joint == joint.name);
     let coordinate = found.unwrap_or_default();
     if let Some(&[from, to]) = joint.limits.first() {
         let name = joint.name.clone();
-        return Ok(Leg { coordinate, from: Some(from), to, step: None, name });
+        return Ok(DriveSegment { coordinate, from: Some(from), to, step: None, name });
     }
     let reach = match named[coordinate].quantity {
         Coordinate::Turn => 20_f64.to_radians(),
@@ -223,10 +217,10 @@ fn usual(input: &Input, start: &DVector<f64>) -> Result<Leg, Failure> {
     };
     let here = start[coordinate];
     let name = joint.name.clone();
-    Ok(Leg { coordinate, from: Some(here - reach), to: here + reach, step: None, name })
+    Ok(DriveSegment { coordinate, from: Some(here - reach), to: here + reach, step: None, name })
 }
 
-/// Coordinates of the motors that are not driven; none where something is driven that has no motor.
+/// Coordinates of the actuators that are held: those not driven, or none if a joint without an actuator is driven.
 fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
     let actuated: Vec<usize> = input
         .file
@@ -244,11 +238,11 @@ fn held(input: &Input, driven: &[usize]) -> Vec<usize> {
     }
 }
 
-/// To the beginning of the way, then along it.
-fn go(
+/// Drives to the start of the path, then along it.
+fn drive_path(
     input: &Input,
     start: DVector<f64>,
-    legs: &[Leg],
+    legs: &[DriveSegment],
     held: &[usize],
 ) -> Result<DrivenMotion, Failure> {
     let to_begin: Vec<Drive> = legs
@@ -265,11 +259,15 @@ fn go(
     let count = steps(input, &start, legs)?;
     let drives: Vec<Drive> =
         legs.iter().map(|leg| Drive { coordinate: leg.coordinate, to: leg.to }).collect();
-    along(input, &start, &drives, held, count.unwrap_or(STEPS), "driving")
+    drive_along(input, &start, &drives, held, count.unwrap_or(STEPS), "driving")
 }
 
-/// In how many steps the drives move; `None` where no step is given.
-fn steps(input: &Input, start: &DVector<f64>, legs: &[Leg]) -> Result<Option<usize>, Failure> {
+/// Number of steps of the drives; `None` if no step is given.
+fn steps(
+    input: &Input,
+    start: &DVector<f64>,
+    legs: &[DriveSegment],
+) -> Result<Option<usize>, Failure> {
     let mut count: Option<(usize, &str)> = None;
     for leg in legs {
         let Some(step) = leg.step else { continue };
@@ -278,17 +276,17 @@ fn steps(input: &Input, start: &DVector<f64>, legs: &[Leg]) -> Result<Option<usi
         let [from, to, step] = [from, leg.to, step].map(in_file).map(rounded);
         let values = spread(from, to, step).map_err(|error| {
             let unit = input.coordinates.unit(leg.coordinate);
-            Failure::Misused(format!("--drive {} (in {unit}): {error}", leg.name))
+            Failure::Usage(format!("--drive {} (in {unit}): {error}", leg.name))
         })?;
         let steps = values.len() - 1;
         if steps > MOST_STEPS {
-            let text = format!("a motion has at most {MOST_STEPS} steps; take a larger STEP");
-            return Err(Failure::Misused(text));
+            let text = format!("a path has at most {MOST_STEPS} steps; use a larger STEP");
+            return Err(Failure::Usage(text));
         }
         match count {
             Some((other, name)) if other != steps => {
-                return Err(Failure::Misused(format!(
-                    "--drive {name} takes {other} steps and --drive {} takes {steps}: drives arrive together, so give one STEP only, or as many steps to each",
+                return Err(Failure::Usage(format!(
+                    "--drive {name} has {other} steps and --drive {} has {steps}: simultaneous drives need the same number of steps; give STEP for one of them only",
                     leg.name
                 )));
             }
@@ -298,12 +296,12 @@ fn steps(input: &Input, start: &DVector<f64>, legs: &[Leg]) -> Result<Option<usi
     Ok(count.map(|(steps, _)| steps))
 }
 
-/// A number to fifteen digits: what a change of units adds to it in the last one is no part of a range.
+/// A number with fifteen digits: a change of units must not add a step to a range by round-off.
 fn rounded(value: f64) -> f64 {
     format!("{value:.14e}").parse().unwrap_or(value)
 }
 
-/// The configuration to which drives lead; `place` is what messages call it.
+/// The configuration at the end of drives; `place` is its name in messages.
 fn driven_to(
     input: &Input,
     from: &DVector<f64>,
@@ -311,16 +309,16 @@ fn driven_to(
     held: &[usize],
     place: &str,
 ) -> Result<DVector<f64>, Failure> {
-    let way = along(input, from, drives, held, STEPS, &format!("to {place}"))?;
+    let path = drive_along(input, from, drives, held, STEPS, &format!("to {place}"))?;
     let driven: Vec<usize> = drives.iter().map(|drive| drive.coordinate).collect();
-    match (report::motion(&input.file, &driven, held, &way).message, way.waypoints.last()) {
-        (Some(message), _) => Err(Failure::Stopped(format!("on the way to {place}, {message}"))),
+    match (report::motion(&input.file, &driven, held, &path).message, path.waypoints.last()) {
+        (Some(message), _) => Err(Failure::Stopped(format!("before {place}: {message}"))),
         (None, Some(last)) => Ok(last.coordinates.clone()),
         (None, None) => Ok(from.clone()),
     }
 }
 
-/// The configuration to which commanded coordinates are driven, other motors holding still as for `jointplay move`.
+/// The configuration with commanded coordinates driven to their values, and other actuators held as in `jointplay move`.
 pub(super) fn driven(
     input: &Input,
     from: &DVector<f64>,
@@ -333,8 +331,8 @@ pub(super) fn driven(
     driven_to(input, from, &drives, &held(input, &driven), place)
 }
 
-/// Drives along a way, with a bar where it takes long: virtual joints give way where there are any, and many loops are left to sparse algebra.
-fn along(
+/// Drives along a path with a progress bar: by dense algebra with virtual joints, or by sparse algebra if there are many loops.
+fn drive_along(
     input: &Input,
     from: &DVector<f64>,
     drives: &[Drive],
@@ -367,7 +365,7 @@ fn write(
     report: &MotionReport,
     driven: &[usize],
     folder: &Path,
-    names: [String; 3],
+    stem: &str,
     force: ForceArgs,
 ) -> Result<(), Failure> {
     let follower = |k: usize| Follower {
@@ -381,13 +379,10 @@ fn write(
     let singular: Vec<f64> = report
         .singular
         .iter()
-        .filter_map(|there| there.drives.0.first().map(|&(_, value)| value))
+        .filter_map(|singular| singular.drives.0.first().map(|&(_, value)| value))
         .collect();
     let figure = motion(&report.name, &follower(first), &others, &singular);
-    let [csv, svg, png] = names;
-    let failed = |source| Failure::Figure { figure: svg.clone(), source };
-    let drawn = figure.to_svg().map_err(failed)?.into_bytes();
-    let painted = figure.to_png(PNG_WIDTH).map_err(failed)?;
+    let [svg, png] = svg_and_png(stem, &figure)?;
     let series = table::csv(&report.columns()).into_bytes();
-    folder::write(folder, &[(csv, series), (svg.clone(), drawn), (png, painted)], force)
+    folder::write(folder, &[(format!("{stem}.csv"), series), svg, png], force)
 }

@@ -1,4 +1,4 @@
-//! A pose in words, for `forward` and `inverse`.
+//! A pose as text, for `forward` and `inverse`.
 
 use std::fmt::Write as _;
 
@@ -7,10 +7,10 @@ use jointplay::virtualization::Solver;
 
 use crate::output::{characteristic_length, fixed, limits, three};
 
-/// A pose in words.
+/// A pose as text.
 ///
 /// # Arguments
-/// * `asked` – the solver asked for, which a closed form that does not exist is not
+/// * `asked` – the requested solver; the report names another one if there is no closed form
 pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
     let platform = &report.platform;
     let shift_um = platform.center_shift_mm.map(|shift| shift * 1e3);
@@ -44,15 +44,15 @@ pub(super) fn pose(report: &ForwardReport, asked: Solver) -> String {
     let asked_for = if asked.to_string() == report.solver {
         String::new()
     } else {
-        format!(" (there is no {asked} for these joints with this geometry)")
+        format!(" (no {asked} solution exists for these joints and this geometry)")
     };
     let _ = writeln!(
         text,
-        "  solved by            {}{asked_for}, {} iterations{}",
+        "  solver               {}{asked_for}, {} iterations{}",
         report.solver,
         report.iterations,
         characteristic_length(&report.virtual_joints, report.characteristic_length_mm)
     );
-    let _ = writeln!(text, "  sides met to         {:.1e} mm", report.residual_mm);
+    let _ = writeln!(text, "  side residual        {:.1e} mm", report.residual_mm);
     text + &limits(&report.limits_broken)
 }

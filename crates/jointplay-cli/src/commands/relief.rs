@@ -1,4 +1,4 @@
-//! `jointplay sensitivity FILE`: how much play a command takes of any mechanism.
+//! `jointplay sensitivity FILE`: displacement of the virtual joints of a mechanism for a command.
 
 use std::fmt::Write as _;
 
@@ -14,19 +14,19 @@ use crate::mechanism_input::{Assignment, Input};
 use crate::output::{fixed, magnitude};
 use crate::progress::Progress;
 
-/// Prints how far the virtual joints go for a command; not an answer of yes if one goes beyond its clearance.
+/// Prints the displacement of the virtual joints for a command; fails if one exceeds its clearance.
 pub(super) fn run(
     input: &Input,
     command: &[Assignment],
     answer: &AnswerArgs,
 ) -> Result<(), Failure> {
     if input.file.mechanism.virtual_joints().is_empty() {
-        let text = "this mechanism has no virtual joints; add [[virtual_joint]] tables where there is play";
-        return Err(Failure::Misused(text.to_owned()));
+        let text = "this mechanism has no virtual joints; add [[virtual_joint]] tables at joints with play";
+        return Err(Failure::Usage(text.to_owned()));
     }
     if command.is_empty() {
-        let text = "nothing is commanded; say --command JOINT=VALUE";
-        return Err(Failure::Misused(text.to_owned()));
+        let text = "no command is given; use --command JOINT=VALUE";
+        return Err(Failure::Usage(text.to_owned()));
     }
     let commands = input.commands(command)?;
     let working = Progress::of_work("sensitivity");
@@ -39,7 +39,7 @@ pub(super) fn run(
     let values = sensitivity.singular_values().as_slice();
     let report = report::relief(&input.file, &relief, &commanded, values, length);
     drop(working);
-    answer.print(&report, |report| text(input, report))?;
+    answer.format.print(&report, |report| text(input, report))?;
     let of_joints = relief.coordinates.rows(0, input.coordinates.joints()).into_owned();
     input.within_limits(&of_joints)?;
     let over: Vec<&str> =
@@ -47,7 +47,10 @@ pub(super) fn run(
     if over.is_empty() {
         Ok(())
     } else {
-        Err(Failure::OverClearance(format!("beyond the clearance of {}", over.join(", "))))
+        Err(Failure::OverClearance(format!(
+            "the displacement exceeds the clearance of {}",
+            over.join(", ")
+        )))
     }
 }
 
@@ -59,7 +62,7 @@ fn text(input: &Input, report: &ReliefReport) -> String {
         let unit = if joint.unit == "um" { "µm" } else { joint.unit };
         let clearance =
             joint.clearance.map_or("-".to_owned(), |value| format!("±{}", fixed(value, 3)));
-        let over = if joint.over { "  over" } else { "" };
+        let over = if joint.over { "  exceeded" } else { "" };
         let pad = " ".repeat(20_usize.saturating_sub(joint.name.chars().count()));
         let _ = writeln!(
             text,
@@ -70,14 +73,14 @@ fn text(input: &Input, report: &ReliefReport) -> String {
         );
     }
     let unit = if report.size_unit == "um" { "µm" } else { report.size_unit };
-    let _ = writeln!(text, "  all together      {:>18} {:>15} {unit}", fixed(report.size, 3), "");
+    let _ = writeln!(text, "  norm              {:>18} {:>15} {unit}", fixed(report.size, 3), "");
     let values: String =
         report.singular_values.iter().map(|&value| format!(" {}", magnitude(value))).collect();
     let rows: Vec<&str> = report.virtual_joints.iter().map(|one| one.name.as_str()).collect();
     let length = fixed(report.characteristic_length_mm, 3);
     let _ = writeln!(
         text,
-        "sensitivity of the virtual joints to the commanded coordinates, mm per mm (1 rad counts as {length} mm)"
+        "sensitivity of the virtual joints to the commanded coordinates, mm per mm (angles are multiplied by {length} mm)"
     );
     let _ = writeln!(text, "  rows                 {}", rows.join(", "));
     let _ = writeln!(text, "  columns              {}", report.commanded.join(", "));

@@ -1,4 +1,4 @@
-//! `jointplay sensitivity`: how much play a tilt takes.
+//! `jointplay sensitivity`: displacement of the virtual joints for a tilt.
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -13,9 +13,10 @@ use crate::failure::Failure;
 use crate::mechanism_input::{Assignment, Input, SetArgs, assignment};
 use crate::output::{characteristic_length, fixed, limits, magnitude, three};
 
-/// How far the virtual joints move for a tilt, and what first order says of it
+/// Compute the displacement of the virtual joints for a tilt, with first-order bounds
 ///
-/// The motion starts level at the same axis height; without a tilt, it goes to the robot's tilt limit.
+/// The motion starts from the level platform at the same axis height.
+/// Without a tilt, it ends at the robot's tilt limit.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -23,12 +24,12 @@ Examples:
   jointplay sensitivity --q-mm 500,501,502 --virtualization polar --metric radius
   jointplay sensitivity gpr-mechanism --command S1[1]=0.1
 
-Exit codes: 0 done, 1 no such pose or beyond a limit or clearance, 2 bad input or usage.")]
+Exit codes: 0 done, 1 no such pose, or a limit or clearance is exceeded, 2 bad input or usage.")]
 pub(crate) struct SensitivityCommand {
-    /// Mechanism file (TOML) with virtual joints, or a name from `jointplay catalogue`; without it, the paper's robot
+    /// Mechanism file (TOML) with virtual joints, or a name from `jointplay catalogue` [default: the paper's robot]
     #[arg(value_name = "FILE", conflicts_with_all = ["robot", "q_mm", "yaw_deg", "pitch_deg", "height_mm", "ignore_limits", "virtualization", "solver", "metric"])]
     file: Option<PathBuf>,
-    /// Joint coordinates of a mechanism that are to have these values, in the units of the file
+    /// Commanded joint coordinates of a mechanism, in the units of the file
     #[arg(long, value_name = "JOINT=VALUE", value_delimiter = ',', value_parser = assignment, requires = "file")]
     command: Vec<Assignment>,
     #[command(flatten)]
@@ -66,7 +67,7 @@ impl SensitivityCommand {
         let start = gpr.forward(level, model, &options)?;
         let play = gpr.play_between(start, end, model)?;
         let report = report::sensitivity(&play, model, &broken);
-        self.answer.print(&report, text)
+        self.answer.format.print(&report, text)
     }
 }
 
@@ -86,10 +87,10 @@ fn text(report: &SensitivityReport) -> String {
         let (symbol, unit) = name.rsplit_once('_').unwrap_or((name, ""));
         let _ = writeln!(text, "  {:<21}{}", format!("{symbol} ({unit})"), three(values, 6));
     }
-    let _ = writeln!(text, "virtual displacement from level");
-    let _ = writeln!(text, "  true ‖ΔX‖ (µm)       {:>14}", um(report.displacement_mm));
+    let _ = writeln!(text, "displacement of the virtual joints from level");
+    let _ = writeln!(text, "  exact ‖ΔX‖ (µm)      {:>14}", um(report.displacement_mm));
     let _ =
-        writeln!(text, "  bounds (µm), derivatives at        lower         upper    linear ‖dX‖");
+        writeln!(text, "  bounds (µm), Jacobian at           lower         upper    linear ‖dX‖");
     for bounds in &report.bounds {
         let _ = writeln!(
             text,
@@ -98,7 +99,7 @@ fn text(report: &SensitivityReport) -> String {
             um(bounds.lower_mm),
             um(bounds.upper_mm),
             um(bounds.linear_mm),
-            if bounds.held { "held" } else { "broken" }
+            if bounds.held { "satisfied" } else { "violated" }
         );
     }
     let values: String =
@@ -107,18 +108,18 @@ fn text(report: &SensitivityReport) -> String {
     let _ = writeln!(text, "  singular values     {values}");
     let _ = writeln!(
         text,
-        "who brings it about (shares of ΔX)           1             2             3"
+        "contributions to ΔX                          1             2             3"
     );
-    for (who, shares) in
+    for (source, shares) in
         [("rods 1, 2, 3", &report.rod_shares), ("sides 12, 23, 31", &report.side_shares)]
     {
         let shares = match shares {
             Some(shares) => {
                 shares.iter().map(|s| format!("{:>13}%", fixed(s * 100.0, 2))).collect()
             }
-            None => "       nothing moves".to_owned(),
+            None => "       no displacement".to_owned(),
         };
-        let _ = writeln!(text, "  {who:<30}{shares}");
+        let _ = writeln!(text, "  {source:<30}{shares}");
     }
     text + &limits(&report.limits_broken)
 }

@@ -1,4 +1,4 @@
-//! `jointplay simulate`: the paper's studies, as data and figures.
+//! `jointplay simulate`: data and figures of the paper's studies.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -19,15 +19,16 @@ use crate::arguments::{
     MetricArgs, RobotArgs, SolverName, Steps, VirtualizationName, finite, length, pitches,
 };
 use crate::failure::Failure;
+use crate::figure::{FIGURE_REFINEMENT, svg_and_png};
 use crate::folder::{self, ForceArgs};
-use crate::output;
+use crate::output::{self, FormatArgs};
 use crate::progress::Progress;
 
 /// Run the paper's studies and write data and figures
 ///
-/// Runs a raster over yaw and pitch under each virtualization, every pose from the nominal virtual joints.
-/// Without flags these are the paper's studies VI.A (polar) and VI.B (offset), with radial and planar beside them.
-/// The raster goes past the robot's tilt limit on purpose, as the paper does.
+/// Computes a raster over tilt direction (yaw) and tilt angle (pitch) under each virtualization; every pose is solved from the nominal virtual joints.
+/// By default these are the paper's studies VI.A (polar) and VI.B (offset), and the same for radial and planar.
+/// As in the paper, the raster exceeds the robot's tilt limit.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -35,10 +36,10 @@ Examples:
   jointplay simulate --yaw-step-deg 1 --virtualization polar,planar --out fine-study
   jointplay simulate --pitch-deg -1.5:1.5:0.1 --order serpentine --metric radius")]
 pub(crate) struct Simulate {
-    /// Virtualizations, with commas between them
+    /// Virtualizations, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', default_value = "all")]
     virtualization: Vec<VirtualizationChoice>,
-    /// How the virtual displacements are found
+    /// Solver for the virtual joints
     #[arg(long, value_enum, default_value = "newton")]
     solver: SolverName,
     #[command(flatten)]
@@ -49,15 +50,15 @@ pub(crate) struct Simulate {
     /// Pitch range of each yaw
     #[arg(long, value_name = "FROM:TO:STEP", default_value = "-2:2:0.2", value_parser = pitches)]
     pitch_deg: Steps,
-    /// Axis height; without it, the robot's working height
+    /// Axis height [default: the robot's working height]
     #[arg(long, value_name = "MM", value_parser = length)]
     height_mm: Option<f64>,
     /// Order of the samples
     #[arg(long, value_enum, default_value = "raster")]
     order: OrderName,
-    /// Format of the samples; parquet needs a build with --features parquet
+    /// Format of the sample tables; parquet needs a build with --features parquet
     #[arg(long, value_enum, default_value = "csv")]
-    format: TableFormat,
+    table: TableFormat,
     /// Folder for the results
     #[arg(short, long, value_name = "FOLDER", default_value = "paper-study")]
     out: PathBuf,
@@ -65,13 +66,15 @@ pub(crate) struct Simulate {
     force: ForceArgs,
     #[command(flatten)]
     robot: RobotArgs,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum VirtualizationChoice {
     /// all four
     All,
-    /// three radial slides
+    /// three radial displacements
     Radial,
     /// the paper's V.A
     Polar,
@@ -85,7 +88,7 @@ enum VirtualizationChoice {
 enum OrderName {
     /// every yaw from the first pitch to the last, as in the paper
     Raster,
-    /// every other yaw backwards, continuous in time
+    /// every other yaw from the last pitch to the first, continuous in time
     Serpentine,
 }
 
@@ -98,19 +101,14 @@ enum TableFormat {
     Parquet,
 }
 
-/// Name of the file that holds the results of a run, and lists the files that it wrote.
+/// File with the results of a run and the list of its files.
 const SUMMARY: &str = "summary.json";
-/// Name of the file that explains the others.
+/// File that explains the others.
 const README: &str = "README.md";
-/// What a summary of ours says that it is from.
+/// Value of `command` in summaries of this program.
 const COMMAND: &str = "jointplay simulate";
-/// The most poses that a study may have: every one is kept in memory, for each virtualization.
+/// Largest number of poses of a study: all are kept in memory, for each virtualization.
 const MOST_POSES: usize = 500_000;
-/// Width of the figures' PNG [px]: 180 mm at 250 dots an inch.
-const PNG_WIDTH: u32 = 1800;
-
-/// Tilt angles of a one-direction figure for each step of the raster: smooth curves.
-const REFINEMENT: u32 = 10;
 
 /// One virtualization's study.
 struct Study {
@@ -142,20 +140,21 @@ impl Simulate {
         }
         let figures: Vec<(String, Figure)> = figures(&studies);
         for (name, figure) in &figures {
-            let failed = |source| Failure::Figure { figure: name.clone(), source };
-            files.push((format!("{name}.svg"), figure.to_svg().map_err(failed)?.into_bytes()));
-            files.push((format!("{name}.png"), figure.to_png(PNG_WIDTH).map_err(failed)?));
+            files.extend(svg_and_png(name, figure)?);
         }
-        // First in line: whatever follows it is known as ours, even if this run is killed.
+        // Written first: it identifies the other files as results of this program, even if the run is killed.
         let mut names: Vec<String> = files.iter().map(|(name, _)| name.clone()).collect();
         names.insert(0, SUMMARY.to_owned());
         names.push(README.to_owned());
         let summary = self.summary(&robot, &raster, &studies, &names);
-        files.insert(0, (SUMMARY.to_owned(), summary.into_bytes()));
+        files.insert(0, (SUMMARY.to_owned(), summary.clone().into_bytes()));
         files.push((README.to_owned(), simulate_text::READ_ME.as_bytes().to_vec()));
         folder::write(&self.out, &files, self.force)?;
         folder::remove_stale(&self.out, &own, &files)?;
         drop(progress);
+        if self.format.json() {
+            return output::raw(&summary);
+        }
         let reports: Vec<&StudyReport> = studies.iter().map(|study| &study.report).collect();
         let heading = format!(
             "{}: {} poses, yaw 0° to 360° by {}°, pitch {}° to {}°, axis height {} mm",
@@ -196,7 +195,7 @@ impl Simulate {
         })
     }
 
-    /// The virtualizations asked for, each once, in their usual order.
+    /// The selected virtualizations, each once, in the order of the list.
     fn virtualizations(&self) -> Vec<VirtualizationName> {
         use VirtualizationChoice as Choice;
         let all = [
@@ -222,7 +221,8 @@ impl Simulate {
         let options = self.metric.options(self.solver);
         progress.stage(model.name());
         let samples = simulate(gpr, raster, model, &options, &mut |done| progress.at(done))?;
-        let one_direction = simulate(gpr, &one_direction(raster), model, &options, &mut |_| {})?;
+        let one_direction =
+            simulate(gpr, &raster.one_direction(FIGURE_REFINEMENT), model, &options, &mut |_| {})?;
         progress.part_done(raster.len());
         let bounds = check_bounds(gpr, raster, model, &options, &mut |done| progress.at(done))?;
         progress.part_done(raster.len());
@@ -233,7 +233,7 @@ impl Simulate {
     fn table(&self, samples: &Samples) -> Result<(String, Vec<u8>), Failure> {
         let columns = table::columns(samples);
         let stem = format!("samples-{}", samples.virtualization);
-        match self.format {
+        match self.table {
             TableFormat::Csv => Ok((format!("{stem}.csv"), table::csv(&columns).into_bytes())),
             #[cfg(feature = "parquet")]
             TableFormat::Parquet => {
@@ -268,23 +268,9 @@ impl Simulate {
     }
 }
 
-/// The raster reduced to one tilt direction in finer steps, of a ninth of the way round: there no rod stays at rest.
-fn one_direction(raster: &Raster) -> Raster {
-    let refined = raster.pitches.windows(2).flat_map(|step| {
-        (0..REFINEMENT)
-            .map(|i| step[0] + (step[1] - step[0]) * f64::from(i) / f64::from(REFINEMENT))
-    });
-    Raster {
-        yaws: vec![raster.yaws[raster.yaws.len() / 9]],
-        pitches: refined.chain(raster.pitches.last().copied()).collect(),
-        height: raster.height,
-        order: raster.order,
-    }
-}
-
 /// The figures of all studies: Figs. 5 to 11 by the paper's numbers, the other virtualizations by name.
 ///
-/// Rods and sides are the same under every virtualization, and are drawn once.
+/// Rods and sides do not depend on the virtualization; they are drawn once.
 fn figures(studies: &[Study]) -> Vec<(String, Figure)> {
     type Part = fn(&Study) -> &Samples;
     let parts: [(Part, &str); 2] =
@@ -306,7 +292,7 @@ fn figures(studies: &[Study]) -> Vec<(String, Figure)> {
     figures
 }
 
-/// Name of a figure: with the paper's number where the paper has it.
+/// Name of a figure, with its number in the paper if it has one.
 fn figure_stem(virtualization: &str, part: &str) -> String {
     let number = match (virtualization, part) {
         ("polar", "linear") => "fig06-",
@@ -318,7 +304,7 @@ fn figure_stem(virtualization: &str, part: &str) -> String {
     format!("{number}{virtualization}-{part}")
 }
 
-/// What the summary in a folder says that the last run wrote there; nothing without a summary of ours.
+/// Files of the last run, as listed in the summary of its folder; none without a summary of this program.
 fn own_files(folder: &Path) -> BTreeSet<String> {
     let text = std::fs::read_to_string(folder.join(SUMMARY)).unwrap_or_default();
     let summary: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! `jointplay studio`: the robot in a browser.
+//! `jointplay studio`: the graphical interface, in a browser.
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -6,16 +6,17 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use jointplay::format::cell::MAX_BYTES;
 use jointplay_studio::{CellFiles, EXAMPLE, Error, Server};
+use serde::Serialize;
 
 use crate::arguments::{RobotArgs, whole};
 use crate::failure::Failure;
-use crate::output;
+use crate::output::FormatArgs;
 use crate::source::{Kind, Source};
 
-/// Show the robot in a browser: move it, watch its play, compare the models
+/// Show robots and work cells in the browser: pose, jog, compare models, edit and check programs
 ///
-/// Serves a page on this machine, for this machine only, until Ctrl-C.
-/// Programs can ask the same server: /api/v1/openapi.json describes how.
+/// Serves the page on this machine only, until Ctrl-C.
+/// The server has an HTTP API; it is described in /api/v1/openapi.json.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -23,20 +24,28 @@ Examples:
   jointplay studio --cell
   jointplay studio --robot my-robot.toml --port 8080 --no-open")]
 pub(crate) struct Studio {
-    /// Robot or work cell (TOML), or a robot from `jointplay catalogue`
+    /// Robot or work cell file (TOML), or a robot from `jointplay catalogue`
     #[arg(value_name = "FILE")]
     file: Option<PathBuf>,
     #[command(flatten)]
     robot: RobotArgs,
-    /// Port of 127.0.0.1 to serve on; without it, 4816, or a free one where that is taken
+    /// Port of 127.0.0.1 to serve on [default: 4816, or a free port if it is taken]
     #[arg(long, value_name = "N", value_parser = |text: &str| whole::<u16>(text, 0, 65_535))]
     port: Option<u16>,
-    /// Work cell (TOML) to show as well, with the program beside it that ends in .program; without a file, the example that comes along
+    /// Also show a work cell (TOML) and the program with the same name that ends in .program; without FILE, the included example
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = EXAMPLE)]
     cell: Option<PathBuf>,
-    /// Do not open the page in the browser
+    /// Do not open the browser
     #[arg(long)]
     no_open: bool,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// The address of a running server.
+#[derive(Serialize)]
+struct Address<'a> {
+    url: &'a str,
 }
 
 impl Studio {
@@ -48,8 +57,8 @@ impl Studio {
             return self.serve(&self.robot.or(file)?, self.cell.as_deref());
         }
         if self.cell.is_some() {
-            let text = "the work cell is named twice: by FILE and by --cell";
-            return Err(Failure::Misused(text.to_owned()));
+            let text = "the work cell is given twice: by FILE and by --cell";
+            return Err(Failure::Usage(text.to_owned()));
         }
         self.serve(&self.robot, Some(file))
     }
@@ -75,25 +84,25 @@ impl Studio {
                     Source::read(path, MAX_BYTES)?.require(&[Kind::Cell], "a work cell")?;
                 }
                 let files = CellFiles::open(path).map_err(Failure::Robot)?;
-                let wrong = files.errors();
-                if !wrong.is_empty() {
-                    let told = format!("{}\nit can be mended in the studio", wrong.join("\n"));
-                    // Where standard error is gone, the page says it.
-                    let _ = writeln!(anstream::stderr(), "{told}");
+                let errors = files.errors();
+                if !errors.is_empty() {
+                    let text =
+                        format!("{}\nthe errors can be fixed in the studio", errors.join("\n"));
+                    // If standard error is closed, the page still shows them.
+                    let _ = writeln!(anstream::stderr(), "{text}");
                 }
                 server.with_cell(files)
             }
         };
         let url = server.url();
-        output::text(&format!("the studio is at {url}\n  Ctrl-C ends it\n"))?;
+        self.format.print(&Address { url: &url }, |Address { url }| {
+            format!("studio: {url}\n  press Ctrl-C to stop\n")
+        })?;
         if !self.no_open
             && let Err(error) = open::that_detached(&url)
         {
-            // Where standard error is gone too, nobody is left to be told.
-            let _ = writeln!(
-                anstream::stderr(),
-                "no browser could be started ({error}): open {url} in one"
-            );
+            // If standard error is closed too, there is no reader.
+            let _ = writeln!(anstream::stderr(), "cannot start a browser ({error}): open {url}");
         }
         Ok(server.run()?)
     }

@@ -1,4 +1,4 @@
-//! `jointplay suggest`: where a mechanism would have to have play.
+//! `jointplay suggest`: virtual joints that make a motion possible.
 
 use std::fmt::Write as _;
 
@@ -12,15 +12,15 @@ use crate::mechanism_input::{Assignment, Input, MechanismArgs, assignment};
 use crate::output::fixed;
 use crate::progress::Progress;
 
-/// Sets told in text; JSON has all.
-const TOLD: usize = 10;
-/// What each motor is driven by where nothing is commanded: turns, and slides as a share of the characteristic length.
+/// Number of sets listed in text; JSON lists all.
+const LISTED: usize = 10;
+/// Default displacement of each actuator: in radians, or as a share of the characteristic length.
 const SMALL_TURN: f64 = 0.05;
 
-/// Find where a mechanism would have to have play to make a motion possible
+/// Find the virtual joints with the least displacement that make a commanded motion possible
 ///
-/// Virtual joints are tried at every joint, in every direction that it lacks; sets are ranked by how far they have to move.
-/// Without a command, each motor of the file is driven a little by itself.
+/// Virtual joints are tried at every joint, in every direction that the joint constrains; the sets are ranked by their displacement.
+/// Without a command, each actuator of the file is driven by a small amount, one at a time.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -32,7 +32,7 @@ Exit codes: 0 done, 1 no set was found, or none within joint limits, 2 bad input
 pub(crate) struct Suggest {
     #[command(flatten)]
     pub(crate) mechanism: MechanismArgs,
-    /// Joints that are to go to these values, in the units of the file; may be said again for further commands to the same joints
+    /// Commanded joint coordinates, in the units of the file; repeat the flag for further commands to the same joints
     #[arg(long, value_name = "JOINT=VALUE,…", value_parser = assignments)]
     command: Vec<Assignments>,
 }
@@ -45,14 +45,22 @@ fn assignments(text: &str) -> Result<Assignments, String> {
     text.split(',').map(assignment).collect::<Result<_, _>>().map(Assignments)
 }
 
+/// Commands to the same coordinates.
+struct Commands {
+    /// Indices of the commanded coordinates.
+    commanded: Vec<usize>,
+    /// Values of the commanded coordinates, for each command [m, rad].
+    values: Vec<DVector<f64>>,
+}
+
 impl Suggest {
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let mut input = self.mechanism.load()?;
-        // What play the file already imagines is no part of the question.
+        // The search replaces the virtual joints of the file.
         let bare = input.file.mechanism.clone().with_virtual_joints(Vec::new());
-        input.file.mechanism = bare.expect("no virtual joints are always in order");
+        input.file.mechanism = bare.expect("a mechanism without virtual joints is valid");
         let home = input.assembled(&[])?.coordinates;
-        let (commanded, commands) = self.commands(&input, &home)?;
+        let Commands { commanded, values: commands } = self.commands(&input, &home)?;
         let working = Progress::of_work("comparing sets");
         let found = suggest(&input.file.mechanism, &home, &commanded, &commands)?;
         drop(working);
@@ -62,9 +70,9 @@ impl Suggest {
             let values = commanded.iter().zip(command.iter());
             values.map(|(&k, &value)| coordinates.from_si(k, value)).collect()
         };
-        let told = commands.iter().map(in_units).collect();
-        let report = report::suggestions(&input.file, names, told, &found);
-        self.mechanism.print(&report, |report| text(&input, &commanded, report))?;
+        let in_file_units = commands.iter().map(in_units).collect();
+        let report = report::suggestions(&input.file, names, in_file_units, &found);
+        self.mechanism.format.print(&report, |report| text(&input, &commanded, report))?;
         if !found.needed {
             return found.without_play.iter().try_for_each(|at| input.within_limits(at));
         }
@@ -76,12 +84,8 @@ impl Suggest {
         }
     }
 
-    /// Indices of the commanded coordinates, and their values in each command [m, rad].
-    fn commands(
-        &self,
-        input: &Input,
-        home: &DVector<f64>,
-    ) -> Result<(Vec<usize>, Vec<DVector<f64>>), Failure> {
+    /// The commands of the flags, or the default ones.
+    fn commands(&self, input: &Input, home: &DVector<f64>) -> Result<Commands, Failure> {
         let Some((first, others)) = self.command.split_first() else {
             return small_steps(input, home);
         };
@@ -96,20 +100,17 @@ impl Suggest {
                     commands.push(DVector::from_vec(values));
                 }
                 _ => {
-                    let text = "every --command has to name the same joints";
-                    return Err(Failure::Misused(text.to_owned()));
+                    let text = "every --command must name the same joints";
+                    return Err(Failure::Usage(text.to_owned()));
                 }
             }
         }
-        Ok((commanded, commands))
+        Ok(Commands { commanded, values: commands })
     }
 }
 
-/// Each motor driven a little, the others held.
-fn small_steps(
-    input: &Input,
-    home: &DVector<f64>,
-) -> Result<(Vec<usize>, Vec<DVector<f64>>), Failure> {
+/// One command for each actuator: a small displacement, with the others held.
+fn small_steps(input: &Input, home: &DVector<f64>) -> Result<Commands, Failure> {
     let system = jointplay::mechanism::MechanismSystem::new(&input.file.mechanism, home.clone())?;
     let joints = input.file.mechanism.joints().iter().enumerate();
     let motors: Vec<usize> = joints
@@ -117,8 +118,8 @@ fn small_steps(
         .flat_map(|(j, _)| system.kinematics().coordinates_of(j))
         .collect();
     if motors.is_empty() {
-        let text = "the file has no actuated joint; say which joints are commanded by --command";
-        return Err(Failure::Misused(text.to_owned()));
+        let text = "the file has no actuated joint; use --command to command joints";
+        return Err(Failure::Usage(text.to_owned()));
     }
     let length = jointplay::constraint::System::characteristic_length(&system);
     let at_home = DVector::from_iterator(motors.len(), motors.iter().map(|&k| home[k]));
@@ -127,11 +128,11 @@ fn small_steps(
         command[n] += SMALL_TURN * system.kinematics().dimensions()[k].unit(length);
         command
     });
-    let commands = commands.collect();
-    Ok((motors, commands))
+    let values = commands.collect();
+    Ok(Commands { commanded: motors, values })
 }
 
-/// Coordinates that show where the mechanism is: motors that are not commanded, or joints of one freedom where there are no motors.
+/// Coordinates that describe the configuration: actuators that are not commanded, or joints with one freedom if there are no actuators.
 fn shown(input: &Input, commanded: &[usize]) -> Vec<usize> {
     let joints = input.file.mechanism.joints();
     let motors = joints.iter().any(|joint| joint.actuated);
@@ -143,7 +144,7 @@ fn shown(input: &Input, commanded: &[usize]) -> Vec<usize> {
     shows.filter(|k| !commanded.contains(k)).collect()
 }
 
-/// A line for each command: where the mechanism is.
+/// A line with the configuration for each command.
 fn places(input: &Input, shown: &[usize], configurations: &[ByName<f64>]) -> String {
     let mut text = String::new();
     for at in configurations.iter().filter(|_| !shown.is_empty()) {
@@ -162,7 +163,7 @@ fn places(input: &Input, shown: &[usize], configurations: &[ByName<f64>]) -> Str
 
 fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
     let shown = shown(input, commanded);
-    let mut text = format!("where {} would need play\n", report.name);
+    let mut text = format!("virtual joints for {}\n", report.name);
     for command in &report.commands {
         let values: Vec<String> = report
             .commanded
@@ -174,9 +175,9 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
     }
     if !report.play_needed {
         text.push_str(if report.open_chain {
-            "none: it is an open chain, without loops that could hinder a command\n  loops of a URDF model are added by `jointplay import --loops`\n"
+            "none needed: an open chain has no loops that constrain a command\n  use `jointplay import --loops` to add loops to a URDF model\n"
         } else {
-            "none: rigid links close for each command\n"
+            "none needed: rigid links close for each command\n"
         });
         text.push_str(&places(input, &shown, &report.without_play));
         return text;
@@ -185,37 +186,37 @@ fn text(input: &Input, commanded: &[usize], report: &SuggestReport) -> String {
         text,
         "{}",
         if report.cut_short || report.sets_untried > 0 {
-            "best sets found, by displacement; not every set was compared and tried, so that a smaller displacement may exist"
+            "best sets found, by displacement; the search was not exhaustive, so a smaller displacement may exist"
         } else {
             "sets of virtual joints, by displacement"
         }
     );
     let _ = writeln!(
         text,
-        "  {} places and directions, {} sets compared{}, {} not tried",
+        "  {} candidate joints and directions, {} sets compared{}, {} not tried",
         report.candidates,
         report.sets_compared,
-        if report.cut_short { " (the most that are compared)" } else { "" },
+        if report.cut_short { " (the limit)" } else { "" },
         report.sets_untried
     );
     if report.sets.is_empty() {
-        text.push_str("no set that was tried makes this possible\n");
+        text.push_str("no tried set makes the motion possible\n");
     }
-    for (n, set) in report.sets.iter().take(TOLD).enumerate() {
+    for (n, set) in report.sets.iter().take(LISTED).enumerate() {
         let alike = if set.symmetric { ", symmetric" } else { "" };
-        let _ = writeln!(text, "{}. by {} mm{alike}", n + 1, fixed(set.size_mm, 5));
+        let _ = writeln!(text, "{}. displacement {} mm{alike}", n + 1, fixed(set.size_mm, 5));
         for joint in &set.virtual_joints {
             let unit = if joint.unit == "um" { "µm" } else { "mrad" };
             let _ = writeln!(text, "   {:<44}{:>12} {unit}", joint.name, fixed(joint.largest, 3));
         }
         text.push_str(&places(input, &shown, &set.configurations));
         for limit in &set.limits_broken {
-            let _ = writeln!(text, "   beyond joint limits: {}", limit.message);
+            let _ = writeln!(text, "   joint limit exceeded: {}", limit.message);
         }
     }
-    if report.sets.len() > TOLD {
-        let more = report.sets.len() - TOLD;
-        let _ = writeln!(text, "and {more} more: --format json has all");
+    if report.sets.len() > LISTED {
+        let more = report.sets.len() - LISTED;
+        let _ = writeln!(text, "and {more} more (--format json lists all)");
     }
     text
 }

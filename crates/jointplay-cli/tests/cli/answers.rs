@@ -1,6 +1,6 @@
 //! What `forward`, `inverse`, `mobility`, `sensitivity` and `compare` answer, as text and as JSON.
 
-use crate::desk::{Desk, three};
+use crate::sandbox::{Sandbox, three};
 use serde_json::Value;
 
 #[track_caller]
@@ -15,7 +15,7 @@ const TILTED: &str =
 #[test]
 fn forward_has_every_key() {
     let pose =
-        Desk::new().json(&format!("forward {TILTED} --virtualization polar --solver newton"));
+        Sandbox::new().json(&format!("forward {TILTED} --virtualization polar --solver newton"));
     near(three(&pose["virtual_joints"]["l_mm"])[0], 93.246425437, 1e-9);
     near(three(&pose["virtual_joints"]["l_mm"])[1], 93.246415634, 1e-9);
     near(three(&pose["virtual_joints"]["phi_deg"])[1].to_radians(), 5.27578962e-4, 1e-12);
@@ -37,10 +37,25 @@ fn forward_has_every_key() {
 }
 
 #[test]
+fn figures_of_coarse_comparisons_have_smooth_curves() {
+    let sandbox = Sandbox::new();
+    let points = |pitch: &str| {
+        sandbox.done(&format!("compare --pitch-deg {pitch} --figure f.svg --force"));
+        let svg = sandbox.read("f.svg");
+        let paths = svg.split("<path d=\"M").skip(1).map(|path| path.split('"').next().unwrap());
+        paths.map(|path| path.split(['L', ' ']).count()).max().unwrap()
+    };
+    // Four pitches in the answer, but 31 in the figure.
+    assert!(points("0:1.5:0.5") > 30, "{}", points("0:1.5:0.5"));
+    let answer = sandbox.json("compare --pitch-deg 0:1.5:0.5");
+    assert_eq!(answer["pitch_deg"].as_array().unwrap().len(), 4);
+}
+
+#[test]
 fn each_virtualization_names_its_joints() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let joints = |name: &str| {
-        let pose = desk.json(&format!("forward --virtualization {name}"));
+        let pose = sandbox.json(&format!("forward --virtualization {name}"));
         pose["virtual_joints"].as_object().unwrap().keys().cloned().collect::<Vec<_>>().join(" ")
     };
     assert_eq!(joints("radial"), "l_mm");
@@ -51,15 +66,15 @@ fn each_virtualization_names_its_joints() {
 
 #[test]
 fn inverse_and_forward_agree() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     for model in ["radial", "polar", "offset", "planar"] {
         for height_of in ["axis", "center"] {
             let model = format!("--virtualization {model} --solver newton --metric radius");
-            let found = desk.json(&format!(
+            let found = sandbox.json(&format!(
                 "inverse --yaw-deg 17 --pitch-deg -1.5 --height-mm 510.25 --height-of {height_of} {model}"
             ));
             let q = three(&found["q_mm"]).map(|q| q.to_string()).join(",");
-            let again = desk.json(&format!("forward --q-mm {q} {model}"));
+            let again = sandbox.json(&format!("forward --q-mm {q} {model}"));
             assert_eq!(found, again, "every number reads back as itself");
             let height = &found["platform"][format!("{height_of}_height_mm")];
             near(height.as_f64().unwrap(), 510.25, 1e-10);
@@ -70,18 +85,18 @@ fn inverse_and_forward_agree() {
 }
 
 #[test]
-fn a_closed_form_that_does_not_exist_says_what_was_used() {
-    let desk = Desk::new();
-    assert_eq!(desk.json("forward --virtualization radial")["solver"], "closed-form");
-    assert_eq!(desk.json("forward --virtualization polar")["solver"], "least-norm");
-    assert!(desk.done("forward --virtualization polar").contains("there is no closed-form"));
+fn a_missing_closed_form_names_the_solver_used() {
+    let sandbox = Sandbox::new();
+    assert_eq!(sandbox.json("forward --virtualization radial")["solver"], "closed-form");
+    assert_eq!(sandbox.json("forward --virtualization polar")["solver"], "least-norm");
+    assert!(sandbox.done("forward --virtualization polar").contains("there is no closed-form"));
 }
 
 #[test]
 fn mobility_counts_and_measures() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let numbers = |line: &str| {
-        let found = desk.json(line);
+        let found = sandbox.json(line);
         let number = |key: &str| found[key].as_i64().unwrap_or_else(|| panic!("{key} in {found}"));
         let keys = [
             "kutzbach_mobility",
@@ -99,21 +114,21 @@ fn mobility_counts_and_measures() {
     assert_eq!(numbers("mobility --q-mm 500,501,502"), [0, 1, 1, 11, 1]);
     for (model, joints) in [("radial", 3), ("polar", 6), ("offset", 6), ("planar", 6)] {
         for rods in ["500,500,500", "500,501,502"] {
-            let found = desk.json(&format!("mobility --q-mm {rods} --virtualization {model}"));
+            let found = sandbox.json(&format!("mobility --q-mm {rods} --virtualization {model}"));
             assert_eq!(
                 (&found["augmented_rank"], &found["augmented_mobility"]),
                 (&12.into(), &joints.into())
             );
         }
     }
-    assert_eq!(desk.json("mobility").get("augmented_rank"), None);
+    assert_eq!(sandbox.json("mobility").get("augmented_rank"), None);
 }
 
 #[test]
 fn sensitivity_of_the_level_robot() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let values = |flags: &str| -> Vec<f64> {
-        let found = desk.json(&format!("sensitivity --q-mm 500,500,500 {flags}"));
+        let found = sandbox.json(&format!("sensitivity --q-mm 500,500,500 {flags}"));
         found["singular_values"].as_array().unwrap()[..3]
             .iter()
             .map(|v| v.as_f64().unwrap())
@@ -133,8 +148,8 @@ fn sensitivity_of_the_level_robot() {
 }
 
 #[test]
-fn sensitivity_sets_bounds_beside_the_truth() {
-    let found = Desk::new().json("sensitivity --pitch-deg 1.5 --yaw-deg 40");
+fn sensitivity_reports_the_exact_displacement_with_its_bounds() {
+    let found = Sandbox::new().json("sensitivity --pitch-deg 1.5 --yaw-deg 40");
     let truth = found["displacement_mm"].as_f64().unwrap();
     let bounds: Vec<(&str, f64, f64, bool)> = found["bounds"]
         .as_array()
@@ -159,8 +174,8 @@ fn sensitivity_sets_bounds_beside_the_truth() {
 
 #[test]
 fn compare_shows_shifts_of_opposite_sign() {
-    let desk = Desk::new();
-    let found = desk.json("compare --pitch-deg 0:2:0.5 --ignore-limits");
+    let sandbox = Sandbox::new();
+    let found = sandbox.json("compare --pitch-deg 0:2:0.5 --ignore-limits");
     let last = |model: &Value| model["center_shift_x_um"][4].as_f64().unwrap();
     let models = found["models"].as_array().unwrap();
     let names: Vec<&str> = models.iter().map(|m| m["virtualization"].as_str().unwrap()).collect();
@@ -171,27 +186,27 @@ fn compare_shows_shifts_of_opposite_sign() {
     near(last(&models[1]), 28.3778 * 2_f64.to_radians().cos(), 1e-4);
     near(last(&models[3]), 0.0, 1e-9);
     near(found["approximate_gap_um"][4].as_f64().unwrap(), 56.82, 0.01);
-    let answer = desk.done("compare");
-    assert_eq!(desk.names(""), [""; 0], "a question writes no file unasked");
-    let drawn = desk.done("compare --figure shifts.svg");
+    let answer = sandbox.done("compare");
+    assert_eq!(sandbox.names(""), [""; 0], "a question writes no file unasked");
+    let drawn = sandbox.done("compare --figure shifts.svg");
     assert_eq!(drawn, format!("{answer}figure: shifts.svg\n"));
-    assert!(desk.read("shifts.svg").contains("centre shift (µm)"));
-    desk.done("compare --figure a.png");
-    assert!(std::fs::read(desk.file("a.png")).unwrap().starts_with(b"\x89PNG"));
+    assert!(sandbox.read("shifts.svg").contains("centre shift (µm)"));
+    sandbox.done("compare --figure a.png");
+    assert!(std::fs::read(sandbox.file("a.png")).unwrap().starts_with(b"\x89PNG"));
     // The answer is printed where the figure cannot be written.
-    desk.write("mine.svg", "mine");
+    sandbox.write("mine.svg", "mine");
     for figure in ["mine.svg", "nowhere/shifts.svg"] {
-        let refused = desk.run(&format!("compare --figure {figure}"));
+        let refused = sandbox.run(&format!("compare --figure {figure}"));
         assert_eq!((refused.code, &refused.stdout), (2, &answer));
         assert!(refused.stderr.contains(figure), "{}", refused.stderr);
     }
-    assert_eq!(desk.read("mine.svg"), "mine");
+    assert_eq!(sandbox.read("mine.svg"), "mine");
 }
 
 #[test]
 fn texts() {
-    let desk = Desk::new();
-    crate::desk::without_round_off().bind(|| {
+    let sandbox = Sandbox::new();
+    crate::sandbox::without_round_off().bind(|| {
         for line in [
             "forward --q-mm 500,501,502",
             "forward --q-mm 500,501,502 --virtualization polar",
@@ -204,7 +219,7 @@ fn texts() {
             "simulate --help",
             "forward --help",
         ] {
-            insta::assert_snapshot!(line.replace([' ', ',', '-'], "_"), desk.done(line), line);
+            insta::assert_snapshot!(line.replace([' ', ',', '-'], "_"), sandbox.done(line), line);
         }
     });
 }

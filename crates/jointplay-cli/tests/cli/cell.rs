@@ -1,6 +1,6 @@
 //! Cells from outside: the example, what breaks it, and what is written.
 
-use crate::desk::{Desk, without_round_off};
+use crate::sandbox::{Sandbox, without_round_off};
 use serde_json::Value;
 
 /// One wafer to the aligner and to the misaligned port.
@@ -10,94 +10,97 @@ TRANSFER ALIGN TO LP2 SLOT 25 WITH A
 HOME
 ";
 
-/// A desk with the example's cell, changed, and a small program beside it.
-fn desk(changes: &[(&str, &str)]) -> Desk {
-    let desk = Desk::new();
-    desk.done("cell example --out .");
-    let mut cell = desk.read("example.toml");
+/// A sandbox with the example's cell, changed, and a small program.
+fn sandbox(changes: &[(&str, &str)]) -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.done("cell example --out .");
+    let mut cell = sandbox.read("example.toml");
     for (from, to) in changes {
         assert!(cell.contains(from), "{from}");
         cell = cell.replace(from, to);
     }
-    desk.write("example.toml", &cell);
-    desk.write("example.program", SMALL);
-    desk
+    sandbox.write("example.toml", &cell);
+    sandbox.write("example.program", SMALL);
+    sandbox
 }
 
-/// The example's wall, moved into the way of the turning arms.
+/// The example's wall, moved into the path of the rotating arms.
 const WALL: (&str, &str) =
     ("position_mm = [100.0, -600.0, 500.0]", "position_mm = [100.0, -350.0, 500.0]");
 
 #[test]
 fn the_first_try_needs_no_flag() {
-    let report = Desk::new().json("cell check");
+    let report = Sandbox::new().json("cell check");
     assert_eq!(report["verdict"], "sound");
     assert_eq!(report["violations"], Value::Array(vec![]));
     assert!(report["wafers_per_hour"].as_f64().unwrap() > 10.0);
     assert_eq!(report["wafers"], 25);
     assert!(report["instructions"].as_array().unwrap().len() > 100);
     assert!(!report["assumed"].as_array().unwrap().is_empty());
+    let jump = format!("{:.1} µm", report["compensated"]["jump_um"].as_f64().unwrap());
+    let page = include_str!("../../../../docs/reference/exports.md");
+    assert!(page.contains(&jump), "docs/reference/exports.md: {jump}");
 }
 
 #[test]
 fn a_check_reads_well() {
-    let desk = desk(&[]);
+    let sandbox = sandbox(&[]);
     without_round_off().bind(|| {
-        insta::assert_snapshot!("cell_check", desk.done("cell check example.toml"));
-        insta::assert_snapshot!("cell_teach", desk.done("cell teach example.toml"));
+        insta::assert_snapshot!("cell_check", sandbox.done("cell check example.toml"));
+        insta::assert_snapshot!("cell_teach", sandbox.done("cell teach example.toml"));
     });
 }
 
 #[test]
 fn a_run_writes_report_samples_and_pictures() {
-    let desk = desk(&[]);
-    let text = desk.done("cell run example.toml --rate 50");
-    let names = desk.names("cell-run");
+    let sandbox = sandbox(&[]);
+    let text = sandbox.done("cell run example.toml --rate 50");
+    let names = sandbox.names("cell-run");
     assert_eq!(
         names,
         ["gantt.png", "gantt.svg", "report.json", "samples.csv", "top.png", "top.svg"]
     );
     assert!(text.ends_with("6 files written into cell-run\n"), "{text}");
-    let report: Value = serde_json::from_str(&desk.read("cell-run/report.json")).unwrap();
+    let report: Value = serde_json::from_str(&sandbox.read("cell-run/report.json")).unwrap();
     let duration = report["duration_s"].as_f64().unwrap();
-    let csv = desk.read("cell-run/samples.csv");
+    let csv = sandbox.read("cell-run/samples.csv");
     let last = csv.lines().last().unwrap();
     assert_eq!(last.split(',').next().unwrap().parse::<f64>().unwrap(), duration);
     assert!(csv.starts_with("time_s,line,step,q1_mm,q1_mm_per_s,q1_mm_per_s2,"), "{csv:.100}");
     for text in ["LP2, 25 slots, 0.8°", "wafer centre of A", "reach of B"] {
-        assert!(desk.read("cell-run/top.svg").contains(text), "{text}");
+        assert!(sandbox.read("cell-run/top.svg").contains(text), "{text}");
     }
-    let gantt = desk.read("cell-run/gantt.svg");
+    let gantt = sandbox.read("cell-run/gantt.svg");
     assert!(gantt.contains(">RA</text>") && gantt.contains("TRANSFER"), "{gantt}");
     // Once more on request only, and other files stay.
-    desk.write("cell-run/a.txt", "mine");
-    let refused = desk.run("cell run example.toml");
+    sandbox.write("cell-run/a.txt", "mine");
+    let refused = sandbox.run("cell run example.toml");
     assert_eq!(refused.code, 2);
     assert!(
         refused.stderr.contains("a.txt") && refused.stderr.contains("--force"),
         "{}",
         refused.stderr
     );
-    desk.done("cell run example.toml --rate 50 --force");
-    assert_eq!(desk.read("cell-run/a.txt"), "mine");
+    sandbox.done("cell run example.toml --rate 50 --force");
+    assert_eq!(sandbox.read("cell-run/a.txt"), "mine");
 }
 
 #[test]
-fn a_wall_in_the_way_is_named_at_the_line_and_moment() {
-    let desk = desk(&[WALL]);
-    let run = desk.run("cell check example.toml");
+fn a_collision_is_reported_with_line_and_time() {
+    let sandbox = sandbox(&[WALL]);
+    let run = sandbox.run("cell check example.toml");
     assert_eq!(run.code, 1, "{}", run.stderr);
     assert!(run.stderr.contains("not safe to run"), "{}", run.stderr);
     for part in ["not safe to run", "collision: ", "wall", "example.program:3:1: ", "^^^", " s\n"] {
         assert!(run.stdout.contains(part), "{part}: {}", run.stdout);
     }
-    let refused = desk.run("cell export example.toml");
+    let refused = sandbox.run("cell export example.toml");
     assert_eq!(refused.code, 1);
     assert!(refused.stderr.contains("--despite-errors"), "{}", refused.stderr);
-    assert!(!desk.file("cell-export").exists());
-    // It says why as the check does: what comes again under one excerpt, with its moments.
+    assert!(!sandbox.file("cell-export").exists());
+    // Repeated violations are listed under one excerpt, with their times.
     let report: Value =
-        serde_json::from_str(&desk.run("cell check example.toml --format json").stdout).unwrap();
+        serde_json::from_str(&sandbox.run("cell check example.toml --format json").stdout).unwrap();
     let all = report["violations"].as_array().unwrap().len();
     let shown = refused.stderr.lines().filter(|line| line.ends_with('^')).count();
     assert!(1 < shown && shown < all, "{shown} {all}: {}", refused.stderr);
@@ -105,39 +108,39 @@ fn a_wall_in_the_way_is_named_at_the_line_and_moment() {
         assert!(refused.stderr.contains(line), "{line}: {}", refused.stderr);
     }
 
-    desk.done("cell export example.toml --despite-errors --rate 50");
-    let names = desk.names("cell-export");
+    sandbox.done("cell export example.toml --despite-errors --rate 50");
+    let names = sandbox.names("cell-export");
     assert!(names.iter().all(|name| name.to_lowercase().contains("not-safe")), "{names:?}");
-    let text = desk.read("cell-export/example-not-safe-to-run-neutral.txt");
+    let text = sandbox.read("cell-export/example-not-safe-to-run-neutral.txt");
     assert!(text.starts_with("# NOT SAFE TO RUN: "), "{text:.200}");
-    let csv = desk.read("cell-export/example-not-safe-to-run.csv");
+    let csv = sandbox.read("cell-export/example-not-safe-to-run.csv");
     assert!(csv.lines().next().unwrap().ends_with(",violations"));
 
     // What is simulated is shown all the same, but without samples.
-    assert_eq!(desk.run("cell run example.toml").code, 1);
-    assert!(!desk.names("cell-run").contains(&"samples.csv".to_owned()));
-    assert!(desk.read("cell-run/top.svg").contains(">violation</text>"));
+    assert_eq!(sandbox.run("cell run example.toml").code, 1);
+    assert!(!sandbox.names("cell-run").contains(&"samples.csv".to_owned()));
+    assert!(sandbox.read("cell-run/top.svg").contains(">violation</text>"));
 }
 
 #[test]
-fn a_station_that_leans_too_far_is_refused_with_the_numbers() {
-    let desk = desk(&[("pitch_deg = 0.8", "pitch_deg = 2.0")]);
-    let run = desk.run("cell check example.toml");
+fn a_station_tilted_beyond_the_limit_is_refused_with_the_numbers() {
+    let sandbox = sandbox(&[("pitch_deg = 0.8", "pitch_deg = 2.0")]);
+    let run = sandbox.run("cell check example.toml");
     assert_eq!(run.code, 2, "{}", run.stdout);
     assert!(run.stderr.contains("example.toml:"), "{}", run.stderr);
     assert!(run.stderr.contains('2') && run.stderr.contains("1.5"), "{}", run.stderr);
 }
 
 #[test]
-fn taught_points_tell_how_uncertain_their_plane_is() {
-    let desk = desk(&[]);
+fn taught_points_determine_the_uncertainty_of_their_plane() {
+    let sandbox = sandbox(&[]);
     // Noise as a shop measures it, on points that are near each other: their plane is not what it seems.
     let close = "--point-mm 620,500,620.0033 --point-mm 500,620,619.9967 --point-mm 380,500,620.0033 --point-mm 500,380,619.9967";
     let line = format!("cell teach example.toml --station ALIGN {close}");
-    let unproven = desk.json(&line)["stations"][0]["plane"].clone();
+    let unproven = sandbox.json(&line)["stations"][0]["plane"].clone();
     assert_eq!((&unproven["verdict"], &unproven["freedom"]), (&"unproven".into(), &1.into()));
     assert!(unproven["uncertainty"]["tilt_95_urad"].as_f64().unwrap() > 500.0, "{unproven}");
-    let no = desk.run(&format!("{line} --noise-um 20 --format json"));
+    let no = sandbox.run(&format!("{line} --noise-um 20 --format json"));
     assert_eq!(no.code, 1, "{}", no.stderr);
     assert!(no.stderr.contains("plane_urad"), "{}", no.stderr);
     let uncertain: Value = serde_json::from_str(&no.stdout).unwrap();
@@ -154,9 +157,9 @@ fn taught_points_tell_how_uncertain_their_plane_is() {
 #[test]
 fn leveling_a_station_by_the_advised_angle_is_enough_and_less_is_not() {
     let checked = |pitch: f64| {
-        let desk = desk(&[("pitch_deg = 0.8", &format!("pitch_deg = {pitch}"))]);
-        desk.write("example.program", "HOME\nTRANSFER LP1 SLOT 1 TO LP2 SLOT 1 WITH A\nTRANSFER LP1 SLOT 25 TO LP2 SLOT 25 WITH B\n");
-        desk.run("cell check example.toml")
+        let sandbox = sandbox(&[("pitch_deg = 0.8", &format!("pitch_deg = {pitch}"))]);
+        sandbox.write("example.program", "HOME\nTRANSFER LP1 SLOT 1 TO LP2 SLOT 1 WITH A\nTRANSFER LP1 SLOT 25 TO LP2 SLOT 25 WITH B\n");
+        sandbox.run("cell check example.toml")
     };
     let advised = |text: &str| -> f64 {
         let after = text.split("by at least ").nth(1).unwrap();
@@ -178,10 +181,10 @@ fn leveling_a_station_by_the_advised_angle_is_enough_and_less_is_not() {
 
 #[test]
 fn a_line_of_no_length_takes_no_time() {
-    let desk = desk(&[]);
+    let sandbox = sandbox(&[]);
     let duration = |moves: &str| {
-        desk.write("example.program", &format!("GET LP1 SLOT 1 WITH A\n{moves}HOME\n"));
-        let run = desk.run("cell check example.toml --format json");
+        sandbox.write("example.program", &format!("GET LP1 SLOT 1 WITH A\n{moves}HOME\n"));
+        let run = sandbox.run("cell check example.toml --format json");
         assert!(run.code < 2 && run.stderr.lines().count() < 3, "{moves}: {}", run.stderr);
         let report: Value = serde_json::from_str(&run.stdout).unwrap();
         report["duration_s"].as_f64().unwrap()
@@ -198,7 +201,7 @@ fn a_line_of_no_length_takes_no_time() {
 fn no_message_is_that_of_a_library() {
     // Displacements and limits of all sizes: each has an answer in own words.
     for (acceleration, jerk) in [("1e-12", "8000.0"), ("800.0", "1e-12"), ("1e9", "1e9")] {
-        let desk = desk(&[("robot = \"dual-arm\"", "robot = \"odd.toml\"")]);
+        let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"odd.toml\"")]);
         let text = include_str!("../../../../robots/dual-arm.toml");
         let line = text.lines().find(|line| line.starts_with("loaded") && line.contains("deg_s2"));
         let odd = line.unwrap();
@@ -213,8 +216,8 @@ fn no_message_is_that_of_a_library() {
             )
             .replace(&number("jerk_deg_s3"), &format!("jerk_deg_s3 = {jerk}"));
         assert_ne!(odd, changed);
-        desk.write("odd.toml", &text.replace(odd, &changed));
-        let run = desk.run("cell check example.toml");
+        sandbox.write("odd.toml", &text.replace(odd, &changed));
+        let run = sandbox.run("cell check example.toml");
         for words in ["inp.", "dof", "Calculator", "panicked", "allocation"] {
             assert!(!run.stderr.contains(words), "{words}: {}", run.stderr);
         }
@@ -224,8 +227,8 @@ fn no_message_is_that_of_a_library() {
 
 /// The example's robot, the loaded speeding up of its first motor changed.
 #[cfg(target_os = "linux")]
-fn slow(acceleration: &str) -> Desk {
-    let desk = desk(&[("robot = \"dual-arm\"", "robot = \"slow.toml\"")]);
+fn slow(acceleration: &str) -> Sandbox {
+    let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"slow.toml\"")]);
     let text = include_str!("../../../../robots/dual-arm.toml");
     let line = text.lines().find(|line| line.starts_with("loaded") && line.contains("deg_s2"));
     let line = line.unwrap();
@@ -234,18 +237,18 @@ fn slow(acceleration: &str) -> Desk {
         &format!("acceleration_deg_s2 = {old}"),
         &format!("acceleration_deg_s2 = {acceleration}"),
     );
-    desk.write("slow.toml", &text.replace(line, &changed));
-    desk.write("example.program", "HOME\nGET LP1 SLOT 3 WITH A\nPUT ALIGN WITH A\nHOME\n");
-    desk
+    sandbox.write("slow.toml", &text.replace(line, &changed));
+    sandbox.write("example.program", "HOME\nGET LP1 SLOT 3 WITH A\nPUT ALIGN WITH A\nHOME\n");
+    sandbox
 }
 
 /// Runs a command that may take so much memory [kB].
 #[cfg(target_os = "linux")]
-fn within_memory(desk: &Desk, kilobytes: u32, line: &str) -> std::process::Output {
+fn within_memory(sandbox: &Sandbox, kilobytes: u32, line: &str) -> std::process::Output {
     let command = format!("ulimit -v {kilobytes}; exec \"$0\" {line}");
     let run = std::process::Command::new("sh")
         .args(["-c", &command, env!("CARGO_BIN_EXE_jointplay")])
-        .current_dir(desk.file(""))
+        .current_dir(sandbox.file(""))
         .output();
     run.unwrap()
 }
@@ -254,20 +257,20 @@ fn within_memory(desk: &Desk, kilobytes: u32, line: &str) -> std::process::Outpu
 #[test]
 fn memory_does_not_grow_with_the_duration() {
     // 29 minutes of motion at 1000 samples a second; all at once they took 590 MB, at 100 Hz 60 MB more.
-    let desk = slow("1e-4");
-    let run = within_memory(&desk, 450_000, "cell check example.toml --format json");
-    let told = String::from_utf8_lossy(&run.stderr);
-    assert!(run.status.success(), "{told}");
+    let sandbox = slow("1e-4");
+    let run = within_memory(&sandbox, 450_000, "cell check example.toml --format json");
+    let stderr = String::from_utf8_lossy(&run.stderr);
+    assert!(run.status.success(), "{stderr}");
     let report: Value = serde_json::from_slice(&run.stdout).unwrap();
     assert!(report["duration_s"].as_f64().unwrap() > 1500.0);
     assert!(report["samples"].as_u64().unwrap() > 1_000_000);
     let run = within_memory(
-        &desk,
+        &sandbox,
         450_000,
         "cell export example.toml --to csv,solidworks,text --dialect points",
     );
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    assert!(desk.read("cell-export/example.csv").lines().count() > 150_000);
+    assert!(sandbox.read("cell-export/example.csv").lines().count() > 150_000);
 }
 
 #[cfg(target_os = "linux")]
@@ -276,27 +279,27 @@ fn a_body_of_a_kilometre_is_checked_in_seconds_of_work() {
     // Bounds of how far its far end moves asked for 20 s of work on these few motions.
     let forearm = "name = \"forearm-A\"\non = { arm = \"upper\", link = 3 }\nposition_mm = [115.0, 0.0, 0.0]\nbox = { size_mm = [";
     let long = format!("{forearm}1e6, ");
-    let desk = desk(&[(&format!("{forearm}270.0, "), &long)]);
+    let sandbox = sandbox(&[(&format!("{forearm}270.0, "), &long)]);
     let command = "ulimit -t 10; exec \"$0\" cell check example.toml";
     let run = std::process::Command::new("sh")
         .args(["-c", command, env!("CARGO_BIN_EXE_jointplay")])
-        .current_dir(desk.file(""))
+        .current_dir(sandbox.file(""))
         .output()
         .unwrap();
-    let told = String::from_utf8_lossy(&run.stderr);
-    assert_eq!(run.status.code(), Some(1), "{told}");
-    assert!(told.contains("violations, not safe to run"), "{told}");
+    let stderr = String::from_utf8_lossy(&run.stderr);
+    assert_eq!(run.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("violations, not safe to run"), "{stderr}");
 }
 
 #[cfg(target_os = "linux")]
 #[test]
 fn a_motion_longer_than_a_day_is_refused_before_it_is_sampled() {
     for acceleration in ["1e-8", "1e-10", "1e-12"] {
-        let desk = slow(acceleration);
-        let run = within_memory(&desk, 450_000, "cell check example.toml");
-        let told = String::from_utf8_lossy(&run.stderr);
-        assert_eq!(run.status.code(), Some(1), "{told}");
-        assert!(told.contains("a day") && told.contains("example.program:"), "{told}");
+        let sandbox = slow(acceleration);
+        let run = within_memory(&sandbox, 450_000, "cell check example.toml");
+        let stderr = String::from_utf8_lossy(&run.stderr);
+        assert_eq!(run.status.code(), Some(1), "{stderr}");
+        assert!(stderr.contains("a day") && stderr.contains("example.program:"), "{stderr}");
     }
 }
 
@@ -304,13 +307,13 @@ fn a_motion_longer_than_a_day_is_refused_before_it_is_sampled() {
 fn what_is_offered_for_programs_runs_them_and_lines_that_fail_say_what_is_missing() {
     let offered = jointplay::format::cell::robot::names_for_programs();
     assert_eq!(offered.collect::<Vec<_>>(), ["dual-arm", "radial-arm"]);
-    let desk = desk(&[("robot = \"dual-arm\"", "robot = \"nothing\"")]);
-    let run = desk.run("cell check example.toml");
+    let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"nothing\"")]);
+    let run = sandbox.run("cell check example.toml");
     assert!(run.stderr.contains("dual-arm") && !run.stderr.contains("scara"), "{}", run.stderr);
 
-    // By name they are planned all the same; a line that they do not follow is told in units that people read.
+    // By name they are planned anyway; a line that they cannot follow is reported in mm and degrees.
     let robot = ("\"nothing\"", "\"scara-4r\"");
-    let text = desk.read("example.toml").replace(robot.0, robot.1);
+    let text = sandbox.read("example.toml").replace(robot.0, robot.1);
     let links = ["on = { arm = \"upper\"", "on = { arm = \"lower\""];
     let mut blocks: Vec<&str> = text.split("\n[[").collect();
     blocks.retain(|block| !links.iter().any(|link| block.contains(link)));
@@ -324,12 +327,12 @@ fn what_is_offered_for_programs_runs_them_and_lines_that_fail_say_what_is_missin
         }
         within_pairs &= !line.starts_with(']');
     }
-    desk.write("one.toml", &lines.join("\n"));
-    desk.write(
+    sandbox.write("one.toml", &lines.join("\n"));
+    sandbox.write(
         "one.program",
         "TRANSFER LP1 SLOT 3 TO ALIGN WITH A\nTRANSFER ALIGN TO LP2 SLOT 3 WITH A\n",
     );
-    let run = desk.run("cell check one.toml");
+    let run = sandbox.run("cell check one.toml");
     assert_eq!(run.code, 1, "{}", run.stderr);
     for words in ["% along the line, at x ", " mm", "retract_mm"] {
         assert!(run.stderr.contains(words), "{words}: {}", run.stderr);
@@ -340,17 +343,17 @@ fn what_is_offered_for_programs_runs_them_and_lines_that_fail_say_what_is_missin
 }
 
 #[test]
-fn a_wall_in_the_way_is_told_in_few_groups_worst_first() {
-    let desk = Desk::new();
-    desk.done("cell example --out .");
-    let text = desk.read("example.toml");
-    desk.write("example.toml", &text.replace(WALL.0, "position_mm = [100.0, -300.0, 500.0]"));
-    let run = desk.run("cell check example.toml");
+fn collisions_are_listed_in_groups_worst_first() {
+    let sandbox = Sandbox::new();
+    sandbox.done("cell example --out .");
+    let text = sandbox.read("example.toml");
+    sandbox.write("example.toml", &text.replace(WALL.0, "position_mm = [100.0, -300.0, 500.0]"));
+    let run = sandbox.run("cell check example.toml");
     let shown = run.stdout.split("violations\n").nth(1).unwrap();
     let shown = shown.split("by line, ").next().unwrap();
     assert!(shown.lines().count() < 80, "{shown}");
     assert!(shown.contains(" more violations in ") || shown.contains("wafers in all"), "{shown}");
-    let json = desk.run("cell check example.toml --format json");
+    let json = sandbox.run("cell check example.toml --format json");
     let report: Value = serde_json::from_str(&json.stdout).unwrap();
     let all = report["violations"].as_array().unwrap();
     assert!(all.len() > 500, "{}", all.len());
@@ -367,13 +370,13 @@ fn a_wall_in_the_way_is_told_in_few_groups_worst_first() {
 
 #[test]
 fn a_loaded_move_that_is_too_fast_lets_the_wafer_slip() {
-    let desk = desk(&[("robot = \"dual-arm\"", "robot = \"fast.toml\"")]);
+    let sandbox = sandbox(&[("robot = \"dual-arm\"", "robot = \"fast.toml\"")]);
     let fast = include_str!("../../../../robots/dual-arm.toml").replace(
         "loaded = { velocity_deg_s = 150.0, acceleration_deg_s2 = 400.0, jerk_deg_s3 = 4000.0 }",
         "loaded = { velocity_deg_s = 300.0, acceleration_deg_s2 = 1200.0, jerk_deg_s3 = 12000.0 }",
     );
-    desk.write("fast.toml", &fast);
-    let run = desk.run("cell check example.toml --format json");
+    sandbox.write("fast.toml", &fast);
+    let run = sandbox.run("cell check example.toml --format json");
     assert_eq!(run.code, 1, "{}", run.stderr);
     let report: Value = serde_json::from_str(&run.stdout).unwrap();
     let slips: Vec<&Value> = report["violations"]
@@ -387,13 +390,13 @@ fn a_loaded_move_that_is_too_fast_lets_the_wafer_slip() {
         assert!(one["worst"].as_f64().unwrap() > one["limit"].as_f64().unwrap(), "{one}");
         assert!([2, 3].contains(&one["line"].as_u64().unwrap()), "{one}");
     }
-    // The robot is looked for beside the cell, and nowhere else.
+    // The robot file is searched next to the cell, and nowhere else.
     let outside = "robot = \"../fast.toml\"";
-    desk.write(
+    sandbox.write(
         "example.toml",
-        &desk.read("example.toml").replace("robot = \"fast.toml\"", outside),
+        &sandbox.read("example.toml").replace("robot = \"fast.toml\"", outside),
     );
-    let refused = desk.run("cell check example.toml");
+    let refused = sandbox.run("cell check example.toml");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("folder"), "{}", refused.stderr);
 }
@@ -406,15 +409,15 @@ fn place_of(text: &str, words: &str) -> (usize, usize) {
 }
 
 #[test]
-fn the_example_is_broken_in_three_ways_and_mended() {
-    let desk = desk(&[]);
-    let sound = desk.read("example.toml");
+fn three_faults_of_the_example_are_found_and_fixed() {
+    let sandbox = sandbox(&[]);
+    let sound = sandbox.read("example.toml");
     let broken = |from: &str, to: &str| {
         assert!(sound.contains(from), "{from}");
-        desk.write("example.toml", &sound.replace(from, to));
+        sandbox.write("example.toml", &sound.replace(from, to));
     };
     let violations = |kind: &str| {
-        let run = desk.run("cell check example.toml --format json");
+        let run = sandbox.run("cell check example.toml --format json");
         assert_eq!(run.code, 1, "{}", run.stderr);
         let report: Value = serde_json::from_str(&run.stdout).unwrap();
         assert_eq!(report["verdict"], "broken");
@@ -435,17 +438,17 @@ fn the_example_is_broken_in_three_ways_and_mended() {
         found
     };
 
-    // A station leans by 2°.
+    // A station is tilted by 2°.
     broken("pitch_deg = 0.8", "pitch_deg = 2.0");
-    let run = desk.run("cell check example.toml");
+    let run = sandbox.run("cell check example.toml");
     assert_eq!((run.code, run.stdout.as_str()), (2, ""));
     let (line, _) = place_of(&sound, "tilt = { yaw_deg = 100.0");
     let at = format!("example.toml:{line}:8: ");
     assert!(run.stderr.contains(&at), "{at} {}", run.stderr);
     assert!(run.stderr.contains("2.000°") && run.stderr.contains("1.500°"), "{}", run.stderr);
-    assert_eq!(desk.run("cell export example.toml").code, 2);
+    assert_eq!(sandbox.run("cell export example.toml").code, 2);
 
-    // The wall stands in the way of the turning arms.
+    // The wall is in the path of the rotating arms.
     broken(WALL.0, WALL.1);
     let collisions = violations("collision");
     assert!(collisions.iter().any(|one| one["line"] == 3), "{collisions:?}");
@@ -457,7 +460,7 @@ fn the_example_is_broken_in_three_ways_and_mended() {
         assert!(message.contains(names[0]) && message.contains("wall"), "{one}");
     }
 
-    // Loaded limits as high as the empty ones: the wafer slips on both its ways.
+    // Loaded limits as high as the empty ones: the wafer slips on both its paths.
     broken("robot = \"dual-arm\"", "robot = \"fast.toml\"");
     let robot = include_str!("../../../../robots/dual-arm.toml");
     let mut empty = "";
@@ -467,82 +470,83 @@ fn the_example_is_broken_in_three_ways_and_mended() {
         }
         if line.starts_with("loaded = ") { empty.replace("empty", "loaded") } else { line.into() }
     });
-    desk.write("fast.toml", &fast.collect::<Vec<_>>().join("\n"));
+    sandbox.write("fast.toml", &fast.collect::<Vec<_>>().join("\n"));
     let lines: Vec<u64> =
         violations("slip").iter().map(|one| one["line"].as_u64().unwrap()).collect();
     assert!(lines.contains(&2) && lines.contains(&3), "{lines:?}");
 
     // Faster than the limits is no speed.
-    desk.write("example.toml", &sound);
-    desk.write("fast.program", &SMALL.replace("HOME\nTRANSFER LP1", "SPEED 150 %\nTRANSFER LP1"));
-    let run = desk.run("cell check example.toml fast.program");
+    sandbox.write("example.toml", &sound);
+    sandbox
+        .write("fast.program", &SMALL.replace("HOME\nTRANSFER LP1", "SPEED 150 %\nTRANSFER LP1"));
+    let run = sandbox.run("cell check example.toml fast.program");
     assert_eq!((run.code, run.stdout.as_str()), (2, ""));
     assert!(run.stderr.contains("fast.program:1:7: "), "{}", run.stderr);
     assert!(run.stderr.contains("100 %"), "{}", run.stderr);
 
-    // Mended, it is sound, and goes out.
-    assert_eq!(desk.json("cell check example.toml")["verdict"], "sound");
-    desk.done("cell export example.toml --to csv,gltf --rate 20");
-    assert_eq!(desk.names("cell-export"), ["example.csv", "example.glb"]);
+    // Fixed, it is sound and can be exported.
+    assert_eq!(sandbox.json("cell check example.toml")["verdict"], "sound");
+    sandbox.done("cell export example.toml --to csv,gltf --rate 20");
+    assert_eq!(sandbox.names("cell-export"), ["example.csv", "example.glb"]);
 }
 
 #[test]
 fn a_program_is_laid_out_and_stays_so() {
-    let desk = desk(&[]);
+    let sandbox = sandbox(&[]);
     let rough =
         "home # first\nrepeat 2 as n\nget LP1 slot   n with A\n PUT LP1 SLOT n WITH A\nend\n";
     let even =
         "HOME  # first\nREPEAT 2 AS n\n  GET LP1 SLOT n WITH A\n  PUT LP1 SLOT n WITH A\nEND\n";
-    desk.write("rough.program", rough);
-    assert_eq!(desk.done("cell format rough.program"), even);
-    assert_eq!(desk.read("rough.program"), rough, "only printed");
-    assert_eq!(desk.done("cell format rough.program --write"), "");
-    assert_eq!(desk.read("rough.program"), even);
-    // The example comes along laid out.
-    desk.done("cell example --out whole");
-    assert_eq!(desk.done("cell format"), desk.read("whole/example.program"));
-    desk.write("rough.program", "GTE LP1\n");
-    let run = desk.run("cell format rough.program --write");
-    assert_eq!((run.code, desk.read("rough.program").as_str()), (2, "GTE LP1\n"));
+    sandbox.write("rough.program", rough);
+    assert_eq!(sandbox.done("cell format rough.program"), even);
+    assert_eq!(sandbox.read("rough.program"), rough, "only printed");
+    assert_eq!(sandbox.done("cell format rough.program --write"), "");
+    assert_eq!(sandbox.read("rough.program"), even);
+    // The included example is formatted.
+    sandbox.done("cell example --out whole");
+    assert_eq!(sandbox.done("cell format"), sandbox.read("whole/example.program"));
+    sandbox.write("rough.program", "GTE LP1\n");
+    let run = sandbox.run("cell format rough.program --write");
+    assert_eq!((run.code, sandbox.read("rough.program").as_str()), (2, "GTE LP1\n"));
     assert!(run.stderr.contains("rough.program:1:1: "), "{}", run.stderr);
 }
 
 #[test]
-fn all_that_is_wrong_with_a_program_is_told_at_once() {
-    let desk = desk(&[]);
-    desk.write("wrong.program", "HOME\nGTE LP1 SLOT 1\nWAIT 3\n");
-    let run = desk.run("cell check example.toml wrong.program");
+fn all_errors_of_a_program_are_reported_together() {
+    let sandbox = sandbox(&[]);
+    sandbox.write("invalid.program", "HOME\nGTE LP1 SLOT 1\nWAIT 3\n");
+    let run = sandbox.run("cell check example.toml invalid.program");
     assert_eq!((run.code, run.stdout.as_str()), (2, ""));
-    for part in ["wrong.program:2:1: ", "did you mean `GET`", "wrong.program:3:", "^^^"] {
+    for part in ["invalid.program:2:1: ", "did you mean `GET`", "invalid.program:3:", "^^^"] {
         assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }
     // A line that cannot be read hides no name that is not known, before it or behind it.
     let text = "GET LP3 SLOT 1 WITH A\nWAIT 3\nMOVE T 3 mm\nREPEAT 1000000\n  GET LP1 SLOT 1 WITH C\nEND\nCALL far\nREPEAT 2 AS\n  PUT LP1 SLOT n WITH A\nEND\nREPEAT 3\n";
-    desk.write("wrong.program", text);
-    let run = desk.run("cell check example.toml wrong.program");
-    let at = run.stderr.lines().filter_map(|line| line.split("wrong.program:").nth(1));
+    sandbox.write("invalid.program", text);
+    let run = sandbox.run("cell check example.toml invalid.program");
+    let at = run.stderr.lines().filter_map(|line| line.split("invalid.program:").nth(1));
     let at: Vec<String> = at.map(|rest| rest.split(": ").next().unwrap().to_owned()).collect();
     assert_eq!(at, ["1:5", "2:6", "3:6", "4:1", "5:23", "8:12", "11:1"], "{}", run.stderr);
-    desk.write("wrong.program", "GET LP2 SLOT 1 WITH A\n");
-    let run = desk.run("cell check example wrong.program");
+    sandbox.write("invalid.program", "GET LP2 SLOT 1 WITH A\n");
+    let run = sandbox.run("cell check example invalid.program");
     assert_eq!(run.code, 2);
     assert!(
-        run.stderr.contains("wrong.program:1:") && run.stderr.contains("is empty"),
+        run.stderr.contains("invalid.program:1:") && run.stderr.contains("is empty"),
         "{}",
         run.stderr
     );
-    desk.write("wrong.program", "GET LP3 SLOT 1 WITH A\nPUT LP4 WITH A\n");
-    let run = desk.run("cell check example wrong.program");
+    sandbox.write("invalid.program", "GET LP3 SLOT 1 WITH A\nPUT LP4 WITH A\n");
+    let run = sandbox.run("cell check example invalid.program");
     assert_eq!(run.code, 2);
-    for part in ["wrong.program:1:5: ", "LP3", "wrong.program:2:5: ", "LP4"] {
+    for part in ["invalid.program:1:5: ", "LP3", "invalid.program:2:5: ", "LP4"] {
         assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }
-    let json = desk.run("cell check example wrong.program --format json");
+    let json = sandbox.run("cell check example invalid.program --format json");
     let error: Value = serde_json::from_str(&json.stderr).unwrap();
     assert!(error["error"]["message"].as_str().unwrap().contains("LP3"));
     let places = error["error"]["places"].as_array().unwrap();
     for (place, (line, name)) in places.iter().zip([(1, "LP3"), (2, "LP4")]) {
-        assert_eq!((&place["file"], &place["line"]), (&"wrong.program".into(), &line.into()));
+        assert_eq!((&place["file"], &place["line"]), (&"invalid.program".into(), &line.into()));
         assert_eq!(place["column"], 5);
         let message = place["message"].as_str().unwrap();
         assert!(message.contains(name) && !message.contains('\n'), "{message}");
@@ -552,21 +556,21 @@ fn all_that_is_wrong_with_a_program_is_told_at_once() {
 
 #[test]
 fn a_program_that_moves_nothing_is_refused() {
-    let desk = desk(&[]);
+    let sandbox = sandbox(&[]);
     for text in ["", "# nothing\n", "HOME\n", "SPEED 50 %\nREPEAT 3\nEND\n"] {
-        desk.write("idle.program", text);
+        sandbox.write("idle.program", text);
         for command in ["check", "run", "export"] {
-            let run = desk.run(&format!("cell {command} example.toml idle.program"));
+            let run = sandbox.run(&format!("cell {command} example.toml idle.program"));
             assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{text}");
-            let says = "idle.program: nothing moves in this program";
-            assert!(run.stderr.contains(says), "{text}: {}", run.stderr);
+            let message = "idle.program: the program contains no motion (all axes stay at home)";
+            assert!(run.stderr.contains(message), "{text}: {}", run.stderr);
         }
-        assert_eq!(desk.names(""), ["example.program", "example.toml", "idle.program"]);
+        assert_eq!(sandbox.names(""), ["example.program", "example.toml", "idle.program"]);
     }
 }
 
 #[test]
-fn files_that_a_cell_names_and_that_are_not_there_are_looked_for_beside_it() {
+fn missing_files_of_a_cell_are_searched_next_to_it() {
     for (named, line) in [
         ("robot = \"mine.toml\"", "the file \"mine.toml\" cannot be had: there is none in "),
         (
@@ -574,8 +578,8 @@ fn files_that_a_cell_names_and_that_are_not_there_are_looked_for_beside_it() {
             "robot with arms \"dual-am\" is not known (did you mean `dual-arm`?)",
         ),
     ] {
-        let desk = desk(&[("robot = \"dual-arm\"", named)]);
-        let run = desk.run("cell check example.toml");
+        let sandbox = sandbox(&[("robot = \"dual-arm\"", named)]);
+        let run = sandbox.run("cell check example.toml");
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{named}");
         assert!(run.stderr.contains("example.toml:10:9: "), "{}", run.stderr);
         assert!(run.stderr.contains(line), "{}", run.stderr);
@@ -584,16 +588,16 @@ fn files_that_a_cell_names_and_that_are_not_there_are_looked_for_beside_it() {
 
 #[test]
 fn a_place_out_of_reach_is_a_no() {
-    let desk = desk(&[]);
-    desk.write("far.program", "GET LP1 SLOT 1 WITH A\nMOVE LINE WITH A BY Y 3000 mm\n");
-    let run = desk.run("cell check example.toml far.program");
+    let sandbox = sandbox(&[]);
+    sandbox.write("far.program", "GET LP1 SLOT 1 WITH A\nMOVE LINE WITH A BY Y 3000 mm\n");
+    let run = sandbox.run("cell check example.toml far.program");
     assert_eq!(run.code, 1, "{}", run.stderr);
     assert!(run.stderr.contains("far.program:2:"), "{}", run.stderr);
 }
 
 #[test]
 fn files_that_are_not_there_are_named() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     for (line, message) in [
         ("cell check nowhere.toml", "cannot read nowhere.toml"),
         ("cell check nowhere.toml", "nowhere.program"),
@@ -608,36 +612,36 @@ fn files_that_are_not_there_are_named() {
         ("cell teach --station LP1 --point-mm 1,2", "3 coordinates, 2 are given"),
         ("cell teach --station LP1 --first-mm 1,2,3", "--last-mm"),
     ] {
-        let run = desk.run(line);
+        let run = sandbox.run(line);
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{line}: {}", run.stderr);
         assert!(run.stderr.contains(message), "{line}: {}", run.stderr);
-        assert_eq!(desk.names(""), [""; 0], "{line} left files behind");
+        assert_eq!(sandbox.names(""), [""; 0], "{line} left files behind");
     }
 }
 
 #[test]
 fn every_file_lasts_as_long_as_the_motion() {
-    let desk = desk(&[]);
-    let written = desk.json("cell export example.toml --rate 50");
+    let sandbox = sandbox(&[]);
+    let written = sandbox.json("cell export example.toml --rate 50");
     let duration = written["duration_s"].as_f64().unwrap();
-    let names = desk.names("cell-export");
+    let names = sandbox.names("cell-export");
     assert_eq!(written["files"].as_array().unwrap().len(), names.len());
     for name in
         ["example.csv", "example.glb", "example-neutral.txt", "load-motors.bas", "motor-RB.csv"]
     {
         assert!(names.contains(&name.to_owned()), "{names:?}");
     }
-    let text = desk.read("cell-export/example-neutral.txt");
+    let text = sandbox.read("cell-export/example-neutral.txt");
     assert!(text.ends_with(&format!("END {duration:.6}\n")));
     for line in ["TAKE A LP1 1", "LEAVE A ALIGN 1", "LEAVE A LP2 25", "WAIT "] {
         assert!(text.contains(line), "{line}");
     }
-    let motor = desk.read("cell-export/motor-T.csv");
+    let motor = sandbox.read("cell-export/motor-T.csv");
     let last = motor.lines().last().unwrap();
     assert_eq!(last.split(',').next().unwrap().parse::<f64>().unwrap(), duration);
 
-    desk.write("own.toml", "name = \"own\"\nabout = \"mine\"\nextension = \"x\"\nlength = \"m\"\nangle = \"rad\"\ndecimals = 3\ntime_decimals = 3\naxis = \"{valeu}\"\nbetween = \",\"\ncomment = \"{text}\"\npoint = []\n");
-    let refused = desk.run("cell export example.toml --to text --dialect own.toml --out own");
+    sandbox.write("own.toml", "name = \"own\"\nabout = \"mine\"\nextension = \"x\"\nlength = \"m\"\nangle = \"rad\"\ndecimals = 3\ntime_decimals = 3\naxis = \"{valeu}\"\nbetween = \",\"\ncomment = \"{text}\"\npoint = []\n");
+    let refused = sandbox.run("cell export example.toml --to text --dialect own.toml --out own");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("own.toml:8:8: "), "{}", refused.stderr);
     assert!(refused.stderr.contains("did you mean `value`"), "{}", refused.stderr);
@@ -645,30 +649,30 @@ fn every_file_lasts_as_long_as_the_motion() {
 
 #[test]
 fn stations_are_taught_and_written_back() {
-    let desk = desk(&[]);
-    // A plane that leans by 10 mm over 1 m toward -x, and a fifth of a millimetre of scatter.
+    let sandbox = sandbox(&[]);
+    // A plane tilted by 10 mm over 1 m toward -x, with a scatter of a fifth of a millimetre.
     let points = "--point-mm 400,600,600 --point-mm 300,600,599 --point-mm 350,700,599.5 --point-mm 350,500,599.5 --noise-um 0.5";
-    let taught = desk.json(&format!("cell teach example.toml --station ALIGN {points}"));
+    let taught = sandbox.json(&format!("cell teach example.toml --station ALIGN {points}"));
     let station = &taught["stations"][0];
     let tilt = station["tilt_pitch_deg"].as_f64().unwrap();
     assert!((tilt - 0.01_f64.atan().to_degrees()).abs() < 1e-9, "{tilt}");
     assert_eq!(station["plane"]["verdict"], "fits");
-    assert!(desk.read("example.toml").contains("# A work cell to try things on"));
+    assert!(sandbox.read("example.toml").contains("# A work cell to try things on"));
 
-    let before = desk.read("example.toml");
-    desk.done(&format!("cell teach example.toml --station ALIGN {points} --write"));
-    let after = desk.read("example.toml");
+    let before = sandbox.read("example.toml");
+    sandbox.done(&format!("cell teach example.toml --station ALIGN {points} --write"));
+    let after = sandbox.read("example.toml");
     assert_ne!(before, after);
     assert!(after.contains("# A work cell to try things on"), "comments stay");
-    let again = desk.json("cell teach example.toml --station ALIGN");
+    let again = sandbox.json("cell teach example.toml --station ALIGN");
     assert_eq!(again["stations"][0], *station);
 
     // The picture of one, and of all.
     let line = format!("cell teach example.toml --station ALIGN {points} --figure one.svg");
-    assert!(desk.done(&line).ends_with("picture: one.svg\n"));
-    let one = desk.read("one.svg");
+    assert!(sandbox.done(&line).ends_with("picture: one.svg\n"));
+    let one = sandbox.read("one.svg");
     for text in [
-        "leans 0.5729° toward ",
+        "tilt 0.5729° toward ",
         "4 points up to 0.0 µm off (allowed 100.0), tilt ±",
         "fits",
         "dashed: level",
@@ -676,54 +680,90 @@ fn stations_are_taught_and_written_back() {
         assert!(one.contains(text), "{text}: {one}");
     }
     assert!(!one.contains("LP1"), "{one}");
-    desk.done("cell teach example.toml --figure all.svg");
-    let all = desk.read("all.svg");
-    for text in ["LP1", "level", "nominal, not taught", "leans 0.8000° toward 100.0°", "1: +2.5 µm"]
+    sandbox.done("cell teach example.toml --figure all.svg");
+    let all = sandbox.read("all.svg");
+    for text in ["LP1", "level", "nominal, not taught", "tilt 0.8000° toward 100.0°", "1: +2.5 µm"]
     {
         assert!(all.contains(text), "{text}: {all}");
     }
-    let kind = desk.run("cell teach example.toml --figure all.gif");
+    let kind = sandbox.run("cell teach example.toml --figure all.gif");
     assert_eq!(kind.code, 2);
     assert!(kind.stderr.contains("neither in .svg nor in .png"), "{}", kind.stderr);
 
     let steep = points.replace("599.5", "609.5");
-    let no = desk.run(&format!("cell teach example.toml --station ALIGN {steep}"));
+    let no = sandbox.run(&format!("cell teach example.toml --station ALIGN {steep}"));
     assert_eq!(no.code, 1, "{}", no.stderr);
-    assert_eq!(desk.read("example.toml"), after);
+    assert_eq!(sandbox.read("example.toml"), after);
 
-    let drift = desk.json(
+    let drift = sandbox.json(
         "cell teach example.toml --station LP2 --first-mm -495,-495,500 --last-mm -494,-495,740",
     );
     assert!((drift["stations"][0]["drift_mm"].as_f64().unwrap() - 1.0).abs() < 1e-9);
-    let refused = desk.run(&format!("cell teach --station ALIGN {points} --write"));
+    let refused = sandbox.run(&format!("cell teach --station ALIGN {points} --write"));
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("cell example"), "{}", refused.stderr);
 }
 
 #[test]
 fn the_examples_files_replace_nothing() {
-    let desk = Desk::new();
-    desk.done("cell example");
-    assert_eq!(desk.names("example-cell"), ["example.program", "example.toml"]);
-    desk.write("example-cell/example.toml", "mine");
-    let refused = desk.run("cell example");
+    let sandbox = Sandbox::new();
+    sandbox.done("cell example");
+    assert_eq!(sandbox.names("example-cell"), ["example.program", "example.toml"]);
+    sandbox.write("example-cell/example.toml", "mine");
+    let refused = sandbox.run("cell example");
     assert_eq!(refused.code, 2);
-    assert_eq!(desk.read("example-cell/example.toml"), "mine");
+    assert_eq!(sandbox.read("example-cell/example.toml"), "mine");
 }
 
 #[cfg(feature = "mcap")]
 #[test]
 fn mcap_is_written() {
-    let desk = desk(&[]);
-    desk.done("cell export example.toml --to mcap --rate 20");
-    let bytes = std::fs::read(desk.file("cell-export/example.mcap")).unwrap();
+    let sandbox = sandbox(&[]);
+    sandbox.done("cell export example.toml --to mcap --rate 20");
+    let bytes = std::fs::read(sandbox.file("cell-export/example.mcap")).unwrap();
     assert!(bytes.starts_with(b"\x89MCAP0\r\n") && bytes.ends_with(b"\x89MCAP0\r\n"));
 }
 
 #[cfg(not(feature = "mcap"))]
 #[test]
-fn a_build_without_mcap_says_so() {
-    let run = Desk::new().run("cell export --to mcap");
+fn a_build_without_mcap_names_the_feature() {
+    let run = Sandbox::new().run("cell export --to mcap");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("--features mcap"), "{}", run.stderr);
+}
+
+/// The JSON part of a binary glTF file.
+fn gltf_document(bytes: &[u8]) -> Value {
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    serde_json::from_slice(&bytes[20..20 + length]).unwrap()
+}
+
+#[test]
+fn reported_jumps_at_hand_overs_equal_those_of_the_exported_wafer_centre() {
+    let sandbox = sandbox(&[]);
+    sandbox.write("example.program", "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\n");
+    sandbox.done("cell export example.toml --to csv,gltf --rate 1000 --out out");
+    let gltf = gltf_document(&std::fs::read(sandbox.file("out/example.glb")).unwrap());
+    let hand_overs = gltf["asset"]["extras"]["hand_overs"].as_array().unwrap();
+    let slots: Vec<&str> = hand_overs.iter().map(|one| one["slot"].as_str().unwrap()).collect();
+    assert_eq!(slots, ["LP1 1", "ALIGN 1"]);
+    let table = crate::study::columns(&sandbox.read("out/example.csv"));
+    let column =
+        |name: &str| -> Vec<f64> { table[name].iter().map(|cell| cell.parse().unwrap()).collect() };
+    let times = column("time_s");
+    let center = ["A_x_mm", "A_y_mm", "A_z_mm"].map(column);
+    let mut largest: f64 = 0.0;
+    for one in hand_overs {
+        let time = one["time_s"].as_f64().unwrap();
+        let after = times.iter().position(|&at| at > time).unwrap();
+        // The robot is at rest there: within a millisecond it moves by less than 10 nm.
+        let squares = center.iter().map(|axis| (axis[after] - axis[after - 1]).powi(2));
+        let jump_um = 1e3 * squares.sum::<f64>().sqrt();
+        let reported = one["jump_um"].as_f64().unwrap();
+        assert!((reported - jump_um).abs() < 0.01, "{one}: {jump_um}");
+        assert!(jump_um > 50.0, "{jump_um}");
+        largest = largest.max(reported);
+    }
+    let report = sandbox.json("cell check example.toml");
+    assert_eq!(report["compensated"]["jump_um"], largest);
 }

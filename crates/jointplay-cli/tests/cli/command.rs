@@ -5,11 +5,11 @@ use std::process::{Output, Stdio};
 
 use serde_json::Value;
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 
 /// Runs a line with a text on standard input: exit code, standard output, standard error.
-fn with_input(desk: &Desk, line: &str, text: &str) -> (i32, String, String) {
-    let mut command = desk.command(line);
+fn with_input(sandbox: &Sandbox, line: &str, text: &str) -> (i32, String, String) {
+    let mut command = sandbox.command(line);
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().unwrap();
     child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
@@ -19,8 +19,8 @@ fn with_input(desk: &Desk, line: &str, text: &str) -> (i32, String, String) {
 }
 
 #[track_caller]
-fn refused(desk: &Desk, line: &str, parts: &[&str]) {
-    let run = desk.run(line);
+fn refused(sandbox: &Sandbox, line: &str, parts: &[&str]) {
+    let run = sandbox.run(line);
     assert_eq!(run.code, 2, "{line}: {}", run.stderr);
     for part in parts {
         assert!(run.stderr.contains(part), "{line}: {part}: {}", run.stderr);
@@ -29,22 +29,22 @@ fn refused(desk: &Desk, line: &str, parts: &[&str]) {
 
 #[test]
 fn catalogue_names_work_wherever_a_file_does() {
-    let desk = Desk::new();
-    assert_eq!(desk.done("forward --robot gpr"), desk.done("forward"));
-    assert_eq!(desk.done("mobility gpr"), desk.done("mobility"));
+    let sandbox = Sandbox::new();
+    assert_eq!(sandbox.done("forward --robot gpr"), sandbox.done("forward"));
+    assert_eq!(sandbox.done("mobility gpr"), sandbox.done("mobility"));
     for line in ["mobility benett", "draw benett", "move benett", "assemble benett"] {
-        refused(&desk, line, &["`benett` is not known (did you mean `bennett`?)"]);
+        refused(&sandbox, line, &["`benett` is not known (did you mean `bennett`?)"]);
     }
-    refused(&desk, "forward --robot gprr", &["did you mean `gpr`?"]);
-    refused(&desk, "cell check exampel", &["`exampel` is not known"]);
+    refused(&sandbox, "forward --robot gprr", &["did you mean `gpr`?"]);
+    refused(&sandbox, "cell check exampel", &["`exampel` is not known"]);
 }
 
 #[test]
-fn a_file_of_the_wrong_kind_is_refused_with_the_command_that_takes_it() {
-    let desk = Desk::new();
-    desk.write("study.toml", crate::study::SMALL);
-    desk.write("cell.toml", include_str!("../../../../cells/example.toml"));
-    desk.write("loops.toml", crate::import::LOOPS);
+fn a_file_of_another_kind_is_refused_with_its_commands() {
+    let sandbox = Sandbox::new();
+    sandbox.write("study.toml", crate::study::SMALL);
+    sandbox.write("cell.toml", include_str!("../../../../cells/example.toml"));
+    sandbox.write("loops.toml", crate::import::LOOPS);
     for (line, parts) in [
         ("draw gpr", ["is a three-rod robot", "gpr-mechanism"]),
         ("move gpr", ["is a three-rod robot", "jointplay forward"]),
@@ -59,35 +59,35 @@ fn a_file_of_the_wrong_kind_is_refused_with_the_command_that_takes_it() {
         ("draw loops.toml", ["is a file of loops", "--loops loops.toml"]),
         ("simulate --robot study.toml", ["is a study", "a three-rod robot is needed"]),
     ] {
-        refused(&desk, line, &parts);
+        refused(&sandbox, line, &parts);
     }
     #[cfg(feature = "studio")]
-    refused(&desk, "studio hexapod --no-open", &["is a mechanism", "draw"]);
+    refused(&sandbox, "studio hexapod --no-open", &["is a mechanism", "draw"]);
 }
 
 #[test]
 fn files_come_from_standard_input_too() {
-    let desk = Desk::new();
-    let bennett = desk.done("catalogue show bennett");
-    let (code, out, _) = with_input(&desk, "mobility -", &bennett);
-    assert_eq!((code, out), (0, desk.done("mobility bennett")));
-    let (code, out, _) = with_input(&desk, "import - --output -", crate::import::URDF);
+    let sandbox = Sandbox::new();
+    let bennett = sandbox.done("catalogue show bennett");
+    let (code, out, _) = with_input(&sandbox, "mobility -", &bennett);
+    assert_eq!((code, out), (0, sandbox.done("mobility bennett")));
+    let (code, out, _) = with_input(&sandbox, "import - --output -", crate::import::URDF);
     assert_eq!(code, 0);
     assert!(out.contains("kind = \"mechanism\""), "{out}");
-    let wrong = bennett.replace("joint", "jiont");
-    let (code, _, error) = with_input(&desk, "mobility -", &wrong);
+    let invalid = bennett.replace("joint", "jiont");
+    let (code, _, error) = with_input(&sandbox, "mobility -", &invalid);
     assert_eq!(code, 2);
     assert!(error.contains("standard input:"), "{error}");
-    let (code, _, error) = with_input(&desk, "cell check - -", "kind = \"cell\"");
+    let (code, _, error) = with_input(&sandbox, "cell check - -", "kind = \"cell\"");
     assert_eq!(code, 2);
     assert!(error.contains("only once"), "{error}");
 }
 
 #[test]
 fn no_command_replaces_a_file_unasked() {
-    let desk = Desk::new();
-    desk.write("robot.urdf", crate::import::URDF);
-    desk.write("study.toml", crate::study::SMALL);
+    let sandbox = Sandbox::new();
+    sandbox.write("robot.urdf", crate::import::URDF);
+    sandbox.write("study.toml", crate::study::SMALL);
     for (line, file) in [
         ("compare --figure file.svg", "file.svg"),
         ("draw bennett --figure file.svg", "file.svg"),
@@ -98,45 +98,77 @@ fn no_command_replaces_a_file_unasked() {
         ("study study.toml --out file.csv", "file.csv"),
         ("manual --out .", "jointplay-cell-check.1"),
     ] {
-        desk.write(file, "mine");
-        refused(&desk, line, &[file, "--force"]);
-        assert_eq!(desk.read(file), "mine", "{line}");
-        assert_eq!(desk.run(&format!("{line} --force")).code, 0, "{line}");
-        assert_ne!(desk.read(file), "mine", "{line}");
+        sandbox.write(file, "mine");
+        refused(&sandbox, line, &[file, "--force"]);
+        assert_eq!(sandbox.read(file), "mine", "{line}");
+        assert_eq!(sandbox.run(&format!("{line} --force")).code, 0, "{line}");
+        assert_ne!(sandbox.read(file), "mine", "{line}");
     }
     for line in ["simulate --yaw-step-deg 360", "move four-bar"] {
-        std::fs::create_dir_all(desk.file("results")).unwrap();
-        desk.write("results/notes.txt", "mine");
-        refused(&desk, &format!("{line} --out results"), &["notes.txt", "--force"]);
-        assert_eq!(desk.names("results"), ["notes.txt"]);
-        desk.done(&format!("{line} --out results --force"));
-        assert_eq!(desk.read("results/notes.txt"), "mine");
-        std::fs::remove_dir_all(desk.file("results")).unwrap();
+        std::fs::create_dir_all(sandbox.file("results")).unwrap();
+        sandbox.write("results/notes.txt", "mine");
+        refused(&sandbox, &format!("{line} --out results"), &["notes.txt", "--force"]);
+        assert_eq!(sandbox.names("results"), ["notes.txt"]);
+        sandbox.done(&format!("{line} --out results --force"));
+        assert_eq!(sandbox.read("results/notes.txt"), "mine");
+        std::fs::remove_dir_all(sandbox.file("results")).unwrap();
     }
 }
 
 #[test]
 fn usage_errors_are_json_where_json_is_asked_for() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     for line in [
         "forward --format json --q-mm 1,2",
         "mobility --format=json --frobnicate",
         "cell check --format json a b c",
     ] {
-        let run = desk.run(line);
+        let run = sandbox.run(line);
         assert_eq!((run.code, run.stdout.as_str()), (2, ""), "{line}");
         let error: Value = serde_json::from_str(&run.stderr).unwrap();
         assert_eq!(error["error"]["kind"], "usage", "{line}");
         let message = error["error"]["message"].as_str().unwrap();
         assert!(!message.contains("Usage:") && !message.starts_with("error"), "{message}");
     }
-    assert!(desk.run("forward --q-mm 1,2").stderr.starts_with("error: "));
+    assert!(sandbox.run("forward --q-mm 1,2").stderr.starts_with("error: "));
+}
+
+#[test]
+fn every_command_prints_json() {
+    let sandbox = Sandbox::new();
+    sandbox.write("robot.urdf", crate::import::URDF);
+    sandbox.write("one.program", crate::cell::SMALL);
+    let list = sandbox.json("catalogue");
+    assert_eq!(list, sandbox.json("catalogue list"));
+    let entries = list["entries"].as_array().unwrap();
+    let bennett = entries.iter().find(|entry| entry["name"] == "bennett").unwrap();
+    assert_eq!((&bennett["finite_mobility"], &bennett["kind"]), (&1.into(), &"mechanism".into()));
+    let text = sandbox.done("catalogue show bennett");
+    assert_eq!(sandbox.json("catalogue show bennett")["text"], text);
+    assert_eq!(sandbox.json("catalogue copy bennett")["file"], "./bennett.toml");
+    assert_eq!(sandbox.json("draw bennett")["svg"], sandbox.done("draw bennett"));
+    assert_eq!(sandbox.json("draw bennett --figure b.svg")["figure"], "b.svg");
+    let imported = sandbox.json("import robot.urdf");
+    assert_eq!((&imported["model_format"], &imported["file"]), (&"URDF".into(), &Value::Null));
+    assert!(imported["text"].as_str().unwrap().contains("kind = \"mechanism\""), "{imported}");
+    assert_eq!(sandbox.json("import robot.urdf --output robot.toml")["file"], "robot.toml");
+    assert_eq!(sandbox.json("cell example --out c")["program"], "c/example.program");
+    assert_eq!(sandbox.json("cell format one.program")["changed"], false);
+    let summary = sandbox.json("simulate --yaw-step-deg 360 --virtualization planar");
+    assert_eq!(summary["poses"], 42);
+    for line in
+        ["catalogue show benett", "draw benett", "import nothing.urdf", "simulate --robot benett"]
+    {
+        let run = sandbox.run(&format!("{line} --format json"));
+        let error: Value = serde_json::from_str(&run.stderr).unwrap();
+        assert_eq!((run.code, &error["error"]["kind"]), (2, &"input".into()), "{line}");
+    }
 }
 
 #[test]
 fn negative_numbers_with_an_exponent_are_values() {
-    let desk = Desk::new();
-    let same = |one: &str, other: &str| assert_eq!(desk.done(one), desk.done(other), "{one}");
+    let sandbox = Sandbox::new();
+    let same = |one: &str, other: &str| assert_eq!(sandbox.done(one), sandbox.done(other), "{one}");
     same("inverse --pitch-deg -1.5e-05", "inverse --pitch-deg=-0.000015");
     same("compare --pitch-deg -1e0:1e0:5e-1", "compare --pitch-deg=-1:1:0.5");
     same("draw bennett --view -3e1,20", "draw bennett --view=-30,20");
@@ -144,12 +176,12 @@ fn negative_numbers_with_an_exponent_are_values() {
 
 #[test]
 fn every_page_of_the_manual_refers_to_pages_that_are_written() {
-    let desk = Desk::new();
-    desk.done("manual --out pages");
-    let names = desk.names("pages");
+    let sandbox = Sandbox::new();
+    sandbox.done("manual --out pages");
+    let names = sandbox.names("pages");
     assert!(names.len() > 25, "{names:?}");
     for name in &names {
-        let page = desk.read(&format!("pages/{name}"));
+        let page = sandbox.read(&format!("pages/{name}"));
         let words = page.split_whitespace().filter_map(|word| word.strip_suffix("(1)"));
         for word in words.filter(|word| word.starts_with("jointplay")) {
             let other = format!("{}.1", word.replace('\\', ""));
@@ -160,29 +192,29 @@ fn every_page_of_the_manual_refers_to_pages_that_are_written() {
 
 #[test]
 fn notes_are_left_out_and_details_added_on_request() {
-    let desk = Desk::new();
-    desk.write("robot.urdf", crate::import::URDF);
-    let plain = desk.run("compare --figure a.svg -v");
+    let sandbox = Sandbox::new();
+    sandbox.write("robot.urdf", crate::import::URDF);
+    let plain = sandbox.run("compare --figure a.svg -v");
     assert_eq!(plain.code, 0);
     assert!(plain.stderr.contains("a.svg: written"), "{}", plain.stderr);
-    assert_eq!(desk.run("mobility robot.urdf -q").stderr, "");
-    let coloured = desk.done("mobility --color always");
+    assert_eq!(sandbox.run("mobility robot.urdf -q").stderr, "");
+    let coloured = sandbox.done("mobility --color always");
     assert!(coloured.contains('\u{1b}'), "{coloured}");
-    refused(&desk, "mobility -q -v", &["cannot be used with"]);
+    refused(&sandbox, "mobility -q -v", &["cannot be used with"]);
 }
 
 #[cfg(unix)]
 #[test]
 fn a_cell_names_no_file_outside_its_folder_by_a_link() {
     use std::os::unix::fs::symlink;
-    let desk = Desk::new();
-    std::fs::create_dir(desk.file("cell")).unwrap();
+    let sandbox = Sandbox::new();
+    std::fs::create_dir(sandbox.file("cell")).unwrap();
     let cell = include_str!("../../../../cells/example.toml");
-    desk.write("cell/example.toml", &cell.replace("\"dual-arm\"", "\"robot.toml\""));
-    desk.write("cell/example.program", "HOME\n");
-    desk.write("robot.toml", include_str!("../../../../robots/dual-arm.toml"));
-    symlink("../robot.toml", desk.file("cell/robot.toml")).unwrap();
-    refused(&desk, "cell check cell/example.toml", &["leads out of the folder"]);
+    sandbox.write("cell/example.toml", &cell.replace("\"dual-arm\"", "\"robot.toml\""));
+    sandbox.write("cell/example.program", "HOME\n");
+    sandbox.write("robot.toml", include_str!("../../../../robots/dual-arm.toml"));
+    symlink("../robot.toml", sandbox.file("cell/robot.toml")).unwrap();
+    refused(&sandbox, "cell check cell/example.toml", &["leads out of the folder"]);
 }
 
 /// Whether a process handles Ctrl-C itself, as the system reports it.
@@ -197,9 +229,9 @@ fn handles_interrupts(process: u32) -> bool {
 #[cfg(target_os = "linux")]
 #[test]
 fn long_motions_can_be_interrupted() {
-    let desk = Desk::new();
-    for line in ["move four-bar --drive A=0:3e6 --out way", "draw four-bar --ghost A=3e6"] {
-        let mut command = desk.command(line);
+    let sandbox = Sandbox::new();
+    for line in ["move four-bar --drive A=0:3e6 --out path", "draw four-bar --ghost A=3e6"] {
+        let mut command = sandbox.command(line);
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         while !handles_interrupts(child.id()) {
             assert!(child.try_wait().unwrap().is_none(), "{line} ended by itself");
@@ -208,21 +240,45 @@ fn long_motions_can_be_interrupted() {
         let id = child.id().to_string();
         assert!(std::process::Command::new("kill").args(["-INT", &id]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().code(), Some(130), "{line}");
-        assert!(!desk.file("way").exists());
+        assert!(!sandbox.file("path").exists());
     }
 }
 
 #[test]
-fn completions_for_bash_know_the_catalogue() {
-    let desk = Desk::new();
-    assert!(desk.done("completions bash").contains("gpr-mechanism"));
+fn completion_offers_catalogue_names_and_files_in_every_shell() {
+    let sandbox = Sandbox::new();
+    sandbox.write("bearing.toml", "");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let script = sandbox.done(&format!("completions {shell}"));
+        assert!(script.contains("JOINTPLAY_COMPLETE"), "{shell}: {script}");
+        let candidates = |line: &str| {
+            let mut command = sandbox.command(&format!("-- jointplay {line}"));
+            let index = line.split(' ').count().to_string();
+            command.env("JOINTPLAY_COMPLETE", shell).env("_CLAP_IFS", "\n");
+            command.env("_CLAP_COMPLETE_INDEX", index);
+            String::from_utf8(command.output().unwrap().stdout).unwrap()
+        };
+        for (line, expected) in [
+            ("mobility be", &["bennett", "bennett-network", "bearing.toml"][..]),
+            ("catalogue show gpr", &["gpr", "gpr-mechanism"]),
+            ("forward --robot gp", &["gpr"]),
+            ("study mis", &["misbuilt"]),
+            ("sim", &["simulate"]),
+        ] {
+            let found = candidates(line);
+            for name in expected {
+                assert!(found.contains(name), "{shell}, {line}: {name}: {found}");
+            }
+        }
+        assert!(!candidates("forward --robot gp").contains("gpr-mechanism"), "{shell}");
+    }
 }
 
 #[test]
 fn a_missing_quote_is_the_only_error() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let cell = include_str!("../../../../cells/example.toml");
-    let wrong: Vec<String> = cell
+    let invalid: Vec<String> = cell
         .lines()
         .enumerate()
         .map(
@@ -231,9 +287,9 @@ fn a_missing_quote_is_the_only_error() {
             },
         )
         .collect();
-    desk.write("c.toml", &wrong.join("\n"));
-    desk.write("c.program", "HOME\n");
-    let run = desk.run("cell check c.toml");
+    sandbox.write("c.toml", &invalid.join("\n"));
+    sandbox.write("c.program", "HOME\n");
+    let run = sandbox.run("cell check c.toml");
     assert_eq!(run.code, 2);
     assert!(run.stderr.starts_with("error: c.toml:27:"), "{}", run.stderr);
     assert_eq!(run.stderr.lines().count(), 4, "{}", run.stderr);

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use crate::desk::Desk;
 use crate::page;
+use crate::sandbox::Sandbox;
 
 /// Commands of a document: fenced lines and code spans that start with the program's name, without comments.
 fn commands(text: &str) -> Vec<String> {
@@ -17,7 +17,7 @@ fn commands(text: &str) -> Vec<String> {
         found.extend(pieces.into_iter().filter_map(|piece| piece.strip_prefix("jointplay ")));
     }
     let bare = |line: &str| line.split('#').next().unwrap_or_default().trim().to_owned();
-    // Words in capitals stand for something else, completions are for some shell, and the studio serves until it is ended.
+    // Words in capitals are placeholders, completions need a shell, and the studio runs until Ctrl-C.
     let whole = |line: &String| {
         !line.starts_with("completions")
             && !line.starts_with("studio")
@@ -34,13 +34,13 @@ fn quick(line: &str) -> String {
 }
 
 /// A folder with the files that the examples of `import` name.
-fn desk_with_a_model() -> Desk {
-    let desk = Desk::new();
-    desk.write("one.program", crate::cell::SMALL);
-    desk.write("robot.urdf", crate::import::URDF);
-    desk.write("loops.toml", crate::import::LOOPS);
-    desk.write("my-study.toml", crate::study::SMALL);
-    desk
+fn sandbox_with_a_model() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write("one.program", crate::cell::SMALL);
+    sandbox.write("robot.urdf", crate::import::URDF);
+    sandbox.write("loops.toml", crate::import::LOOPS);
+    sandbox.write("my-study.toml", crate::study::SMALL);
+    sandbox
 }
 
 #[test]
@@ -55,8 +55,8 @@ fn commands_in_code_spans_run() {
     all.dedup();
     assert!(all.len() >= 10, "{all:?}");
     for line in all {
-        let desk = desk_with_a_model();
-        let run = desk.run(&quick(&line));
+        let sandbox = sandbox_with_a_model();
+        let run = sandbox.run(&quick(&line));
         assert_eq!(run.code, 0, "{line}: {}", run.stderr);
     }
 }
@@ -71,13 +71,13 @@ fn commands_of_the_book_run_in_order_and_print_what_it_shows() {
         pages.extend(entries.filter(|path| path.extension().is_some_and(|end| end == "md")));
     }
     pages.sort();
-    let count: usize = pages.iter().map(|path| page::check(path, &desk_with_a_model())).sum();
+    let count: usize = pages.iter().map(|path| page::check(path, &sandbox_with_a_model())).sum();
     assert!(count > 60, "{count}");
 }
 
 #[test]
 fn every_example_in_a_help_text_runs() {
-    let helper = Desk::new();
+    let helper = Sandbox::new();
     for command in [
         "",
         "simulate",
@@ -104,11 +104,11 @@ fn every_example_in_a_help_text_runs() {
         let (_, examples) = help.split_once("Examples:").expect("every command has examples");
         for line in examples.lines().map(str::trim) {
             let Some(line) = line.strip_prefix("jointplay ") else { continue };
-            // What stands behind two spaces explains the line.
+            // Text after two spaces explains the line.
             let line = line.split("  ").next().unwrap();
             let line = line.split(" > ").next().unwrap();
-            let desk = desk_with_a_model();
-            let run = desk.run(&quick(line));
+            let sandbox = sandbox_with_a_model();
+            let run = sandbox.run(&quick(line));
             assert_eq!(run.code, 0, "{line}: {}", run.stderr);
         }
     }

@@ -1,37 +1,37 @@
 //! Pictures of mechanisms: where they go, what they show, what is refused.
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 
 #[test]
 fn a_picture_is_written_where_it_is_asked_for() {
-    let desk = Desk::new();
-    assert_eq!(desk.done("draw bennett --figure bennett.svg"), "picture: bennett.svg\n");
-    let usual = desk.read("bennett.svg");
+    let sandbox = Sandbox::new();
+    assert_eq!(sandbox.done("draw bennett --figure bennett.svg"), "picture: bennett.svg\n");
+    let usual = sandbox.read("bennett.svg");
     for part in [">Bennett's linkage<", ">J4<", ">base<", ">actuated<", ">50 mm<"] {
         assert!(usual.contains(part), "{part}");
     }
     // Without a file it is printed, and nothing is written.
-    assert_eq!(desk.done("draw bennett"), usual);
-    assert_eq!(desk.names("."), ["bennett.svg"]);
+    assert_eq!(sandbox.done("draw bennett"), usual);
+    assert_eq!(sandbox.names("."), ["bennett.svg"]);
     // A file that exists is replaced on request only.
-    let run = desk.run("draw bennett --at J1=120 --figure bennett.svg");
+    let run = sandbox.run("draw bennett --at J1=120 --figure bennett.svg");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("replace it with --force"), "{}", run.stderr);
-    assert_eq!(desk.read("bennett.svg"), usual);
-    desk.done("draw bennett --at J1=120 --figure bennett.svg --force");
-    assert_ne!(desk.read("bennett.svg"), usual);
-    desk.done("draw hexapod --figure hexapod.svg");
-    assert!(desk.read("hexapod.svg").contains(">P6<"));
-    desk.done("draw hexapod --figure Hexapod.PNG");
-    assert!(std::fs::read(desk.file("Hexapod.PNG")).unwrap().starts_with(b"\x89PNG"));
+    assert_eq!(sandbox.read("bennett.svg"), usual);
+    sandbox.done("draw bennett --at J1=120 --figure bennett.svg --force");
+    assert_ne!(sandbox.read("bennett.svg"), usual);
+    sandbox.done("draw hexapod --figure hexapod.svg");
+    assert!(sandbox.read("hexapod.svg").contains(">P6<"));
+    sandbox.done("draw hexapod --figure Hexapod.PNG");
+    assert!(std::fs::read(sandbox.file("Hexapod.PNG")).unwrap().starts_with(b"\x89PNG"));
 }
 
 #[test]
 fn a_picture_shows_what_is_asked_for() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let drawn = |options: &str| {
-        desk.done(&format!("draw four-bar --figure picture.svg --force {options}"));
-        desk.read("picture.svg")
+        sandbox.done(&format!("draw four-bar --figure picture.svg --force {options}"));
+        sandbox.read("picture.svg")
     };
     let plain = drawn("");
     assert_ne!(drawn("--at A=30"), plain);
@@ -41,26 +41,26 @@ fn a_picture_shows_what_is_asked_for() {
     assert_ne!(drawn("--view 30,-89"), drawn("--view 30,89"));
     let moved = drawn("--ghost A=120");
     assert!(moved.contains(">moved<") && !plain.contains(">moved<"));
-    // Play is drawn too, also where it has to give way.
-    desk.done("draw gpr-mechanism --figure play.svg");
-    assert!(desk.read("play.svg").contains(">virtual joint<"));
-    desk.done("draw gpr-mechanism --figure play.svg --force --ghost \"rod 1=5,rod 2=0\"");
-    assert!(desk.read("play.svg").contains(">moved<"));
-    // Shown larger, it is said to be.
+    // Virtual joints are drawn, also when displaced.
+    sandbox.done("draw gpr-mechanism --figure play.svg");
+    assert!(sandbox.read("play.svg").contains(">virtual joint<"));
+    sandbox.done("draw gpr-mechanism --figure play.svg --force --ghost \"rod 1=5,rod 2=0\"");
+    assert!(sandbox.read("play.svg").contains(">moved<"));
+    // The legend shows the play scale.
     let tilted = "draw gpr-mechanism --figure tilted.svg --force --at \"rod 1=5,rod 2=0,rod 3=0\"";
     let shown = |options: &str| {
-        desk.done(&format!("{tilted} {options}"));
-        desk.read("tilted.svg")
+        sandbox.done(&format!("{tilted} {options}"));
+        sandbox.read("tilted.svg")
     };
     let (truth, larger) = (shown(""), shown("--exaggerate 500"));
-    assert!(larger.contains(">play ×500<") && !truth.contains("play ×"));
+    assert!(larger.contains(">play scale 500×<") && !truth.contains("play scale"));
     assert_ne!(larger.replace("500", "400"), shown("--exaggerate 400"));
     for (line, message) in [
-        ("draw gpr-mechanism --exaggerate 500", "takes no play"),
-        ("draw bennett --exaggerate 500", "takes no play"),
+        ("draw gpr-mechanism --exaggerate 500", "the virtual joints are not displaced"),
+        ("draw bennett --exaggerate 500", "the virtual joints are not displaced"),
         ("draw gpr-mechanism --exaggerate 0.5", "by a factor from 1 to 1e9"),
     ] {
-        let run = desk.run(line);
+        let run = sandbox.run(line);
         assert_eq!(run.code, 2, "{line}");
         assert!(run.stderr.contains(message), "{}", run.stderr);
     }
@@ -68,22 +68,22 @@ fn a_picture_shows_what_is_asked_for() {
 
 #[test]
 fn every_mechanism_of_the_catalogue_can_be_drawn() {
-    let desk = Desk::new();
-    let list = desk.done("catalogue");
+    let sandbox = Sandbox::new();
+    let list = sandbox.done("catalogue");
     let names = list.lines().skip(1).filter_map(|line| line.split_whitespace().next());
     let (mechanisms, robots): (Vec<&str>, Vec<&str>) = names.partition(|name| {
-        desk.done(&format!("catalogue show {name}")).contains("kind = \"mechanism\"")
+        sandbox.done(&format!("catalogue show {name}")).contains("kind = \"mechanism\"")
     });
     assert_eq!(robots, ["dual-arm", "gpr", "radial-arm", "scara-3r", "scara-4r"]);
     assert!(mechanisms.len() > 24);
     for name in mechanisms {
-        desk.done(&format!("draw {name}"));
+        sandbox.done(&format!("draw {name}"));
     }
 }
 
 #[test]
 fn what_cannot_be_drawn() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     for (line, code, message) in [
         ("draw bennett --figure bennett.jpg", 2, "ends neither in .svg nor in .png"),
         ("draw bennett --figure nowhere/bennett.svg", 2, "its folder does not exist"),
@@ -92,14 +92,14 @@ fn what_cannot_be_drawn() {
         ("draw bennett --view NaN,0", 2, "not a finite number"),
         ("draw bennett --at J9=1", 2, "J9"),
         ("draw four-bar --ghost J9=1", 2, "J9"),
-        ("draw spherical-4r --ghost A=90", 1, "on the way to --ghost, stopped at A = 23.2"),
+        ("draw spherical-4r --ghost A=90", 1, "before --ghost: stopped at A = 23.2"),
         ("draw gpr", 2, "gpr-mechanism"),
         ("draw nothing.toml", 2, "cannot read"),
         ("draw", 2, "Usage"),
     ] {
-        let run = desk.run(line);
+        let run = sandbox.run(line);
         assert_eq!(run.code, code, "{line}: {}", run.stderr);
         assert!(run.stderr.contains(message), "{line}: {}", run.stderr);
-        assert!(desk.names(".").is_empty(), "{line}");
+        assert!(sandbox.names(".").is_empty(), "{line}");
     }
 }

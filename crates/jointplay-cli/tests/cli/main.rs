@@ -1,17 +1,17 @@
 //! The command from outside: what it answers, what it refuses, what it writes.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail where it stands")]
+#![allow(clippy::unwrap_used, reason = "a failed unwrap fails the test")]
 
 mod answers;
 mod cell;
 mod command;
-mod desk;
 mod documents;
 mod draw;
 mod import;
 mod mechanism;
 mod page;
 mod refusals;
+mod sandbox;
 mod simulate;
 #[cfg(all(feature = "studio", unix))]
 mod studio;

@@ -11,10 +11,10 @@
 
 use std::path::Path;
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 
 /// Follows the page and returns how many commands it has run.
-pub(crate) fn check(path: &Path, desk: &Desk) -> usize {
+pub(crate) fn check(path: &Path, sandbox: &Sandbox) -> usize {
     let text = std::fs::read_to_string(path).unwrap();
     let name = path.file_name().unwrap().to_string_lossy();
     let mut written = String::new();
@@ -33,7 +33,7 @@ pub(crate) fn check(path: &Path, desk: &Desk) -> usize {
         match kind {
             "sh" => {
                 for line in body.lines().filter_map(|line| line.strip_prefix("jointplay ")) {
-                    if let Some(printed) = run(desk, line, &name) {
+                    if let Some(printed) = run(sandbox, line, &name) {
                         output = Some(printed);
                         count += 1;
                     }
@@ -50,7 +50,7 @@ pub(crate) fn check(path: &Path, desk: &Desk) -> usize {
                     }
                 }
             }
-            _ => save(desk, kind, body, written.trim_end().lines().last().unwrap_or_default()),
+            _ => save(sandbox, kind, body, written.trim_end().lines().last().unwrap_or_default()),
         }
         written += &format!("```{shown}```");
     }
@@ -61,7 +61,7 @@ pub(crate) fn check(path: &Path, desk: &Desk) -> usize {
 }
 
 /// Runs a command and returns all that it prints; nothing where it cannot run here.
-fn run(desk: &Desk, line: &str, page: &str) -> Option<String> {
+fn run(sandbox: &Sandbox, line: &str, page: &str) -> Option<String> {
     let (line, comment) = line.split_once(" #").unwrap_or((line, ""));
     let (line, file) =
         line.split_once(" > ").map_or((line, None), |(line, file)| (line, Some(file)));
@@ -75,12 +75,12 @@ fn run(desk: &Desk, line: &str, page: &str) -> Option<String> {
     {
         return None;
     }
-    let run = desk.run(&quick(line));
+    let run = sandbox.run(&quick(line));
     let expected =
         comment.split_once("exit code ").map_or(0, |(_, code)| code.trim().parse().unwrap());
     assert_eq!(run.code, expected, "{page}: {line}: {}", run.stderr);
     if let Some(file) = file {
-        desk.write(file.trim(), &run.stdout);
+        sandbox.write(file.trim(), &run.stdout);
     }
     Some(run.stdout + &run.stderr)
 }
@@ -121,14 +121,14 @@ fn compare(shown: &str, printed: &str, page: &str) {
 }
 
 /// Saves or changes the file that the line before a block names.
-fn save(desk: &Desk, kind: &str, body: &str, line: &str) {
+fn save(sandbox: &Sandbox, kind: &str, body: &str, line: &str) {
     let Some(name) = line.split('`').nth(1) else { return };
     if line.starts_with("Save this as ") {
-        desk.write(name, body);
+        sandbox.write(name, body);
     } else if line.starts_with("Add this to ") {
-        desk.write(name, &(desk.read(name) + "\n" + body));
+        sandbox.write(name, &(sandbox.read(name) + "\n" + body));
     } else if kind == "diff" {
-        let mut text = desk.read(name);
+        let mut text = sandbox.read(name);
         let changed = |sign: char| {
             let lines = body.lines().filter_map(|line| line.strip_prefix(sign));
             lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>()
@@ -137,6 +137,6 @@ fn save(desk: &Desk, kind: &str, body: &str, line: &str) {
             assert!(text.contains(from), "{from} is not in {name}");
             text = text.replacen(from, to, 1);
         }
-        desk.write(name, &text);
+        sandbox.write(name, &text);
     }
 }

@@ -1,15 +1,15 @@
 //! Bad input and broken limits: the exit code, the message, and nothing left behind.
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 
 #[track_caller]
 fn refuse(line: &str, code: i32, message: &str) {
-    let desk = Desk::new();
-    let run = desk.run(line);
+    let sandbox = Sandbox::new();
+    let run = sandbox.run(line);
     assert_eq!(run.code, code, "{line}: {}{}", run.stdout, run.stderr);
     assert!(run.stderr.contains(message), "{line}: {}", run.stderr);
     assert_eq!(run.stdout, "", "{line}");
-    assert_eq!(desk.names(""), [""; 0], "{line} left files behind");
+    assert_eq!(sandbox.names(""), [""; 0], "{line} left files behind");
 }
 
 #[test]
@@ -85,19 +85,19 @@ fn poses_beyond_the_limits() {
 
 #[test]
 fn limits_can_be_ignored_aloud() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     for line in
         ["inverse --pitch-deg 1.6", "forward --q-mm 500,501,520", "mobility --q-mm 800,800,800"]
     {
-        let text = desk.done(&format!("{line} --ignore-limits"));
+        let text = sandbox.done(&format!("{line} --ignore-limits"));
         assert!(text.contains("beyond the robot's limits, which were ignored"), "{text}");
     }
-    assert_eq!(desk.run("inverse --pitch-deg 1.5").code, 0, "a pose on its limit is allowed");
+    assert_eq!(sandbox.run("inverse --pitch-deg 1.5").code, 0, "a pose on its limit is allowed");
 }
 
 #[test]
 fn programs_get_errors_as_json() {
-    let run = Desk::new().run("forward --q-mm 500,501,800 --format json");
+    let run = Sandbox::new().run("forward --q-mm 500,501,800 --format json");
     assert_eq!((run.code, run.stdout.as_str()), (1, ""));
     let error: serde_json::Value = serde_json::from_str(&run.stderr).unwrap();
     assert_eq!(error["error"]["kind"], "limits");
@@ -107,13 +107,13 @@ fn programs_get_errors_as_json() {
 
 #[test]
 fn robot_files_are_read_strictly() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let paper = include_str!("../../../../robots/gpr.toml");
-    desk.write("same.toml", paper);
-    assert_eq!(desk.done("forward --robot same.toml"), desk.done("forward"));
+    sandbox.write("same.toml", paper);
+    assert_eq!(sandbox.done("forward --robot same.toml"), sandbox.done("forward"));
 
-    desk.write("typo.toml", &paper.replacen("socket_radius_mm", "socket_radious_mm", 1));
-    let run = desk.run("mobility --robot typo.toml");
+    sandbox.write("typo.toml", &paper.replacen("socket_radius_mm", "socket_radious_mm", 1));
+    let run = sandbox.run("mobility --robot typo.toml");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains(
         "typo.toml:13:1: unknown key `socket_radious_mm` (did you mean `socket_radius_mm`?)"
@@ -124,34 +124,34 @@ fn robot_files_are_read_strictly() {
         run.stderr
     );
 
-    std::fs::write(desk.file("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
-    let run = desk.run("forward --robot binary.toml");
+    std::fs::write(sandbox.file("binary.toml"), [0xff, 0xfe, 0x00]).unwrap();
+    let run = sandbox.run("forward --robot binary.toml");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("cannot read binary.toml"), "{}", run.stderr);
 
-    desk.write("long.toml", &"#".repeat(2_000_000));
-    let run = desk.run("forward --robot long.toml");
+    sandbox.write("long.toml", &"#".repeat(2_000_000));
+    let run = sandbox.run("forward --robot long.toml");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("longer than 1000000 bytes"), "{}", run.stderr);
 }
 
 #[test]
 fn turns_of_the_yaw_change_nothing() {
-    let desk = Desk::new();
-    let once = desk.done("inverse --yaw-deg 17 --pitch-deg 1");
-    assert_eq!(desk.done("inverse --yaw-deg 36000000017 --pitch-deg 1"), once);
+    let sandbox = Sandbox::new();
+    let once = sandbox.done("inverse --yaw-deg 17 --pitch-deg 1");
+    assert_eq!(sandbox.done("inverse --yaw-deg 36000000017 --pitch-deg 1"), once);
 }
 
 #[test]
 fn one_model_without_an_answer_leaves_the_others_theirs() {
-    let desk = Desk::new();
-    let beside = include_str!("../../../../robots/gpr.toml").replacen(
+    let sandbox = Sandbox::new();
+    let offset = include_str!("../../../../robots/gpr.toml").replacen(
         "socket_angle_deg = 0.0",
         "socket_angle_deg = 0.0\nbase_point_mm = [80, 10]",
         1,
     );
-    desk.write("beside.toml", &beside);
-    let found = desk.json("compare --robot beside.toml --metric 1e-9");
+    sandbox.write("offset.toml", &offset);
+    let found = sandbox.json("compare --robot offset.toml --metric 1e-9");
     let models = found["models"].as_array().unwrap();
     assert!(models[1]["failure"].as_str().unwrap().contains("independently"), "{}", models[1]);
     assert!(models[3]["failure"].is_null());
@@ -160,7 +160,7 @@ fn one_model_without_an_answer_leaves_the_others_theirs() {
 
 #[test]
 fn a_pose_that_cannot_be_solved_is_no_answer() {
-    let run = Desk::new()
+    let run = Sandbox::new()
         .run("forward --q-mm 0,400,50000 --ignore-limits --virtualization radial --solver newton");
     if run.code == 0 {
         // Solved after all: then the sides have to be met.

@@ -1,9 +1,9 @@
-//! The paper's studies as files: whole, the same every time, and never over somebody else's.
+//! The paper's studies as files: complete, reproducible, and never over files of others.
 
 use std::collections::BTreeMap;
 use std::process::Stdio;
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 use serde_json::Value;
 
 /// Rows of a table by their tilt, without the sample number.
@@ -21,9 +21,9 @@ fn rows(csv: &str) -> BTreeMap<(String, String), String> {
 
 #[test]
 fn the_first_try_writes_everything() {
-    let desk = Desk::new();
-    let text = desk.done("simulate");
-    let names = desk.names("paper-study");
+    let sandbox = Sandbox::new();
+    let text = sandbox.done("simulate");
+    let names = sandbox.names("paper-study");
     for model in ["radial", "polar", "offset", "planar"] {
         assert!(names.contains(&format!("samples-{model}.csv")), "{names:?}");
         assert!(text.contains(model));
@@ -38,7 +38,7 @@ fn the_first_try_writes_everything() {
     ];
     for figure in figures.iter().flat_map(|figure| [(*figure).to_owned(), format!("{figure}-zoom")])
     {
-        let svg = desk.read(&format!("paper-study/{figure}.svg"));
+        let svg = sandbox.read(&format!("paper-study/{figure}.svg"));
         let axis = if figure.ends_with("-zoom") {
             ">tilt angle (deg)</text>"
         } else {
@@ -46,10 +46,10 @@ fn the_first_try_writes_everything() {
         };
         assert!(svg.contains("<text") && svg.contains(axis), "{figure}");
         assert!(!svg.contains("NaN"), "{figure}");
-        let png = std::fs::read(desk.file(&format!("paper-study/{figure}.png"))).unwrap();
+        let png = std::fs::read(sandbox.file(&format!("paper-study/{figure}.png"))).unwrap();
         assert!(png.starts_with(b"\x89PNG"), "{figure}");
     }
-    let csv = desk.read("paper-study/samples-polar.csv");
+    let csv = sandbox.read("paper-study/samples-polar.csv");
     assert_eq!(csv.lines().count(), 778);
     assert_eq!(
         csv.lines().next().unwrap(),
@@ -59,14 +59,14 @@ fn the_first_try_writes_everything() {
     assert!(csv.lines().nth(1).unwrap().starts_with("0,0.0,-2.0,503.25"));
     assert!(names.contains(&"summary.json".to_owned()));
     // Every figure's name is explained, and none is drawn twice.
-    let explained = desk.read("paper-study/README.md");
+    let explained = sandbox.read("paper-study/README.md");
     let mut pictures = std::collections::BTreeMap::new();
     for name in names.iter().filter(|name| name.ends_with(".svg")) {
         let stem = name.trim_end_matches(".svg").trim_end_matches("-zoom");
         assert!(
             stem.starts_with("radial") || stem.starts_with("planar") || explained.contains(stem)
         );
-        let svg = desk.read(&format!("paper-study/{name}"));
+        let svg = sandbox.read(&format!("paper-study/{name}"));
         assert_eq!(pictures.insert(svg, name.clone()), None, "{name}");
     }
     assert!(!text.contains("(ns)"), "a time changes from run to run");
@@ -74,9 +74,9 @@ fn the_first_try_writes_everything() {
 
 #[test]
 fn coincident_curves_are_named_and_drawn_once() {
-    let desk = Desk::new();
-    desk.done("simulate --virtualization polar");
-    let zoom = desk.read("paper-study/fig06-polar-linear-zoom.svg");
+    let sandbox = Sandbox::new();
+    sandbox.done("simulate --virtualization polar");
+    let zoom = sandbox.read("paper-study/fig06-polar-linear-zoom.svg");
     assert!(zoom.contains("l₁, l₂, l₃ (equal within 1e-5 mm)"), "{zoom}");
     assert!(zoom.contains("tilt direction 40°"));
     // Ten values for each step of the table: no visible corners.
@@ -86,9 +86,9 @@ fn coincident_curves_are_named_and_drawn_once() {
 
 #[test]
 fn the_summary_confirms_the_paper() {
-    let desk = Desk::new();
-    desk.done("simulate");
-    let summary: Value = serde_json::from_str(&desk.read("paper-study/summary.json")).unwrap();
+    let sandbox = Sandbox::new();
+    sandbox.done("simulate");
+    let summary: Value = serde_json::from_str(&sandbox.read("paper-study/summary.json")).unwrap();
     assert_eq!(summary["poses"], 777);
     assert_eq!(summary["beyond_limits_on_purpose"], true);
     let side = 93.218 * 3_f64.sqrt();
@@ -134,26 +134,28 @@ fn the_summary_confirms_the_paper() {
 
 #[test]
 fn same_flags_same_bytes() {
-    let (first, second) = (Desk::new(), Desk::new());
+    let (first, second) = (Sandbox::new(), Sandbox::new());
     first.done("simulate --yaw-step-deg 30");
     second.done("simulate --yaw-step-deg 30");
     second.done("simulate --yaw-step-deg 30 --force");
     assert_eq!(first.names("paper-study"), second.names("paper-study"));
     for name in &first.names("paper-study") {
-        let read = |desk: &Desk| std::fs::read(desk.file(&format!("paper-study/{name}"))).unwrap();
+        let read = |sandbox: &Sandbox| {
+            std::fs::read(sandbox.file(&format!("paper-study/{name}"))).unwrap()
+        };
         assert!(read(&first) == read(&second), "{name} differs from run to run");
     }
 }
 
 #[test]
 fn the_order_of_the_samples_changes_no_sample() {
-    let desk = Desk::new();
-    desk.done("simulate --yaw-step-deg 30 --out a");
-    desk.done("simulate --yaw-step-deg 30 --out b --order serpentine");
+    let sandbox = Sandbox::new();
+    sandbox.done("simulate --yaw-step-deg 30 --out a");
+    sandbox.done("simulate --yaw-step-deg 30 --out b --order serpentine");
     for model in ["radial", "polar", "offset", "planar"] {
         let (a, b) = (
-            desk.read(&format!("a/samples-{model}.csv")),
-            desk.read(&format!("b/samples-{model}.csv")),
+            sandbox.read(&format!("a/samples-{model}.csv")),
+            sandbox.read(&format!("b/samples-{model}.csv")),
         );
         assert_ne!(a, b);
         assert_eq!(rows(&a), rows(&b), "{model}");
@@ -162,78 +164,78 @@ fn the_order_of_the_samples_changes_no_sample() {
 
 #[test]
 fn a_second_run_replaces_its_own_files_on_request_only() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let fast = "simulate --yaw-step-deg 180 --pitch-deg -1:1:1";
-    desk.done(fast);
-    let all = desk.names("paper-study").len();
-    desk.write("paper-study/.jointplay-partial-killed", "half");
-    assert_eq!(desk.run(&format!("{fast} --virtualization radial")).code, 2);
-    assert_eq!(desk.names("paper-study").len(), all + 1);
-    desk.done(&format!("{fast} --virtualization radial --force"));
-    let names = desk.names("paper-study");
+    sandbox.done(fast);
+    let all = sandbox.names("paper-study").len();
+    sandbox.write("paper-study/.jointplay-partial-killed", "half");
+    assert_eq!(sandbox.run(&format!("{fast} --virtualization radial")).code, 2);
+    assert_eq!(sandbox.names("paper-study").len(), all + 1);
+    sandbox.done(&format!("{fast} --virtualization radial --force"));
+    let names = sandbox.names("paper-study");
     assert!(names.len() < all && !names.contains(&"samples-polar.csv".to_owned()), "{names:?}");
     assert!(!names.iter().any(|name| name.starts_with('.')), "{names:?}");
 
-    desk.write("paper-study/notes.txt", "mine");
-    desk.write("paper-study/samples-mine.csv", "mine");
-    let before = desk.read("paper-study/samples-radial.csv");
-    let refused = desk.run("simulate --yaw-step-deg 90");
+    sandbox.write("paper-study/notes.txt", "mine");
+    sandbox.write("paper-study/samples-mine.csv", "mine");
+    let before = sandbox.read("paper-study/samples-radial.csv");
+    let refused = sandbox.run("simulate --yaw-step-deg 90");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("holds files already"), "{}", refused.stderr);
     assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
-    assert_eq!(desk.read("paper-study/samples-radial.csv"), before);
+    assert_eq!(sandbox.read("paper-study/samples-radial.csv"), before);
 
-    desk.done("simulate --yaw-step-deg 90 --force");
-    assert!(desk.names("paper-study").contains(&"notes.txt".to_owned()));
-    assert_eq!(desk.read("paper-study/notes.txt"), "mine");
-    assert_eq!(desk.read("paper-study/samples-mine.csv"), "mine");
-    assert_ne!(desk.read("paper-study/samples-radial.csv"), before);
+    sandbox.done("simulate --yaw-step-deg 90 --force");
+    assert!(sandbox.names("paper-study").contains(&"notes.txt".to_owned()));
+    assert_eq!(sandbox.read("paper-study/notes.txt"), "mine");
+    assert_eq!(sandbox.read("paper-study/samples-mine.csv"), "mine");
+    assert_ne!(sandbox.read("paper-study/samples-radial.csv"), before);
 }
 
 #[test]
 fn a_folder_is_ours_only_by_its_own_summary() {
-    let desk = Desk::new();
-    std::fs::create_dir(desk.file("study")).unwrap();
-    desk.write("study/summary.json", "my data");
-    desk.write("study/samples-polar.parquet", "my data");
-    let refused = desk.run("simulate --out study");
+    let sandbox = Sandbox::new();
+    std::fs::create_dir(sandbox.file("study")).unwrap();
+    sandbox.write("study/summary.json", "my data");
+    sandbox.write("study/samples-polar.parquet", "my data");
+    let refused = sandbox.run("simulate --out study");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("samples-polar.parquet, summary.json"), "{}", refused.stderr);
-    assert_eq!(desk.read("study/summary.json"), "my data");
+    assert_eq!(sandbox.read("study/summary.json"), "my data");
 
     // A folder in the place of a file: nothing at all is written.
-    std::fs::create_dir_all(desk.file("other/fig05-rods.svg")).unwrap();
-    let refused = desk.run("simulate --out other --force");
+    std::fs::create_dir_all(sandbox.file("other/fig05-rods.svg")).unwrap();
+    let refused = sandbox.run("simulate --out other --force");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("a folder has this name"), "{}", refused.stderr);
-    assert_eq!(desk.names("other"), ["fig05-rods.svg"]);
+    assert_eq!(sandbox.names("other"), ["fig05-rods.svg"]);
 }
 
 #[test]
 fn a_table_as_short_as_one_pose() {
-    let desk = Desk::new();
-    desk.done("simulate --yaw-step-deg 360 --pitch-deg 1 --out one");
-    assert_eq!(desk.read("one/samples-planar.csv").lines().count(), 3);
+    let sandbox = Sandbox::new();
+    sandbox.done("simulate --yaw-step-deg 360 --pitch-deg 1 --out one");
+    assert_eq!(sandbox.read("one/samples-planar.csv").lines().count(), 3);
 }
 
 #[test]
 fn the_table_reads_well() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let mut settings = insta::Settings::clone_current();
     settings.add_filter(r"\d\.\d+e-\d+", "[small]");
     settings.add_filter(r"(time per pose \(ns\)) .*", "$1 [measured]");
     settings.add_filter(r" +(\[small\])", " $1");
-    settings.bind(|| insta::assert_snapshot!("simulate", desk.done("simulate")));
+    settings.bind(|| insta::assert_snapshot!("simulate", sandbox.done("simulate")));
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_error() {
-    let desk = Desk::new();
+fn a_closed_pipe_is_no_error() {
+    let sandbox = Sandbox::new();
     for line in
         ["--help", "mobility", "completions bash", "simulate --yaw-step-deg 180 --pitch-deg 1"]
     {
         let mut child =
-            desk.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+            sandbox.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         drop(child.stdout.take());
         let output = child.wait_with_output().unwrap();
         let stderr = String::from_utf8(output.stderr).unwrap();
@@ -243,35 +245,32 @@ fn a_reader_that_goes_away_is_no_error() {
 }
 
 #[test]
-fn completions_and_manual() {
-    let desk = Desk::new();
-    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        assert!(desk.done(&format!("completions {shell}")).contains("simulate"), "{shell}");
-    }
-    assert!(desk.done("manual").starts_with(".ie"));
-    desk.done("manual --out man");
-    let pages = desk.names("man");
+fn the_manual_has_a_page_for_each_command() {
+    let sandbox = Sandbox::new();
+    assert!(sandbox.done("manual").starts_with(".ie"));
+    sandbox.done("manual --out man");
+    let pages = sandbox.names("man");
     assert!(
         pages.contains(&"jointplay.1".to_owned())
             && pages.contains(&"jointplay-simulate.1".to_owned())
     );
-    assert!(desk.read("man/jointplay-simulate.1").contains("yaw"));
+    assert!(sandbox.read("man/jointplay-simulate.1").contains("yaw"));
 }
 
 #[cfg(feature = "parquet")]
 #[test]
 fn parquet_instead_of_csv() {
-    let desk = Desk::new();
-    desk.done("simulate --yaw-step-deg 90 --format parquet");
-    let bytes = std::fs::read(desk.file("paper-study/samples-polar.parquet")).unwrap();
+    let sandbox = Sandbox::new();
+    sandbox.done("simulate --yaw-step-deg 90 --table parquet");
+    let bytes = std::fs::read(sandbox.file("paper-study/samples-polar.parquet")).unwrap();
     assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
-    assert!(!desk.names("paper-study").iter().any(|name| name.ends_with(".csv")));
+    assert!(!sandbox.names("paper-study").iter().any(|name| name.ends_with(".csv")));
 }
 
 #[cfg(not(feature = "parquet"))]
 #[test]
-fn a_build_without_parquet_says_so() {
-    let run = Desk::new().run("simulate --format parquet");
+fn a_build_without_parquet_names_the_feature() {
+    let run = Sandbox::new().run("simulate --table parquet");
     assert_eq!(run.code, 2);
     assert!(run.stderr.contains("--features parquet"), "{}", run.stderr);
 }

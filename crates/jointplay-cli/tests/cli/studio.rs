@@ -4,7 +4,7 @@ use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 
 /// A running server; killed where a test fails before it is ended.
 struct Studio {
@@ -14,13 +14,13 @@ struct Studio {
 }
 
 impl Studio {
-    fn start(desk: &Desk, flags: &str) -> Self {
-        let mut command = desk.command(&format!("studio --no-open {flags}"));
+    fn start(sandbox: &Sandbox, flags: &str) -> Self {
+        let mut command = sandbox.command(&format!("studio --no-open {flags}"));
         let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         let mut output = BufReader::new(child.stdout.take().unwrap());
         let mut line = String::new();
         output.read_line(&mut line).unwrap();
-        let address = line.trim().strip_prefix("the studio is at http://").unwrap_or_else(|| {
+        let address = line.trim().strip_prefix("studio: http://").unwrap_or_else(|| {
             let mut error = String::new();
             child.stderr.take().unwrap().read_to_string(&mut error).unwrap();
             panic!("{line}{error}")
@@ -73,8 +73,8 @@ impl Drop for Studio {
 
 #[test]
 fn it_serves_until_it_is_interrupted() {
-    let desk = Desk::new();
-    let studio = Studio::start(&desk, "--port 0");
+    let sandbox = Sandbox::new();
+    let studio = Studio::start(&sandbox, "--port 0");
     assert!(studio.address.starts_with("127.0.0.1:"), "{}", studio.address);
     let robot = studio.ask("GET /api/v1/robot HTTP/1.1\r\n");
     assert!(robot.starts_with("HTTP/1.1 200 OK\r\n"), "{robot}");
@@ -84,20 +84,20 @@ fn it_serves_until_it_is_interrupted() {
     let _idle = TcpStream::connect(&studio.address).unwrap();
     let (code, rest) = studio.interrupt();
     assert_eq!((code, rest.as_str()), (Some(0), "  Ctrl-C ends it\n"));
-    assert_eq!(desk.names(""), [""; 0]);
+    assert_eq!(sandbox.names(""), [""; 0]);
 }
 
 #[test]
 fn a_port_that_is_taken() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port();
-    let run = desk.run(&format!("studio --no-open --port {port}"));
+    let run = sandbox.run(&format!("studio --no-open --port {port}"));
     assert_eq!(run.code, 2);
     let message = format!("cannot serve on port {port} of 127.0.0.1");
     assert!(run.stderr.contains(&message) && run.stderr.contains("--port"), "{}", run.stderr);
     // Two servers without a port to insist on go side by side.
-    let (first, second) = (Studio::start(&desk, ""), Studio::start(&desk, ""));
+    let (first, second) = (Studio::start(&sandbox, ""), Studio::start(&sandbox, ""));
     assert_ne!(first.address, second.address);
     assert!(second.ask("GET /api/v1/robot HTTP/1.1\r\n").contains("200 OK"));
     assert_eq!((first.interrupt().0, second.interrupt().0), (Some(0), Some(0)));
@@ -105,47 +105,47 @@ fn a_port_that_is_taken() {
 
 #[test]
 fn another_robot() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let own = jointplay::format::robot::PAPER.replace("GPR of the paper", "My robot");
-    desk.write("mine.toml", &own);
-    let studio = Studio::start(&desk, "--port 0 --robot mine.toml");
+    sandbox.write("mine.toml", &own);
+    let studio = Studio::start(&sandbox, "--port 0 --robot mine.toml");
     assert!(studio.ask("GET /api/v1/robot HTTP/1.1\r\n").contains("\"name\":\"My robot\""));
     assert_eq!(studio.interrupt().0, Some(0));
-    desk.write("bad.toml", &own.replace("tilt_deg = 1.5", "tilt_deg = 95"));
-    let run = desk.run("studio --no-open --robot bad.toml");
+    sandbox.write("bad.toml", &own.replace("tilt_deg = 1.5", "tilt_deg = 95"));
+    let run = sandbox.run("studio --no-open --robot bad.toml");
     assert_eq!((run.code, run.stdout.as_str()), (2, ""));
     assert!(run.stderr.contains("bad.toml:28:12: the largest tilt is 95°"), "{}", run.stderr);
 }
 
 #[test]
 fn a_mesh_that_is_not_there() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let own = jointplay::format::robot::PAPER;
-    desk.write("mine.toml", &own.replacen("kind = ", "base_mesh = \"base.stl\"\nkind = ", 1));
-    let run = desk.run("studio --no-open --robot mine.toml");
+    sandbox.write("mine.toml", &own.replacen("kind = ", "base_mesh = \"base.stl\"\nkind = ", 1));
+    let run = sandbox.run("studio --no-open --robot mine.toml");
     assert_eq!(run.code, 2);
     let message = "mine.toml:6:13: the mesh \"base.stl\" cannot be read";
     assert!(run.stderr.contains(message), "{}", run.stderr);
-    desk.write("base.stl", "solid base");
-    let studio = Studio::start(&desk, "--port 0 --robot mine.toml");
+    sandbox.write("base.stl", "solid base");
+    let studio = Studio::start(&sandbox, "--port 0 --robot mine.toml");
     assert!(studio.ask("GET /api/v1/meshes/base HTTP/1.1\r\n").ends_with("solid base"));
     assert_eq!(studio.interrupt().0, Some(0));
 }
 
 /// The same question by the command line and by the server.
 #[track_caller]
-fn same(desk: &Desk, studio: &Studio, line: &str, path: &str, body: &str) {
-    let run = desk.run(&format!("{line} --format json"));
+fn same(sandbox: &Sandbox, studio: &Studio, line: &str, path: &str, body: &str) {
+    let run = sandbox.run(&format!("{line} --format json"));
     assert_eq!(run.code, 0, "{line}: {}", run.stderr);
-    let told: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
-    assert_eq!(studio.post(path, body), told, "{line}");
+    let answer: serde_json::Value = serde_json::from_str(&run.stdout).unwrap();
+    assert_eq!(studio.post(path, body), answer, "{line}");
 }
 
 #[test]
 fn the_server_answers_what_the_command_line_answers() {
-    let desk = Desk::new();
-    let studio = Studio::start(&desk, "--port 0");
-    let same = |line: &str, path: &str, body: &str| same(&desk, &studio, line, path, body);
+    let sandbox = Sandbox::new();
+    let studio = Studio::start(&sandbox, "--port 0");
+    let same = |line: &str, path: &str, body: &str| same(&sandbox, &studio, line, path, body);
     same("forward --q-mm 500,501,502", "forward", r#"{"rods_m": [0.5, 0.501, 0.502]}"#);
     same(
         "forward --q-mm 500,501,502 --virtualization polar --solver newton --metric radius",

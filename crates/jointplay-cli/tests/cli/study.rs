@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 use serde_json::Value;
 
 /// A grid of six poses under two virtualizations.
@@ -38,21 +38,21 @@ fn numbers(column: &[String]) -> Vec<f64> {
 
 /// Writes a study, runs it, and gives its summary and table.
 #[track_caller]
-fn studied(desk: &Desk, text: &str, flags: &str) -> (Value, String) {
-    desk.write("s.toml", text);
-    let run = desk.run(&format!("study s.toml --out t.csv --force --format json {flags}"));
+fn studied(sandbox: &Sandbox, text: &str, flags: &str) -> (Value, String) {
+    sandbox.write("s.toml", text);
+    let run = sandbox.run(&format!("study s.toml --out t.csv --force --format json {flags}"));
     assert_eq!(run.code, 0, "{}", run.stderr);
-    (serde_json::from_str(&run.stdout).unwrap(), desk.read("t.csv"))
+    (serde_json::from_str(&run.stdout).unwrap(), sandbox.read("t.csv"))
 }
 
 #[test]
 fn the_first_try_needs_nothing() {
-    let desk = Desk::new();
-    let run = desk.run("study");
+    let sandbox = Sandbox::new();
+    let run = sandbox.run("study");
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert_eq!(desk.names("."), ["center-shift.csv"]);
-    assert_eq!(desk.read("center-shift.csv").lines().count(), 2233);
-    // Silent but for one line, as nobody watches.
+    assert_eq!(sandbox.names("."), ["center-shift.csv"]);
+    assert_eq!(sandbox.read("center-shift.csv").lines().count(), 2233);
+    // One line only, since standard error is no terminal.
     assert_eq!(run.stderr.lines().count(), 1, "{}", run.stderr);
     assert!(run.stderr.contains("2232 samples in"), "{}", run.stderr);
 
@@ -65,19 +65,34 @@ fn the_first_try_needs_nothing() {
 }
 
 #[test]
-fn an_example_is_a_study_of_ones_own() {
-    let desk = Desk::new();
-    desk.write("mine.toml", &desk.done("study --example"));
-    assert_eq!(desk.run("study mine.toml").code, 0);
-    assert_eq!(desk.run("study center-shift").code, 0);
-    assert_eq!(desk.read("mine.csv"), desk.read("center-shift.csv"));
-    assert!(desk.done("study misbuilt --example").contains("[tolerances]"));
+fn standard_output_takes_the_table() {
+    let sandbox = Sandbox::new();
+    sandbox.write("s.toml", SMALL);
+    let (summary, csv) = studied(&sandbox, SMALL, "");
+    let run = sandbox.run("study s.toml --out - --format json --quiet");
+    assert_eq!((run.code, run.stdout), (0, csv.clone()));
+    assert_eq!(serde_json::from_str::<Value>(&run.stderr).unwrap(), summary);
+    let run = sandbox.run("study s.toml --out -");
+    assert_eq!((run.code, run.stdout), (0, csv));
+    assert!(run.stderr.contains("median"), "{}", run.stderr);
+    assert_eq!(sandbox.names("."), ["s.toml", "t.csv"]);
+    assert_eq!(sandbox.run("study s.toml --out - --resume").code, 2);
 }
 
 #[test]
-fn a_row_is_what_inverse_says() {
-    let desk = Desk::new();
-    let (_, csv) = studied(&desk, SMALL, "");
+fn an_example_is_a_study_of_ones_own() {
+    let sandbox = Sandbox::new();
+    sandbox.write("mine.toml", &sandbox.done("study --example"));
+    assert_eq!(sandbox.run("study mine.toml").code, 0);
+    assert_eq!(sandbox.run("study center-shift").code, 0);
+    assert_eq!(sandbox.read("mine.csv"), sandbox.read("center-shift.csv"));
+    assert!(sandbox.done("study misbuilt --example").contains("[tolerances]"));
+}
+
+#[test]
+fn a_row_equals_the_inverse_kinematics() {
+    let sandbox = Sandbox::new();
+    let (_, csv) = studied(&sandbox, SMALL, "");
     let header = csv.lines().next().unwrap();
     assert_eq!(
         header,
@@ -95,7 +110,7 @@ fn a_row_is_what_inverse_says() {
         for (row, sample) in table["sample"].iter().enumerate() {
             let at = |name: &str| -> &str { &table[name][row] };
             let (yaw, pitch) = (at("yaw_deg"), at("pitch_deg"));
-            let pose = desk.json(&format!(
+            let pose = sandbox.json(&format!(
                 "inverse --yaw-deg {yaw} --pitch-deg {pitch} --height-mm 480.1 --virtualization {model}"
             ));
             let near = |cell: &str, expected: &Value, scale: f64| {
@@ -113,7 +128,7 @@ fn a_row_is_what_inverse_says() {
 
 #[test]
 fn a_summary_is_that_of_its_table() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let text = r#"kind = "study"
 samples = 3001
 seed = 11
@@ -126,7 +141,7 @@ tilt_y_deg = { uniform = [-1, 1] }
 socket_angle_deg = { normal = [0, 0.01] }
 base_x_mm = { uniform = [-0.02, 0.03] }
 "#;
-    let (summary, csv) = studied(&desk, text, "");
+    let (summary, csv) = studied(&sandbox, text, "");
     let table = columns(&csv);
     assert_eq!(summary["samples"], 3001);
     assert_eq!(summary["percentiles_from"], 3001);
@@ -155,20 +170,20 @@ base_x_mm = { uniform = [-0.02, 0.03] }
 
 #[test]
 fn the_same_study_gives_the_same_bytes_on_any_number_of_threads() {
-    let desk = Desk::new();
-    let text = desk.done("study misbuilt --example");
-    let (_, first) = studied(&desk, &text, "--threads 1");
+    let sandbox = Sandbox::new();
+    let text = sandbox.done("study misbuilt --example");
+    let (_, first) = studied(&sandbox, &text, "--threads 1");
     for threads in [2, 5] {
-        let (_, again) = studied(&desk, &text, &format!("--threads {threads}"));
+        let (_, again) = studied(&sandbox, &text, &format!("--threads {threads}"));
         assert!(first == again, "{threads} threads");
     }
-    let (_, other) = studied(&desk, &text.replace("seed = 1", "seed = 2"), "");
+    let (_, other) = studied(&sandbox, &text.replace("seed = 1", "seed = 2"), "");
     assert_ne!(first, other);
 }
 
 #[test]
 fn samples_without_an_answer_are_empty_and_counted() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let text = r#"kind = "study"
 samples = 400
 virtualizations = ["polar"]
@@ -178,7 +193,7 @@ quantities = ["origin_x_um"]
 yaw_deg = 0
 pitch_deg = { normal = [0, 60] }
 "#;
-    let (summary, csv) = studied(&desk, text, "");
+    let (summary, csv) = studied(&sandbox, text, "");
     let table = columns(&csv);
     let failed = table["polar_status"].iter().filter(|status| *status != "solved").count();
     assert!(failed > 20 && failed < 380, "{failed}");
@@ -191,26 +206,26 @@ pitch_deg = { normal = [0, 60] }
     assert_eq!(model["reasons"]["pitch of 90° or more"], steep.count());
 
     // None at all: the table is written, and the answer is no.
-    desk.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e300]"));
-    let wild = desk.run("study none.toml");
+    sandbox.write("none.toml", &text.replace("normal = [0, 60]", "normal = [0, 1e300]"));
+    let wild = sandbox.run("study none.toml");
     assert_eq!(wild.code, 2);
     let expected =
         "none.toml:8:13: `pitch_deg` has 1e300, but needs numbers from -89.999 to 89.999";
     assert!(wild.stderr.contains(expected), "{}", wild.stderr);
-    desk.write("none.toml", &text.replace("normal = [0, 60]", "uniform = [89.95, 89.99]"));
-    let none = desk.run("study none.toml");
+    sandbox.write("none.toml", &text.replace("normal = [0, 60]", "uniform = [89.95, 89.99]"));
+    let none = sandbox.run("study none.toml");
     assert_eq!(none.code, 1, "{}", none.stderr);
-    assert!(none.stderr.contains("no sample has an answer"), "{}", none.stderr);
-    assert_eq!(desk.read("none.csv").lines().count(), 401);
+    assert!(none.stderr.contains("no sample could be solved"), "{}", none.stderr);
+    assert_eq!(sandbox.read("none.csv").lines().count(), 401);
 }
 
 #[test]
-fn a_dry_run_says_what_a_run_will_be() {
-    let desk = Desk::new();
-    let dry = desk.json("study misbuilt --dry-run");
-    assert!(desk.names(".").is_empty());
-    desk.run("study misbuilt");
-    let csv = desk.read("misbuilt.csv");
+fn a_dry_run_estimates_the_run() {
+    let sandbox = Sandbox::new();
+    let dry = sandbox.json("study misbuilt --dry-run");
+    assert!(sandbox.names(".").is_empty());
+    sandbox.run("study misbuilt");
+    let csv = sandbox.read("misbuilt.csv");
     let header: Vec<&str> = csv.lines().next().unwrap().split(',').collect();
     assert_eq!(dry["samples"].as_u64().unwrap() as usize, csv.lines().count() - 1);
     let names: Vec<&str> =
@@ -218,40 +233,40 @@ fn a_dry_run_says_what_a_run_will_be() {
     assert_eq!(names, header);
     let expected = dry["expected_bytes"].as_f64().unwrap();
     assert!((expected / csv.len() as f64 - 1.0).abs() < 0.02, "{expected} {}", csv.len());
-    assert!(desk.done("study misbuilt --dry-run").contains("10000 samples, nothing computed"));
+    assert!(sandbox.done("study misbuilt --dry-run").contains("10000 samples, nothing computed"));
 
-    // Nobody computes these, but their size can be told.
-    desk.write(
+    // Too many to compute, but their size can be estimated.
+    sandbox.write(
         "huge.toml",
         &SMALL
             .replace("\"-1:1:1\"", "{ uniform = [-1, 1] }")
             .replace("quant", "samples = 4000000000000000000\nquant"),
     );
-    assert!(desk.done("study huge.toml --dry-run").contains(" years"));
+    assert!(sandbox.done("study huge.toml --dry-run").contains(" years"));
 }
 
 #[test]
 fn a_table_that_is_there_is_replaced_only_on_request() {
-    let desk = Desk::new();
-    desk.write("s.toml", SMALL);
-    desk.write("s.csv", "mine");
-    let refused = desk.run("study s.toml");
+    let sandbox = Sandbox::new();
+    sandbox.write("s.toml", SMALL);
+    sandbox.write("s.csv", "mine");
+    let refused = sandbox.run("study s.toml");
     assert_eq!(refused.code, 2);
     assert!(refused.stderr.contains("--force"), "{}", refused.stderr);
-    assert_eq!(desk.read("s.csv"), "mine");
-    assert_eq!(desk.run("study s.toml --force").code, 0);
-    assert_eq!(desk.read("s.csv").lines().count(), 7);
-    assert_eq!(desk.names("."), ["s.csv", "s.toml"]);
+    assert_eq!(sandbox.read("s.csv"), "mine");
+    assert_eq!(sandbox.run("study s.toml --force").code, 0);
+    assert_eq!(sandbox.read("s.csv").lines().count(), 7);
+    assert_eq!(sandbox.names("."), ["s.csv", "s.toml"]);
 }
 
 #[test]
-fn robots_lie_beside_their_study() {
-    let desk = Desk::new();
-    let robot = desk.done("catalogue show gpr");
-    desk.write("mine.toml", &robot.replacen("height_mm = 500.0", "height_mm = 400.0", 1));
+fn robot_files_are_next_to_their_study() {
+    let sandbox = Sandbox::new();
+    let robot = sandbox.done("catalogue show gpr");
+    sandbox.write("mine.toml", &robot.replacen("height_mm = 500.0", "height_mm = 400.0", 1));
     let text =
         SMALL.replace("height_mm = 480.1\n", "").replacen("virt", "robot = \"mine.toml\"\nvirt", 1);
-    let (summary, csv) = studied(&desk, &text, "");
+    let (summary, csv) = studied(&sandbox, &text, "");
     assert_eq!(columns(&csv)["height_mm"][0], "400.0");
     assert_eq!(summary["robot"], "GPR of the paper");
     for (robot, message) in [
@@ -261,73 +276,77 @@ fn robots_lie_beside_their_study() {
         ("delta", "of the kind \\\"mechanism\\\""),
         ("gps", "not in the catalogue"),
     ] {
-        desk.write("s.toml", &text.replace("mine.toml", robot));
-        let refused = desk.run("study s.toml --format json");
+        sandbox.write("s.toml", &text.replace("mine.toml", robot));
+        let refused = sandbox.run("study s.toml --format json");
         assert_eq!(refused.code, 2);
         assert!(refused.stderr.contains(message), "{robot}: {}", refused.stderr);
     }
 }
 
 #[test]
-fn wrong_use_is_told() {
-    let desk = Desk::new();
-    desk.write("s.toml", &SMALL.replace("origin_x_um", "origin_x_deg"));
-    let refused = desk.run("study s.toml");
+fn usage_errors_are_reported() {
+    let sandbox = Sandbox::new();
+    sandbox.write("s.toml", &SMALL.replace("origin_x_um", "origin_x_deg"));
+    let refused = sandbox.run("study s.toml");
     assert_eq!(refused.code, 2);
     let expected = "error: s.toml:3:24: `origin_x` needs a unit: origin_x_mm, origin_x_um, origin_x_nm, origin_x_m
   |
 3 | quantities = [\"q1_mm\", \"origin_x_deg\", \"pitch_deg\", \"virtual_joints\"]
   |                        ^^^^^^^^^^^^^^\n";
     assert_eq!(refused.stderr, expected);
-    desk.write("s.toml", SMALL);
+    sandbox.write("s.toml", SMALL);
     for (line, message) in [
-        ("study s.toml --out t.xlsx", "ends in .csv or in .parquet"),
-        ("study s.toml --resume", "nothing to go on with"),
+        ("study s.toml --out t.xlsx", "ends in .csv or .parquet"),
+        ("study s.toml --resume", "nothing to resume"),
         ("study missbuilt", "did you mean `misbuilt`?"),
         ("study none.toml", "cannot read none.toml"),
-        ("study s.toml --threads 0", "a number from 1 to 1024 is needed"),
-        ("study s.toml --threads 1000000", "a number from 1 to 1024 is needed"),
-        ("study s.toml --threads many", "a number from 1 to 1024 is needed"),
+        ("study s.toml --threads 0", "the number of threads must be from 1 to 1024"),
+        ("study s.toml --threads 1000000", "the number of threads must be from 1 to 1024"),
+        ("study s.toml --threads many", "the number of threads must be from 1 to 1024"),
         ("study s.toml --out no/folder.csv", "cannot write no/folder.csv.part"),
         ("study s.toml --resume --force", "cannot be used with"),
     ] {
-        let refused = desk.run(line);
+        let refused = sandbox.run(line);
         assert_eq!(refused.code, 2, "{line}");
         assert!(refused.stderr.contains(message), "{line}: {}", refused.stderr);
     }
-    assert_eq!(desk.names("."), ["s.toml"]);
+    assert_eq!(sandbox.names("."), ["s.toml"]);
 }
 
 #[test]
 fn a_study_larger_than_the_disk_is_refused_before_it_starts() {
-    let desk = Desk::new();
+    let sandbox = Sandbox::new();
     let text = SMALL.replace("yaw_deg = [20, 50.5]", "yaw_deg = { uniform = [0, 360] }");
     // More than any disk holds.
-    desk.write(
+    sandbox.write(
         "s.toml",
         &text.replace("kind = \"study\"", "kind = \"study\"\nsamples = 3000000000000000"),
     );
-    let refused = desk.run("study s.toml --out t.csv");
+    let refused = sandbox.run("study s.toml --out t.csv");
     assert_eq!(refused.code, 2);
-    assert!(refused.stderr.contains("the table will take about"), "{}", refused.stderr);
-    assert!(refused.stderr.contains("are free in .: take fewer samples"), "{}", refused.stderr);
-    assert_eq!(desk.names("."), ["s.toml"]);
-    desk.done("study s.toml --out t.csv --dry-run");
+    assert!(refused.stderr.contains("the table needs about"), "{}", refused.stderr);
+    assert!(
+        refused.stderr.contains("are free in .: reduce the number of samples"),
+        "{}",
+        refused.stderr
+    );
+    assert_eq!(sandbox.names("."), ["s.toml"]);
+    sandbox.done("study s.toml --out t.csv --dry-run");
 }
 
 #[test]
 fn a_study_starts_no_more_threads_than_it_has_blocks_of_samples() {
-    let desk = Desk::new();
-    desk.write("s.toml", SMALL);
-    let expected = desk.run("study s.toml --out one.csv --threads 1");
+    let sandbox = Sandbox::new();
+    sandbox.write("s.toml", SMALL);
+    let expected = sandbox.run("study s.toml --out one.csv --threads 1");
     assert_eq!(expected.code, 0, "{}", expected.stderr);
     // A thousand threads would need more address space than this leaves.
     let line = "ulimit -v 2000000; exec \"$0\" study s.toml --out many.csv --threads 1024";
     let run = std::process::Command::new("bash")
         .args(["-c", line, env!("CARGO_BIN_EXE_jointplay")])
-        .current_dir(desk.path())
+        .current_dir(sandbox.path())
         .output()
         .unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    assert_eq!(desk.read("one.csv"), desk.read("many.csv"));
+    assert_eq!(sandbox.read("one.csv"), sandbox.read("many.csv"));
 }

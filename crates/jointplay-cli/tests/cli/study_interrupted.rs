@@ -3,7 +3,7 @@
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::desk::Desk;
+use crate::sandbox::Sandbox;
 
 /// Seven chunks, the last one not full.
 const STUDY: &str = r#"kind = "study"
@@ -18,21 +18,21 @@ pitch_deg = { uniform = [0, 1.5] }
 socket_radius_mm = { normal = [0, 0.01] }
 "#;
 
-fn desk() -> Desk {
-    let desk = Desk::new();
-    desk.write("s.toml", STUDY);
-    desk
+fn sandbox() -> Sandbox {
+    let sandbox = Sandbox::new();
+    sandbox.write("s.toml", STUDY);
+    sandbox
 }
 
 /// Table and summary of a run that nothing disturbs.
-fn undisturbed(desk: &Desk, table: &str) -> (Vec<u8>, String) {
-    let run = desk.run(&format!("study s.toml --out whole-{table} --format json"));
+fn undisturbed(sandbox: &Sandbox, table: &str) -> (Vec<u8>, String) {
+    let run = sandbox.run(&format!("study s.toml --out whole-{table} --format json"));
     assert_eq!(run.code, 0, "{}", run.stderr);
-    (std::fs::read(desk.file(&format!("whole-{table}"))).unwrap(), run.stdout)
+    (std::fs::read(sandbox.file(&format!("whole-{table}"))).unwrap(), run.stdout)
 }
 
-fn start(desk: &Desk, line: &str) -> Child {
-    desk.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
+fn start(sandbox: &Sandbox, line: &str) -> Child {
+    sandbox.command(line).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
 fn send(signal: &str, child: &Child) {
@@ -40,18 +40,18 @@ fn send(signal: &str, child: &Child) {
     assert!(status.success());
 }
 
-/// Chunks that the marker tells of.
-fn marked(desk: &Desk, table: &str) -> u64 {
+/// Number of chunks in the marker.
+fn marked(sandbox: &Sandbox, table: &str) -> u64 {
     let text =
-        std::fs::read_to_string(desk.file(&format!("{table}.part.json"))).unwrap_or_default();
+        std::fs::read_to_string(sandbox.file(&format!("{table}.part.json"))).unwrap_or_default();
     let marker: serde_json::Value = serde_json::from_str(&text).unwrap_or_default();
     marker["chunks"].as_u64().unwrap_or_default()
 }
 
 /// Waits until more chunks are marked than these, or the run has ended.
-fn await_more(desk: &Desk, table: &str, chunks: u64, child: &mut Child) {
+fn await_more(sandbox: &Sandbox, table: &str, chunks: u64, child: &mut Child) {
     let patience = Instant::now();
-    while marked(desk, table) <= chunks && child.try_wait().unwrap().is_none() {
+    while marked(sandbox, table) <= chunks && child.try_wait().unwrap().is_none() {
         assert!(patience.elapsed() < Duration::from_secs(120), "nothing is marked");
         std::thread::sleep(Duration::from_millis(5));
     }
@@ -59,13 +59,13 @@ fn await_more(desk: &Desk, table: &str, chunks: u64, child: &mut Child) {
 
 /// Ends the table of an interrupted run, and holds it to one that was not.
 #[track_caller]
-fn finish(desk: &Desk, table: &str, expected: &(Vec<u8>, String)) {
-    let run = desk.run(&format!("study s.toml --out {table} --resume --format json"));
+fn finish(sandbox: &Sandbox, table: &str, expected: &(Vec<u8>, String)) {
+    let run = sandbox.run(&format!("study s.toml --out {table} --resume --format json"));
     assert_eq!(run.code, 0, "{}", run.stderr);
-    assert!(std::fs::read(desk.file(table)).unwrap() == expected.0, "{table} differs");
+    assert!(std::fs::read(sandbox.file(table)).unwrap() == expected.0, "{table} differs");
     assert_eq!(run.stdout, expected.1, "the summary of {table} differs");
     let left: Vec<String> =
-        desk.names(".").into_iter().filter(|name| name.contains(".part")).collect();
+        sandbox.names(".").into_iter().filter(|name| name.contains(".part")).collect();
     assert!(left.is_empty(), "{left:?}");
 }
 
@@ -80,16 +80,19 @@ fn moments() -> impl Iterator<Item = Duration> {
 }
 
 fn killed_and_taken_up(table: &str) {
-    let desk = desk();
-    let expected = undisturbed(&desk, table);
+    let sandbox = sandbox();
+    let expected = undisturbed(&sandbox, table);
     let mut kills = 0;
-    // From the start, before anything is marked, and then from wherever it has come to.
+    // From the start, before the first marker, and then from the last one.
     for (run, moment) in (0..5).zip(moments()) {
-        let resume =
-            if desk.file(&format!("{table}.part.json")).exists() { "--resume" } else { "--force" };
-        let mut child = start(&desk, &format!("study s.toml --out {table} {resume}"));
+        let resume = if sandbox.file(&format!("{table}.part.json")).exists() {
+            "--resume"
+        } else {
+            "--force"
+        };
+        let mut child = start(&sandbox, &format!("study s.toml --out {table} {resume}"));
         if run > 0 {
-            await_more(&desk, table, marked(&desk, table), &mut child);
+            await_more(&sandbox, table, marked(&sandbox, table), &mut child);
         }
         std::thread::sleep(moment);
         let ended = child.try_wait().unwrap().is_some();
@@ -101,32 +104,35 @@ fn killed_and_taken_up(table: &str) {
         if ended {
             break;
         }
-        assert!(!desk.file(table).exists(), "half a table has its name");
+        assert!(!sandbox.file(table).exists(), "half a table has its name");
     }
     assert!(kills > 0);
-    if !desk.file(table).exists() {
-        let resume =
-            if desk.file(&format!("{table}.part.json")).exists() { "--resume" } else { "--force" };
+    if !sandbox.file(table).exists() {
+        let resume = if sandbox.file(&format!("{table}.part.json")).exists() {
+            "--resume"
+        } else {
+            "--force"
+        };
         assert_eq!(resume, "--resume", "five runs have marked nothing");
-        finish(&desk, table, &expected);
+        finish(&sandbox, table, &expected);
     }
-    assert!(std::fs::read(desk.file(table)).unwrap() == expected.0);
+    assert!(std::fs::read(sandbox.file(table)).unwrap() == expected.0);
 }
 
 fn interrupted_and_taken_up(table: &str, signal: &str) {
-    let desk = desk();
-    let expected = undisturbed(&desk, table);
-    let mut child = start(&desk, &format!("study s.toml --out {table}"));
-    await_more(&desk, table, 0, &mut child);
+    let sandbox = sandbox();
+    let expected = undisturbed(&sandbox, table);
+    let mut child = start(&sandbox, &format!("study s.toml --out {table}"));
+    await_more(&sandbox, table, 0, &mut child);
     send(signal, &child);
     let output = child.wait_with_output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(130), "{stderr}");
-    assert!(stderr.contains("of 400000 samples are done"), "{stderr}");
+    assert!(stderr.contains("of 400000 samples are in"), "{stderr}");
     assert!(stderr.contains("--resume"), "{stderr}");
-    assert!(!desk.file(table).exists());
-    let part = std::fs::read(desk.file(&format!("{table}.part"))).unwrap();
-    let done = usize::try_from(marked(&desk, table)).unwrap() * 65_536;
+    assert!(!sandbox.file(table).exists());
+    let part = std::fs::read(sandbox.file(&format!("{table}.part"))).unwrap();
+    let done = usize::try_from(marked(&sandbox, table)).unwrap() * 65_536;
     assert!(done > 0);
     if table.ends_with(".csv") {
         // A table of what is done: whole rows, the first of those to come.
@@ -135,19 +141,19 @@ fn interrupted_and_taken_up(table: &str, signal: &str) {
     } else {
         assert!(part.starts_with(b"PAR1") && part.ends_with(b"PAR1"));
     }
-    let again = desk.run(&format!("study s.toml --out {table}"));
+    let again = sandbox.run(&format!("study s.toml --out {table}"));
     assert_eq!(again.code, 2);
-    assert!(again.stderr.contains("--resume goes on with it"), "{}", again.stderr);
-    finish(&desk, table, &expected);
+    assert!(again.stderr.contains("use --resume to continue it"), "{}", again.stderr);
+    finish(&sandbox, table, &expected);
 }
 
 #[test]
-fn a_killed_run_goes_on_from_its_last_mark() {
+fn a_killed_run_resumes_from_its_last_marker() {
     killed_and_taken_up("t.csv");
 }
 
 #[test]
-fn an_interrupted_run_leaves_a_table_and_goes_on() {
+fn an_interrupted_run_leaves_a_table_and_can_be_resumed() {
     interrupted_and_taken_up("t.csv", "-INT");
     interrupted_and_taken_up("t.csv", "-TERM");
 }
@@ -161,41 +167,45 @@ fn parquet_is_killed_interrupted_and_taken_up_too() {
 
 #[test]
 fn a_full_disk_costs_nothing_that_was_done() {
-    let desk = desk();
-    let expected = undisturbed(&desk, "t.csv");
+    let sandbox = sandbox();
+    let expected = undisturbed(&sandbox, "t.csv");
     // In place of a full disk, files that may not grow: blocks of 512 bytes, some two chunks.
     let program = env!("CARGO_BIN_EXE_jointplay");
     let script =
         format!("trap '' XFSZ; ulimit -f 40000; exec '{program}' study s.toml --out t.csv");
     let output =
-        Command::new("sh").args(["-c", &script]).current_dir(desk.path()).output().unwrap();
+        Command::new("sh").args(["-c", &script]).current_dir(sandbox.path()).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert_eq!(output.status.code(), Some(2), "{stderr}");
     assert!(stderr.contains("cannot write t.csv.part"), "{stderr}");
-    assert!(stderr.contains("--resume goes on"), "{stderr}");
-    let part = std::fs::read(desk.file("t.csv.part")).unwrap();
+    assert!(stderr.contains("with --resume continues"), "{stderr}");
+    let part = std::fs::read(sandbox.file("t.csv.part")).unwrap();
     assert!(expected.0.starts_with(&part) && part.ends_with(b"\n"));
-    assert!(marked(&desk, "t.csv") > 0);
-    finish(&desk, "t.csv", &expected);
+    assert!(marked(&sandbox, "t.csv") > 0);
+    finish(&sandbox, "t.csv", &expected);
 }
 
 #[test]
 fn a_table_of_another_study_is_not_gone_on_with() {
-    let desk = desk();
-    let mut child = start(&desk, "study s.toml --out t.csv");
-    await_more(&desk, "t.csv", 0, &mut child);
-    // Whoever holds the table is left alone.
-    let meanwhile = desk.run("study s.toml --out t.csv --resume");
+    let sandbox = sandbox();
+    let mut child = start(&sandbox, "study s.toml --out t.csv");
+    await_more(&sandbox, "t.csv", 0, &mut child);
+    // A locked table is not touched.
+    let meanwhile = sandbox.run("study s.toml --out t.csv --resume");
     assert_eq!(meanwhile.code, 2);
     assert!(meanwhile.stderr.contains("another run is writing t.csv.part"), "{}", meanwhile.stderr);
-    let beside = desk.run("study s.toml --out t.csv");
-    assert!(beside.stderr.contains("another run is writing t.csv.part"), "{}", beside.stderr);
+    let concurrent = sandbox.run("study s.toml --out t.csv");
+    assert!(
+        concurrent.stderr.contains("another run is writing t.csv.part"),
+        "{}",
+        concurrent.stderr
+    );
     send("-KILL", &child);
     child.wait().unwrap();
 
     let refused = |study: &str, message: &str| {
-        desk.write("s.toml", study);
-        let run = desk.run("study s.toml --out t.csv --resume");
+        sandbox.write("s.toml", study);
+        let run = sandbox.run("study s.toml --out t.csv --resume");
         assert_eq!(run.code, 2);
         assert!(run.stderr.contains(message), "{}", run.stderr);
     };
@@ -206,36 +216,36 @@ fn a_table_of_another_study_is_not_gone_on_with() {
         &STUDY.replace("\"radial\", ", ""),
         "virtualizations: radial, planar there, planar here",
     );
-    let whole = desk.read("t.csv.part.json");
-    desk.write("t.csv.part.json", &whole.replacen("\"jointplay\": \"", "\"jointplay\": \"9", 1));
+    let whole = sandbox.read("t.csv.part.json");
+    sandbox.write("t.csv.part.json", &whole.replacen("\"jointplay\": \"", "\"jointplay\": \"9", 1));
     refused(STUDY, "only the same version goes on");
-    desk.write("t.csv.part.json", &whole[..whole.len() / 2]);
+    sandbox.write("t.csv.part.json", &whole[..whole.len() / 2]);
     refused(STUDY, "no marker of an interrupted study");
-    desk.write("t.csv.part.json", &whole);
+    sandbox.write("t.csv.part.json", &whole);
     std::fs::File::options()
         .write(true)
-        .open(desk.file("t.csv.part"))
+        .open(sandbox.file("t.csv.part"))
         .unwrap()
         .set_len(99)
         .unwrap();
     refused(STUDY, "t.csv.part has 99 bytes");
 
     // A word of the file that changes no number does not matter; --force begins again.
-    desk.write("s.toml", &STUDY.replace("400000", "1000"));
-    assert_eq!(desk.run("study s.toml --out t.csv --force").code, 0);
-    assert_eq!(desk.read("t.csv").lines().count(), 1001);
+    sandbox.write("s.toml", &STUDY.replace("400000", "1000"));
+    assert_eq!(sandbox.run("study s.toml --out t.csv --force").code, 0);
+    assert_eq!(sandbox.read("t.csv").lines().count(), 1001);
 }
 
 /// The most memory that a run takes at a time [kB].
 #[cfg(target_os = "linux")]
-fn peak(desk: &Desk, samples: u64) -> u64 {
-    desk.write("m.toml", &STUDY.replace("400000", &samples.to_string()));
-    let mut child = start(desk, "study m.toml --out m.csv --force --threads 2");
+fn peak(sandbox: &Sandbox, samples: u64) -> u64 {
+    sandbox.write("m.toml", &STUDY.replace("400000", &samples.to_string()));
+    let mut child = start(sandbox, "study m.toml --out m.csv --force --threads 2");
     let mut peak = 0;
     while child.try_wait().unwrap().is_none() {
         let status = std::fs::read_to_string(format!("/proc/{}/status", child.id()));
-        let told = status.unwrap_or_default();
-        let line = told.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let status_text = status.unwrap_or_default();
+        let line = status_text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
         if let Some(kilobytes) = line.and_then(|line| line.trim().split(' ').next()) {
             peak = peak.max(kilobytes.parse().unwrap());
         }
@@ -247,8 +257,8 @@ fn peak(desk: &Desk, samples: u64) -> u64 {
 #[cfg(target_os = "linux")]
 #[test]
 fn memory_does_not_grow_with_the_length() {
-    let desk = desk();
-    let (short, long) = (peak(&desk, 200_000), peak(&desk, 1_000_000));
+    let sandbox = sandbox();
+    let (short, long) = (peak(&sandbox, 200_000), peak(&sandbox, 1_000_000));
     assert!(short > 10_000, "{short} kB");
     assert!(long < short + short / 4, "{short} kB for 200000 samples, {long} kB for a million");
 }

@@ -15,6 +15,12 @@ use crate::random::Random;
 const MAX_ITERATIONS: usize = 200;
 /// Assembled configurations nearer than this, in radians and characteristic lengths, are one branch.
 const SAME_BRANCH: f64 = 1e-4;
+/// A correction that reaches its limit of iterations and moved a slide farther than this drifts [characteristic lengths].
+///
+/// Twice the range of the other starts: closures of a mechanism are of its own size.
+const DRIFT: f64 = 2.0 * START_RANGE;
+/// Largest displacement of a slide in the other starts [characteristic lengths].
+const START_RANGE: f64 = 2.0;
 /// Branches listed at most.
 const MAX_BRANCHES: usize = 16;
 
@@ -66,13 +72,29 @@ pub fn assemble(
         .map(|(joint, size)| (mechanism.joints()[joint].name.clone(), size))
         .collect();
     loops.sort_by(|a, b| b.1.total_cmp(&a.1));
-    // As a system at that configuration will have it, whose own middle and length may differ from the guess's.
-    let as_seen_there = |closure: Closure| {
+    // The residual of a system at the closure itself, whose reference point and characteristic length differ from the guess's.
+    let at_closure = |closure: Closure| {
         let there = MechanismSystem::new(mechanism, closure.coordinates.clone())?;
-        Ok::<_, Error>(Closure { residual: there.mismatch(&there.at_home()), ..closure })
+        let moved = &closure.coordinates - start;
+        let dimensions = system.kinematics().dimensions();
+        let slides = moved.iter().zip(dimensions).filter(|(_, unit)| **unit != Dimension::Angle);
+        let farthest = slides.map(|(by, _)| by.abs()).fold(0.0, f64::max);
+        let drifts = closure.iterations >= MAX_ITERATIONS
+            && farthest > DRIFT * system.characteristic_length();
+        let residual = there.mismatch(&there.at_home());
+        Ok::<_, Error>((Closure { residual, ..closure }, drifts))
     };
-    let (best, near_guess) = (as_seen_there(best)?, as_seen_there(near_guess)?);
-    Err(Error::NotAssembled(Box::new(Unassembled { best, near_guess, loops, branches, starts })))
+    let ((best, best_drifts), (near_guess, near_guess_drifts)) =
+        (at_closure(best)?, at_closure(near_guess)?);
+    Err(Error::NotAssembled(Box::new(Unassembled {
+        best,
+        near_guess,
+        loops,
+        branches,
+        starts,
+        best_drifts,
+        near_guess_drifts,
+    })))
 }
 
 /// Closed configurations found from many starts, the first from the guess itself.
@@ -118,7 +140,7 @@ fn search(
             by[k] = random.next()
                 * match system.kinematics().dimensions()[k] {
                     Dimension::Angle => std::f64::consts::PI,
-                    _ => 2.0 * system.characteristic_length(),
+                    _ => START_RANGE * system.characteristic_length(),
                 };
         }
         let found = close(&system.moved(&by)?, free, MAX_ITERATIONS)?;

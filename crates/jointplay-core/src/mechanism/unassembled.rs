@@ -17,20 +17,27 @@ pub struct Unassembled {
     pub loops: Vec<(String, f64)>,
     /// Closed configurations found from other starts: where there are any, it was the guess that failed.
     pub branches: Vec<Closure>,
-    /// How many other starts were tried.
+    /// Number of other starts tried.
     pub starts: usize,
+    /// Whether the correction that led to `best` did not converge while links moved apart.
+    pub best_drifts: bool,
+    /// Whether the correction from the guess did not converge while links moved apart.
+    pub near_guess_drifts: bool,
 }
 
 impl Unassembled {
-    /// The closure to be taken if dimensions are true only to a tolerance: that near the guess, or the best where nothing closes exactly; `None` if it misses by more.
+    /// The closure to accept within a tolerance of the dimensions: the one near the guess, or the best one if no start closes exactly; `None` if every mismatch is larger.
+    ///
+    /// A closure that drifts is never accepted: its mismatch falls below any tolerance because links move apart without limit.
     ///
     /// # Arguments
-    /// * `tolerance` – largest mismatch that is taken as closed, in radians and characteristic lengths
+    /// * `tolerance` – largest accepted mismatch, in radians and characteristic lengths
     #[must_use]
     pub fn within(&self, tolerance: f64) -> Option<&Closure> {
         // Where other starts close exactly it was the guess that failed, and they may be far from what was meant.
         let other = self.branches.is_empty().then_some(&self.best);
-        let closures = [Some(&self.near_guess), other];
+        let near_guess = (!self.near_guess_drifts).then_some(&self.near_guess);
+        let closures = [near_guess, other.filter(|_| !self.best_drifts)];
         closures.into_iter().flatten().find(|closure| closure.residual <= tolerance)
     }
 
@@ -50,9 +57,17 @@ impl Unassembled {
         let worst = self.loops.first().map_or(String::new(), |(joint, size)| {
             format!("; the loop closed by joint {joint:?} stays open by {size:.3e}")
         });
+        let drifts = if self.near_guess_drifts {
+            format!(
+                "; from the guess the correction did not converge in {} iterations, and the links moved apart",
+                self.near_guess.iterations
+            )
+        } else {
+            String::new()
+        };
         if self.branches.is_empty() {
             format!(
-                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{near_miss}",
+                "the loops cannot be closed: best mismatch {:.3e} (radians and characteristic lengths) from the guess and {} other starts{worst}{near_miss}{drifts}",
                 self.best.residual, self.starts
             )
         } else {

@@ -1,4 +1,4 @@
-//! A motion over time: which axis moves when, and for which instruction.
+//! The timing diagram of a trajectory: motions of the axes by instruction.
 
 use jointplay_cell::program::{Handover, Step};
 use jointplay_cell::robot::EffectorId;
@@ -11,49 +11,50 @@ use crate::svg::{Anchor, INK, Svg, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
-/// Room at the right [px].
+/// Margin on the right [px].
 const MARGIN: f64 = 16.0;
 /// Height of a row, and of the bar in it [px].
 const ROW: f64 = 16.0;
 const BAR: f64 = 10.0;
-/// Room for the ticks below the rows, with their labels, and between two bands [px].
+/// Height of the ticks below the rows, with their labels and the gap to the next band [px].
 const TICKS: f64 = 36.0;
-/// A band is so long at least, and there are so many at most [s].
+/// Smallest duration of a band [s].
 const SHORTEST: f64 = 60.0;
+/// Largest number of bands.
 const MOST_BANDS: f64 = 12.0;
 
-/// A stretch of time of one kind.
+/// A time interval of one kind.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Span {
+pub struct Interval {
     /// Start [s].
     pub from: f64,
     /// End [s].
     pub to: f64,
-    /// What it is.
-    pub kind: SpanKind,
+    /// Its kind.
+    pub kind: IntervalKind,
 }
 
-/// What a stretch of time is.
+/// The kind of a time interval.
 #[derive(Debug, Clone, PartialEq)]
-pub enum SpanKind {
-    /// An axis moves while no effector carries a wafer.
+pub enum IntervalKind {
+    /// Motion of an axis, by index, without a wafer on any effector.
     Empty(usize),
-    /// An axis moves while one does.
+    /// Motion of an axis, by index, with a wafer on an effector.
     Loaded(usize),
-    /// An instruction runs; what it is called, the longest first, of which the first that has room is shown.
+    /// An instruction, with its labels from long to short; the first one that fits is shown.
     Instruction(Vec<String>),
-    /// Something is wrong.
-    Wrong,
+    /// A violation.
+    Violation,
 }
 
-/// Axes by instruction over time; long motions in several bands, one below the other.
+/// The timing diagram of a trajectory; long trajectories are split into bands, one below the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Gantt {
     /// Names of the axes.
     pub axes: Vec<String>,
-    /// What happens when.
-    pub spans: Vec<Span>,
-    /// How long it takes [s].
+    /// Intervals of instructions, motions and violations.
+    pub intervals: Vec<Interval>,
+    /// Duration of the trajectory [s].
     pub duration: f64,
     /// Title above the picture; empty for none.
     pub title: String,
@@ -62,44 +63,44 @@ pub struct Gantt {
 }
 
 impl Gantt {
-    /// The axes of a motion.
+    /// The timing diagram of a trajectory.
     ///
     /// # Arguments
-    /// * `cell` – of the motion
-    /// * `lines` – text of the program, of which lines are quoted
-    /// * `wrong` – when something is wrong [s]
+    /// * `cell` – the cell of the trajectory
+    /// * `lines` – text of the program, for the labels of instructions
+    /// * `violations` – start and end of each violation [s]
     #[must_use]
     pub fn new(
         title: &str,
         cell: &Cell,
         motion: &Trajectory,
         lines: &str,
-        wrong: &[[f64; 2]],
+        violations: &[[f64; 2]],
     ) -> Self {
         let axes: Vec<String> = cell.robot.axes.iter().map(|axis| axis.name.clone()).collect();
         let quoted: Vec<&str> = lines.lines().map(str::trim).collect();
-        let mut spans: Vec<Span> = Vec::new();
+        let mut intervals: Vec<Interval> = Vec::new();
         let mut instruction = None;
         for (k, step) in motion.steps.iter().enumerate() {
             let (from, to) = (motion.times[k], motion.times[k + 1]);
             if instruction == Some(step.instruction) {
-                if let Some(span) = spans
+                if let Some(interval) = intervals
                     .iter_mut()
                     .rev()
-                    .find(|span| matches!(span.kind, SpanKind::Instruction(_)))
+                    .find(|interval| matches!(interval.kind, IntervalKind::Instruction(_)))
                 {
-                    span.to = to;
+                    interval.to = to;
                 }
             } else {
                 instruction = Some(step.instruction);
                 let line = step.place.line;
                 let text = quoted.get(line.wrapping_sub(1)).copied().unwrap_or_default();
-                let of_it =
+                let steps_of_line =
                     motion.steps[k..].iter().take_while(|one| one.instruction == step.instruction);
-                let kind = SpanKind::Instruction(labels(cell, line, text, of_it));
-                spans.push(Span { from, to, kind });
+                let kind = IntervalKind::Instruction(labels(cell, line, text, steps_of_line));
+                intervals.push(Interval { from, to, kind });
             }
-            // Within a line an axis may go and come back.
+            // An axis can move and return within a segment.
             let middle: Vec<_> =
                 (1..8).map(|k| motion.sample_at(from + f64::from(k) / 8.0 * (to - from))).collect();
             for axis in 0..axes.len() {
@@ -107,17 +108,21 @@ impl Gantt {
                     || middle.iter().any(|sample| sample.velocities[axis].abs() > 1e-9);
                 if moves && to > from {
                     let kind = if step.loaded.is_empty() {
-                        SpanKind::Empty(axis)
+                        IntervalKind::Empty(axis)
                     } else {
-                        SpanKind::Loaded(axis)
+                        IntervalKind::Loaded(axis)
                     };
-                    spans.push(Span { from, to, kind });
+                    intervals.push(Interval { from, to, kind });
                 }
             }
         }
-        spans.extend(wrong.iter().map(|&[from, to]| Span { from, to, kind: SpanKind::Wrong }));
+        intervals.extend(violations.iter().map(|&[from, to]| Interval {
+            from,
+            to,
+            kind: IntervalKind::Violation,
+        }));
         let duration = motion.duration();
-        Self { axes, spans, duration, title: title.to_owned(), width: 1080.0 }
+        Self { axes, intervals, duration, title: title.to_owned(), width: 1080.0 }
     }
 
     /// The picture as SVG with real text, on white.
@@ -127,13 +132,14 @@ impl Gantt {
     pub fn to_svg(&self) -> Result<String, Error> {
         crate::check::width(self.width)?;
         if !(self.duration.is_finite() && self.duration > 0.0) {
-            let what = "the motion".to_owned();
+            let what = "the trajectory".to_owned();
             return Err(Error::Extent { what, found: self.duration, unit: "s" });
         }
-        let wrong = self.spans.iter().any(|span| span.kind == SpanKind::Wrong);
+        let has_violations =
+            self.intervals.iter().any(|interval| interval.kind == IntervalKind::Violation);
         let mut rows: Vec<&str> = vec![""];
         rows.extend(self.axes.iter().map(String::as_str));
-        if wrong {
+        if has_violations {
             rows.push("violations");
         }
         let label =
@@ -160,7 +166,7 @@ impl Gantt {
                 Band { left, room, top: top + f64::from(band) * high, from, to: from + length };
             self.band(&mut svg, &place, &rows);
         }
-        self.legend(&mut svg, top + bands * high + 12.0, wrong);
+        self.legend(&mut svg, top + bands * high + 12.0, has_violations);
         Ok(svg.finish())
     }
 
@@ -183,25 +189,28 @@ impl Gantt {
         }
         svg.path(&grid, " stroke=\"#e2e2e2\" stroke-width=\"1\"");
         let mut number = 0_usize;
-        for span in &self.spans {
-            let is_instruction = matches!(span.kind, SpanKind::Instruction(_));
+        for interval in &self.intervals {
+            let is_instruction = matches!(interval.kind, IntervalKind::Instruction(_));
             if is_instruction {
                 number += 1;
             }
-            if span.to < band.from || span.from > band.to {
+            if interval.to < band.from || interval.from > band.to {
                 continue;
             }
             let (x0, x1) =
-                (band.across(span.from.max(band.from)), band.across(span.to.min(band.to)));
-            let (row, fill) = match &span.kind {
-                SpanKind::Empty(axis) => (axis + 1, Colour::SKY_BLUE.hex()),
-                SpanKind::Loaded(axis) => (axis + 1, Colour::BLUE.hex()),
-                SpanKind::Instruction(_) if number.is_multiple_of(2) => (0, "#e4e4e0".to_owned()),
-                SpanKind::Instruction(_) => (0, "#cfcfca".to_owned()),
-                SpanKind::Wrong => (rows.len() - 1, Colour::VERMILLION.hex()),
+                (band.across(interval.from.max(band.from)), band.across(interval.to.min(band.to)));
+            let (row, fill) = match &interval.kind {
+                IntervalKind::Empty(axis) => (axis + 1, Colour::SKY_BLUE.hex()),
+                IntervalKind::Loaded(axis) => (axis + 1, Colour::BLUE.hex()),
+                IntervalKind::Instruction(_) if number.is_multiple_of(2) => {
+                    (0, "#e4e4e0".to_owned())
+                }
+                IntervalKind::Instruction(_) => (0, "#cfcfca".to_owned()),
+                IntervalKind::Violation => (rows.len() - 1, Colour::VERMILLION.hex()),
             };
-            // What is wrong for a moment only is seen all the same.
-            let wide = if span.kind == SpanKind::Wrong { (x1 - x0).max(2.0) } else { x1 - x0 };
+            // A momentary violation stays visible.
+            let wide =
+                if interval.kind == IntervalKind::Violation { (x1 - x0).max(2.0) } else { x1 - x0 };
             if wide <= 0.0 {
                 continue;
             }
@@ -217,7 +226,7 @@ impl Gantt {
                 px(wide),
                 px(high)
             ));
-            if let SpanKind::Instruction(labels) = &span.kind {
+            if let IntervalKind::Instruction(labels) = &interval.kind {
                 let shown = fitting(labels, x1 - x0 - 8.0);
                 let at = (x0 + 2.0, row_top(0) + 0.5 * ROW + HALF_CAPITAL * (TICK - 2.0));
                 if !shown.is_empty() {
@@ -240,18 +249,18 @@ impl Gantt {
                 &format!(" stroke=\"{INK}\" stroke-width=\"1\""),
             );
             let half = 0.5 * width(&tick.label, TICK);
-            // Neither off the page nor into the unit.
+            // Within the page, and clear of the unit.
             let x = x.min(self.width - half - 2.0).max(unit.0 + half + 3.0);
             svg.text((x, bottom + 16.0), TICK, Anchor::Middle, &tick.label, "");
         }
     }
 
-    fn legend(&self, svg: &mut Svg, y: f64, wrong: bool) {
+    fn legend(&self, svg: &mut Svg, y: f64, has_violations: bool) {
         let mut entries = vec![
-            (Colour::SKY_BLUE.hex(), "moves empty"),
-            (Colour::BLUE.hex(), "moves with a wafer"),
+            (Colour::SKY_BLUE.hex(), "moving without wafer"),
+            (Colour::BLUE.hex(), "moving with wafer"),
         ];
-        if wrong {
+        if has_violations {
             entries.push((Colour::VERMILLION.hex(), "violation"));
         }
         let wide = |text: &str| 24.0 + width(text, TICK) + 20.0;
@@ -269,7 +278,7 @@ impl Gantt {
     }
 }
 
-/// A stretch of time on the page.
+/// A band of the diagram on the page.
 struct Band {
     left: f64,
     room: f64,
@@ -284,13 +293,13 @@ impl Band {
     }
 }
 
-/// The first of some texts that fits, or nothing.
+/// The first text that fits; empty if none does.
 fn fitting(texts: &[String], room: f64) -> &str {
     let fits = texts.iter().find(|text| width(text, TICK - 2.0) <= room);
     fits.map_or("", String::as_str)
 }
 
-/// What an instruction is called, the longest first: the number of its line with the text, or with the slots that wafers are moved between.
+/// Labels of an instruction, from long to short: its line number with its text, or with the slots that wafers are moved between.
 fn labels<'s>(
     cell: &Cell,
     line: usize,

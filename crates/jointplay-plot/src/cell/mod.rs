@@ -1,17 +1,18 @@
-//! Pictures of cells and of what happens in them: from above, and over time.
+//! Pictures of cells: top view, timing diagram, taught stations.
 
 mod gantt;
 mod outline;
+mod station_label;
 mod teach;
 mod top;
 
-pub use gantt::{Gantt, Span, SpanKind};
+pub use gantt::{Gantt, Interval, IntervalKind};
 pub use teach::Taught;
-pub use top::{TopView, Track};
+pub use top::{EffectorPath, TopView};
 
 use crate::Colour;
 
-/// Colours of effectors, in their order.
+/// Colours of effectors, by index.
 const EFFECTORS: [Colour; 4] = [Colour::BLUE, Colour::VERMILLION, Colour::GREEN, Colour::PURPLE];
 
 /// The colour of an effector.

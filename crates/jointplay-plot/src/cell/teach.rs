@@ -1,33 +1,33 @@
-//! Stations as they were taught: how they lean, and how far points lie off their plane.
+//! Pictures of taught stations: their tilt, and the distances of taught points from the plane.
 
 use jointplay_cell::station::teach::{PlaneFit, Verdict};
 use jointplay_cell::station::{Origin, Station};
 use jointplay_cell::workcell::Cell;
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use crate::draw::RIM;
-use crate::svg::{Anchor, INK, Svg, path_data, px};
+use crate::svg::{Anchor, INK, RIM, Svg, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
-/// Room about the picture and between stations [px].
+/// Margin around the picture and between stations [px].
 const MARGIN: f64 = 24.0;
-/// Height of what is said of a station [px].
+/// Height of the description of a station [px].
 const WORDS: f64 = 3.0 * ROW + 10.0;
-/// Height of a line of it [px].
+/// Height of a line of the description [px].
 const ROW: f64 = 18.0;
 /// Height of a station's drawing, as a share of its width.
 const HIGH: f64 = 0.5;
-/// The base is turned so far to the right and seen from so far above [rad].
+/// Rotation of the base to the right, and elevation of the viewer [rad].
 const TURN: f64 = 0.5;
 const ELEVATION: f64 = 0.42;
-/// How far the steepest station is drawn to lean, where it leans at all [rad].
-const LEAN: f64 = 0.2;
-/// How far off its plane the worst point is drawn, in radii of the disc.
-const OFF: f64 = 0.3;
-/// Leans and distances below these are round-off, and are not drawn larger [rad and m].
-const LEAST_LEAN: f64 = 1e-8;
-const LEAST_OFF: f64 = 1e-9;
+/// Drawn tilt of the steepest station [rad].
+const DRAWN_TILT: f64 = 0.2;
+/// Drawn distance of the worst point from its plane, in radii of the disc.
+const DRAWN_DISTANCE: f64 = 0.3;
+/// Tilts below this are round-off and are not exaggerated [rad].
+const LEAST_TILT: f64 = 1e-8;
+/// Distances below this are round-off and are not exaggerated [m].
+const LEAST_DISTANCE: f64 = 1e-9;
 /// Length of the axes [px].
 const AXES: f64 = 26.0;
 /// Corners of a circle.
@@ -37,7 +37,7 @@ const LEVEL: &str = " stroke=\"#8c8c8c\" stroke-width=\"1\" stroke-dasharray=\"4
 const PLANE: &str =
     " fill=\"#0072b2\" fill-opacity=\"0.1\" stroke=\"#0072b2\" stroke-width=\"1.6\"";
 
-/// Stations side by side: the plane of each, leaning more than it does, over a level disc; taught points off that plane, farther than they are.
+/// Stations side by side: the plane of each over a level disc, with exaggerated tilt; taught points with exaggerated distances from the plane.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Taught<'a> {
     /// The cell.
@@ -50,18 +50,20 @@ pub struct Taught<'a> {
     pub width: f64,
 }
 
-/// By how much things are drawn larger.
+/// Scale factors of the picture.
 #[derive(Clone, Copy)]
-struct Factors {
-    lean: f64,
-    off: f64,
+struct Exaggeration {
+    /// Factor of the tilts.
+    tilt: f64,
+    /// Factor of the distances from the planes.
+    distance: f64,
 }
 
-/// Where a station's disc is drawn.
+/// The position of a station's disc on the page.
 struct Frame {
     middle: (f64, f64),
     scale: f64,
-    /// Half of the room for words beside it [px].
+    /// Half of the width available for labels [px].
     half: f64,
 }
 
@@ -100,7 +102,7 @@ impl<'a> Taught<'a> {
         #[expect(clippy::cast_precision_loss, reason = "counts of lines")]
         let (top, rows) =
             (26.0 + title.len() as f64 * TITLE * LEADING, shown.len().div_ceil(columns) as f64);
-        let factors = factors(&shown);
+        let exaggeration = exaggeration(&shown);
         let bottom = top + rows * (high + MARGIN);
         let about = if self.title.is_empty() { "stations" } else { &self.title };
         let mut svg = Svg::new(self.width, bottom + ROW + MARGIN, about);
@@ -113,18 +115,18 @@ impl<'a> Taught<'a> {
         for (k, station) in shown.iter().enumerate() {
             let left = MARGIN + (k % columns) as f64 * (wide + MARGIN);
             let above = top + (k / columns) as f64 * (high + MARGIN);
-            self.station(&mut svg, station, factors, [left, above, wide, high])?;
+            self.station(&mut svg, station, exaggeration, [left, above, wide, high])?;
         }
-        let mut said = vec!["dashed: level".to_owned()];
-        if factors.lean > 1.0 {
-            said.push(format!("leans drawn {} times larger", about_by(factors.lean)));
+        let mut notes = vec!["dashed: level".to_owned()];
+        if exaggeration.tilt > 1.0 {
+            notes.push(format!("tilt scale {}×", about_by(exaggeration.tilt)));
         }
-        if factors.off > 1.0 {
-            said.push(format!("distances off the planes {} times", about_by(factors.off)));
+        if exaggeration.distance > 1.0 {
+            notes.push(format!("distance scale {}×", about_by(exaggeration.distance)));
         }
         axes(&mut svg, (MARGIN, bottom + 0.5 * ROW));
         let at = (0.5 * self.width, bottom + 0.5 * ROW);
-        svg.text(at, TICK, Anchor::Middle, &said.join("; "), "");
+        svg.text(at, TICK, Anchor::Middle, &notes.join("; "), "");
         Ok(svg.finish())
     }
 
@@ -140,12 +142,12 @@ impl<'a> Taught<'a> {
         &self,
         svg: &mut Svg,
         station: &Station,
-        factors: Factors,
+        exaggeration: Exaggeration,
         [left, top, wide, high]: [f64; 4],
     ) -> Result<(), Error> {
         let normal = station.base_from_station.rotation * Vector3::z();
         let fit = fit(station);
-        // The disc is as wide as the wafer, or reaches out to the farthest point.
+        // The disc has the diameter of the wafer, or extends to the farthest point.
         let farthest = places(fit).map(|place| place.xy().norm()).fold(0.0, f64::max);
         let radius = (0.5 * self.cell.wafer.diameter).max(farthest);
         if !(radius.is_normal() && radius < 1e6) {
@@ -153,11 +155,11 @@ impl<'a> Taught<'a> {
             return Err(Error::Extent { what, found: radius, unit: "m" });
         }
         let drawn = high - WORDS;
-        let up = ELEVATION.cos() * (LEAN + OFF) + ELEVATION.sin();
+        let up = ELEVATION.cos() * (DRAWN_TILT + DRAWN_DISTANCE) + ELEVATION.sin();
         let scale = (0.46 * wide / radius).min(0.5 * drawn / (radius * up));
         let middle = (left + 0.5 * wide, top + WORDS + 0.5 * drawn);
         let frame = Frame { middle, scale, half: 0.5 * (wide + MARGIN) };
-        let turn = leaned(&normal, factors.lean);
+        let turn = tilted(&normal, exaggeration.tilt);
         let disc = |turn: &Rotation3<f64>| {
             let corner = |k: u32| {
                 let angle = f64::from(k) / f64::from(CORNERS) * std::f64::consts::TAU;
@@ -172,10 +174,10 @@ impl<'a> Taught<'a> {
         svg.path(&path_data(&stem), " stroke=\"#0072b2\" stroke-width=\"1.6\"");
         svg.path(&dot(stem[1], 2.4), " fill=\"#0072b2\"");
         if let Some(fit) = fit {
-            points(svg, &frame, fit, &turn, factors.off);
+            points(svg, &frame, fit, &turn, exaggeration.distance);
         }
         let mut y = top + HALF_CAPITAL * TICK + 0.5 * ROW;
-        for (k, line) in words(station, &normal).into_iter().enumerate() {
+        for (k, line) in description(station, &normal).into_iter().enumerate() {
             let size = if k == 0 { TITLE } else { TICK };
             for part in wrap(&line, size, wide) {
                 svg.text((left, y), size, Anchor::Start, &part, "");
@@ -186,7 +188,7 @@ impl<'a> Taught<'a> {
     }
 }
 
-/// Taught points with their stems, numbered as they were taught.
+/// Taught points with their distances from the plane, numbered in the order of teaching.
 fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, off: f64) {
     let normal = turn * Vector3::z();
     let stems: Vec<[(f64, f64); 2]> = places(Some(fit))
@@ -204,19 +206,19 @@ fn points(svg: &mut Svg, frame: &Frame, fit: &PlaneFit, turn: &Rotation3<f64>, o
         svg.path(&dot(from, 1.6), &format!(" fill=\"{INK}\""));
         svg.path(&dot(to, 4.0), &format!(" fill=\"{colour}\""));
     }
-    // Nothing of a point is under the label of another, as far as there is room.
+    // Labels avoid the points and labels of others as far as possible.
     let mut taken: Vec<Box2> = stems.iter().map(|&[from, to]| Box2::around(from, to)).collect();
     for (k, (&[_, to], distance)) in stems.iter().zip(&fit.distances).enumerate() {
         let text = format!("{}: {:+.1} µm", k + 1, distance * 1e6);
         let (half, high) = (0.5 * width(&text, TICK), 0.5 * TICK);
-        let (beside, over) = (half + 9.0, high + 9.0);
+        let (sideways, over) = (half + 9.0, high + 9.0);
         let outward = if to.0 < frame.middle.0 { -1.0 } else { 1.0 };
         let upward = if *distance < 0.0 { 1.0 } else { -1.0 };
         let candidates = [
-            (outward * beside, 0.0),
+            (outward * sideways, 0.0),
             (0.0, upward * over),
-            (-outward * beside, 0.0),
-            (outward * beside, upward * over),
+            (-outward * sideways, 0.0),
+            (outward * sideways, upward * over),
             (0.0, -upward * over),
             (0.0, 2.0 * upward * over),
         ];
@@ -260,7 +262,7 @@ impl Box2 {
     }
 }
 
-/// Where taught points are from the middle of them, over the level [m].
+/// Taught points relative to their centre [m].
 fn places(fit: Option<&PlaneFit>) -> impl Iterator<Item = Vector3<f64>> {
     fit.into_iter().flat_map(|fit| fit.points.iter().map(|point| point - fit.center))
 }
@@ -272,34 +274,32 @@ fn fit(station: &Station) -> Option<&PlaneFit> {
     }
 }
 
-/// What is known of a station, line by line.
-fn words(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
-    let lean = normal.xy().norm().atan2(normal.z);
+/// The description of a station, line by line.
+fn description(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
+    let tilt = normal.xy().norm().atan2(normal.z);
     let toward = normal.y.atan2(normal.x).to_degrees();
-    let leans = if lean > LEAST_LEAN {
-        format!("leans {:.4}° toward {toward:.1}°", lean.to_degrees())
+    let orientation = if tilt > LEAST_TILT {
+        format!("tilt {:.4}° toward {toward:.1}°", tilt.to_degrees())
     } else {
         "level".to_owned()
     };
-    let mut lines = vec![station.name.clone(), leans];
+    let mut lines = vec![station.name.clone(), orientation];
     match &station.origin {
         Origin::Nominal => lines.push("nominal, not taught".to_owned()),
-        Origin::Drift(drift) => lines.push(format!(
-            "drift: the last slot stands {:.3} mm off the vertical",
-            drift.drift * 1e3
-        )),
+        Origin::Drift(drift) => lines
+            .push(format!("drift: the last slot is {:.3} mm off the vertical", drift.drift * 1e3)),
         Origin::Taught(fit) => {
             let verdict = match fit.verdict {
                 Verdict::Fits => "fits",
-                Verdict::Unproven => "unproven",
+                Verdict::Unproven => "unverified",
                 Verdict::Scattered => "scattered",
             };
             let known = fit.uncertainty.as_ref().map_or_else(
-                || "tilt unknown".to_owned(),
+                || "tilt uncertainty unknown".to_owned(),
                 |known| format!("tilt ±{:.0} µrad", known.tilt_95 * 1e6),
             );
             lines.push(format!(
-                "{} points up to {:.1} µm off (allowed {:.1}), {known}: {verdict}",
+                "{} points, distances up to {:.1} µm (allowed {:.1}), {known}: {verdict}",
                 fit.distances.len(),
                 fit.worst * 1e6,
                 fit.threshold * 1e6
@@ -309,29 +309,33 @@ fn words(station: &Station, normal: &Vector3<f64>) -> Vec<String> {
     lines
 }
 
-/// So much larger that the steepest lean and the worst point are well seen.
-fn factors(stations: &[&Station]) -> Factors {
-    let lean = |station: &&Station| {
+/// Factors that make the steepest tilt and the worst point visible.
+fn exaggeration(stations: &[&Station]) -> Exaggeration {
+    let tilt = |station: &&Station| {
         let normal = station.base_from_station.rotation * Vector3::z();
         normal.xy().norm().atan2(normal.z)
     };
-    let steepest = stations.iter().map(lean).fold(0.0, f64::max);
+    let steepest = stations.iter().map(tilt).fold(0.0, f64::max);
     let fits = || stations.iter().filter_map(|station| fit(station));
     let worst = fits().map(|fit| fit.worst).fold(0.0, f64::max);
     let narrowest = fits()
         .map(|fit| places(Some(fit)).map(|place| place.xy().norm()).fold(0.0, f64::max))
         .fold(f64::INFINITY, f64::min);
-    Factors {
-        lean: if steepest > LEAST_LEAN { (LEAN / steepest).max(1.0) } else { 1.0 },
-        off: if worst > LEAST_OFF { (OFF * narrowest / worst).max(1.0) } else { 1.0 },
+    Exaggeration {
+        tilt: if steepest > LEAST_TILT { (DRAWN_TILT / steepest).max(1.0) } else { 1.0 },
+        distance: if worst > LEAST_DISTANCE {
+            (DRAWN_DISTANCE * narrowest / worst).max(1.0)
+        } else {
+            1.0
+        },
     }
 }
 
-/// The turn that leans a normal by a factor more.
-fn leaned(normal: &Vector3<f64>, factor: f64) -> Rotation3<f64> {
-    let lean = normal.xy().norm().atan2(normal.z);
+/// The rotation that multiplies the tilt of a normal by a factor.
+fn tilted(normal: &Vector3<f64>, factor: f64) -> Rotation3<f64> {
+    let tilt = normal.xy().norm().atan2(normal.z);
     match Unit::try_new(Vector3::new(-normal.y, normal.x, 0.0), f64::MIN_POSITIVE) {
-        Some(axis) => Rotation3::from_axis_angle(&axis, factor * lean),
+        Some(axis) => Rotation3::from_axis_angle(&axis, factor * tilt),
         None => Rotation3::identity(),
     }
 }
@@ -343,7 +347,7 @@ fn about_by(factor: f64) -> String {
     if rounded < 10.0 { format!("{rounded:.1}") } else { format!("{rounded:.0}") }
 }
 
-/// The directions of the base frame, as they are seen.
+/// The axes of the base frame in the view of the picture.
 fn axes(svg: &mut Svg, middle: (f64, f64)) {
     let frame = Frame { middle, scale: AXES, half: AXES };
     for (name, axis) in [("x", Vector3::x()), ("y", Vector3::y()), ("z", Vector3::z())] {

@@ -1,4 +1,4 @@
-//! A cell from above.
+//! The top view of a cell.
 
 use jointplay_cell::EntityId;
 use jointplay_cell::robot::EffectorId;
@@ -6,18 +6,20 @@ use jointplay_cell::workcell::{Carrier, Cell, ZoneRule};
 
 use super::effector_colour;
 use super::outline::outline;
-use crate::draw::RIM;
-use crate::mechanism::bar;
-use crate::svg::{Anchor, INK, Svg, element, path_data, px};
+use super::station_label::{Circle, Obstacles, place};
+use crate::path::Rectangle;
+use crate::scale_bar::scale_bar;
+use crate::svg::{Anchor, INK, RIM, Svg, element, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 use crate::{Colour, Error, png};
 
-/// Room about the cell, for names [px].
+/// Margin around the cell, for labels [px].
 const MARGIN: f64 = 40.0;
-/// Room for a line of the legend, and for axes and scale [px].
+/// Height of a line of the legend [px].
 const ROW: f64 = 20.0;
+/// Height of the axes and the scale [px].
 const FOOT: f64 = 56.0;
-/// Greatest height of the cell, in widths of the page.
+/// Largest height of the cell, as a share of the page width.
 const HIGH: f64 = 1.0;
 /// Length of the axes [px].
 const AXES: f64 = 26.0;
@@ -25,41 +27,41 @@ const AXES: f64 = 26.0;
 const FORBIDDEN: &str = " fill=\"#d55e00\" fill-opacity=\"0.12\" stroke=\"#d55e00\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
 const ALLOWED: &str = " fill=\"#009e73\" fill-opacity=\"0.05\" stroke=\"#009e73\" stroke-width=\"1.2\" stroke-dasharray=\"6 3\"";
 const BODY: &str = " fill=\"#d9d9d6\" stroke=\"#8c8c8c\" stroke-width=\"1\"";
-const BROKEN: &str =
+const VIOLATING: &str =
     " fill=\"#d55e00\" fill-opacity=\"0.25\" stroke=\"#d55e00\" stroke-width=\"2\"";
 const STATION: &str =
     " fill=\"#ffffff\" fill-opacity=\"0.8\" stroke=\"#222222\" stroke-width=\"1.4\"";
 const ROBOT: &str = " fill=\"#ececec\" stroke=\"#5c5c5c\" stroke-width=\"1.2\"";
 
-/// An effector with what it reaches and where it goes.
+/// The reach of an effector and the path of its wafer centre.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Track {
-    /// Which effector.
+pub struct EffectorPath {
+    /// The effector.
     pub effector: EffectorId,
     /// Least and greatest distance of its wafer centre from the base axis [m].
     pub reach: [f64; 2],
-    /// Way of its wafer centre in the base frame [m].
+    /// Path of its wafer centre in the base frame [m].
     pub points: Vec<[f64; 2]>,
 }
 
-/// A cell from above: robot, reach, stations, bodies, zones, and ways of wafer centres.
+/// The top view of a cell: robot, reach, stations, bodies, zones, and paths of wafer centres.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TopView<'a> {
     /// The cell.
     pub cell: &'a Cell,
-    /// Its effectors.
-    pub tracks: Vec<Track>,
-    /// Places to be marked as wrong, in the base frame [m].
-    pub wrong: Vec<[f64; 2]>,
-    /// Bodies and zones to be marked as violated; only those that do not move are drawn.
-    pub broken: Vec<EntityId>,
+    /// Reaches and paths of its effectors.
+    pub paths: Vec<EffectorPath>,
+    /// Positions of violations in the base frame [m].
+    pub violations: Vec<[f64; 2]>,
+    /// Bodies and zones involved in violations; only fixed ones are drawn.
+    pub violating: Vec<EntityId>,
     /// Title above the picture; empty for none.
     pub title: String,
     /// Width in pixels.
     pub width: f64,
 }
 
-/// From metres to places on the page.
+/// The projection from the base frame onto the page.
 struct Camera {
     scale: f64,
     middle: (f64, f64),
@@ -76,8 +78,8 @@ impl<'a> TopView<'a> {
     #[must_use]
     pub fn new(cell: &'a Cell) -> Self {
         let title = cell.name.clone();
-        let (tracks, wrong, broken) = (Vec::new(), Vec::new(), Vec::new());
-        Self { cell, tracks, wrong, broken, title, width: 720.0 }
+        let (paths, violations, violating) = (Vec::new(), Vec::new(), Vec::new());
+        Self { cell, paths, violations, violating, title, width: 720.0 }
     }
 
     /// The picture as SVG with real text, on white.
@@ -112,10 +114,11 @@ impl<'a> TopView<'a> {
         self.robot(&mut svg, &camera);
         self.zones(&mut svg, &camera);
         self.stations(&mut svg, &camera);
-        self.ways(&mut svg, &camera);
-        self.named(&mut svg, &camera);
-        self.names(&mut svg, &camera, (top, bottom));
-        for &at in &self.wrong {
+        self.effector_paths(&mut svg, &camera);
+        self.violating_bodies(&mut svg, &camera);
+        let frame = Rectangle { x: 2.0, y: top, w: self.width - 4.0, h: bottom - top };
+        self.station_labels(&mut svg, &camera, &frame);
+        for &at in &self.violations {
             let (x, y) = camera.at(at);
             let data = format!("M{} {}l9 9m0 -9l-9 9", px(x - 4.5), px(y - 4.5));
             svg.path(
@@ -124,7 +127,7 @@ impl<'a> TopView<'a> {
             );
         }
         axes(&mut svg, (MARGIN, bottom + 34.0));
-        bar(&mut svg, 1.0 / scale, (self.width - MARGIN, bottom + 34.0), 0.2 * self.width);
+        scale_bar(&mut svg, 1.0 / scale, (self.width - MARGIN, bottom + 34.0), 0.2 * self.width);
         for (row, entries) in legend.iter().enumerate() {
             #[expect(clippy::cast_precision_loss, reason = "a count of lines")]
             let y = bottom + FOOT + (row as f64 + 0.3) * ROW;
@@ -141,9 +144,9 @@ impl<'a> TopView<'a> {
         png::paint(&self.to_svg()?, width_px)
     }
 
-    /// Corners of what is shown [m].
+    /// Corners of the visible part of the base plane [m].
     fn extent(&self) -> Result<([f64; 2], [f64; 2]), Error> {
-        let reach = self.tracks.iter().map(|track| track.reach[1]).fold(self.platform(), f64::max);
+        let reach = self.paths.iter().map(|path| path.reach[1]).fold(self.platform(), f64::max);
         let mut points = vec![[-reach, -reach], [reach, reach]];
         let half = 0.5 * self.cell.wafer.diameter;
         for station in &self.cell.stations {
@@ -156,7 +159,7 @@ impl<'a> TopView<'a> {
         for zone in &self.cell.zones {
             points.extend(outline(&zone.shape, &zone.base_from_shape));
         }
-        points.extend(self.tracks.iter().flat_map(|track| track.points.iter().copied()));
+        points.extend(self.paths.iter().flat_map(|path| path.points.iter().copied()));
         let (mut low, mut high) = ([f64::MAX; 2], [f64::MIN; 2]);
         for point in points {
             low = [low[0].min(point[0]), low[1].min(point[1])];
@@ -195,24 +198,24 @@ impl<'a> TopView<'a> {
         }
     }
 
-    /// Outlines of bodies and zones that something is wrong with, by name.
-    fn broken(&self) -> impl Iterator<Item = (&str, Vec<[f64; 2]>)> {
+    /// Names and outlines of bodies and zones involved in violations.
+    fn outlines_in_violation(&self) -> impl Iterator<Item = (&str, Vec<[f64; 2]>)> {
         let bodies = self.cell.bodies.iter().enumerate().filter_map(|(k, body)| {
             let is_marked =
-                body.carrier == Carrier::World && self.broken.contains(&EntityId::Body(k));
+                body.carrier == Carrier::World && self.violating.contains(&EntityId::Body(k));
             is_marked.then_some((&body.name, &body.shape, &body.carrier_from_shape))
         });
         let zones = self.cell.zones.iter().enumerate().filter_map(|(k, zone)| {
-            let is_marked = self.broken.contains(&EntityId::Zone(k));
+            let is_marked = self.violating.contains(&EntityId::Zone(k));
             is_marked.then_some((&zone.name, &zone.shape, &zone.base_from_shape))
         });
         bodies.chain(zones).map(|(name, shape, pose)| (name.as_str(), outline(shape, pose)))
     }
 
-    /// What something is wrong with, and its name.
-    fn named(&self, svg: &mut Svg, camera: &Camera) {
-        for (name, outline) in self.broken() {
-            svg.path(&polygon(camera, &outline), BROKEN);
+    /// Bodies and zones involved in violations, with their names.
+    fn violating_bodies(&self, svg: &mut Svg, camera: &Camera) {
+        for (name, outline) in self.outlines_in_violation() {
+            svg.path(&polygon(camera, &outline), VIOLATING);
             let mean = |k: usize| {
                 #[expect(clippy::cast_precision_loss, reason = "a count of corners")]
                 let count = outline.len() as f64;
@@ -233,44 +236,44 @@ impl<'a> TopView<'a> {
         }
     }
 
-    fn ways(&self, svg: &mut Svg, camera: &Camera) {
-        for (k, track) in self.tracks.iter().enumerate() {
-            for reach in track.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
-                svg.path(&circle(camera, [0.0; 2], reach), &self.reach_look(k));
+    fn effector_paths(&self, svg: &mut Svg, camera: &Camera) {
+        for (k, path) in self.paths.iter().enumerate() {
+            for reach in path.reach.into_iter().filter(|&reach| reach * camera.scale > 2.0) {
+                svg.path(&circle(camera, [0.0; 2], reach), &self.reach_style(k));
             }
-            // Points that would fall on each other on the page are left out.
-            let mut way: Vec<(f64, f64)> = Vec::new();
-            for at in track.points.iter().map(|&point| camera.at(point)) {
-                if way.last().is_none_or(|last| (last.0 - at.0).hypot(last.1 - at.1) > 0.4) {
-                    way.push(at);
+            // Points that coincide on the page are omitted.
+            let mut line: Vec<(f64, f64)> = Vec::new();
+            for at in path.points.iter().map(|&point| camera.at(point)) {
+                if line.last().is_none_or(|last| (last.0 - at.0).hypot(last.1 - at.1) > 0.4) {
+                    line.push(at);
                 }
             }
-            if way.len() > 1 {
-                svg.path(&path_data(&way), &self.way_look(k));
+            if line.len() > 1 {
+                svg.path(&path_data(&line), &self.path_style(k));
             }
         }
     }
 
-    /// How the path of an effector is drawn: the first the widest, so that it shows on both sides of another that lies on it.
-    fn way_look(&self, k: usize) -> String {
+    /// Style of the path of an effector: the first is the widest, so that coincident paths remain visible.
+    fn path_style(&self, k: usize) -> String {
         let colour = effector_colour(k).hex();
         #[expect(clippy::cast_precision_loss, reason = "a count of effectors")]
-        let wide = 1.4 + 2.6 * (self.tracks.len() - 1 - k).min(3) as f64;
+        let wide = 1.4 + 2.6 * (self.paths.len() - 1 - k).min(3) as f64;
         format!(" stroke=\"{colour}\" stroke-width=\"{wide}\" stroke-linejoin=\"round\"")
     }
 
-    /// How its reach is drawn: dashes in the gaps of the others, so that equal reaches show beside each other.
-    fn reach_look(&self, k: usize) -> String {
+    /// Style of the reach of an effector: its dashes fill the gaps of the others, so that equal reaches remain visible.
+    fn reach_style(&self, k: usize) -> String {
         let colour = effector_colour(k).hex();
         #[expect(clippy::cast_precision_loss, reason = "a count of effectors")]
-        let [count, place] = [self.tracks.len().max(1) as f64, k as f64];
+        let [count, place] = [self.paths.len().max(1) as f64, k as f64];
         let (gap, offset) = (7.0 * count - 4.0, -7.0 * place);
         format!(
             " stroke=\"{colour}\" stroke-width=\"1.2\" stroke-dasharray=\"4 {gap}\" stroke-dashoffset=\"{offset}\""
         )
     }
 
-    /// Stations as wafers.
+    /// Stations, as outlines of a wafer.
     fn stations(&self, svg: &mut Svg, camera: &Camera) {
         for station in &self.cell.stations {
             let place = center(station.slot_frame(1).translation.vector);
@@ -278,48 +281,63 @@ impl<'a> TopView<'a> {
         }
     }
 
-    /// Names of stations beyond them, and where they are entered.
-    fn names(&self, svg: &mut Svg, camera: &Camera, (top, bottom): (f64, f64)) {
-        let radius = 0.5 * self.cell.wafer.diameter;
+    /// Labels of stations, and arrows in the direction of entry.
+    fn station_labels(&self, svg: &mut Svg, camera: &Camera, frame: &Rectangle) {
+        let radius = 0.5 * self.cell.wafer.diameter * camera.scale;
+        let places = self.cell.stations.iter().map(|station| station.slot_frame(1));
+        let outline = |frame: jointplay_core::spatial::Pose| Circle {
+            center: camera.at(center(frame.translation.vector)),
+            radius,
+        };
+        let reaches = self
+            .paths
+            .iter()
+            .flat_map(|path| path.reach)
+            .map(|reach| Circle { center: camera.at([0.0; 2]), radius: reach * camera.scale });
+        let paths = self
+            .paths
+            .iter()
+            .map(|path| path.points.iter().map(|&point| camera.at(point)).collect::<Vec<_>>());
+        let mut obstacles = Obstacles {
+            circles: places.map(outline).chain(reaches).collect(),
+            paths: paths.collect(),
+            labels: Vec::new(),
+        };
         for station in &self.cell.stations {
-            let frame = station.slot_frame(1);
-            let place = center(frame.translation.vector);
-            let inward = frame.rotation * nalgebra::Vector3::y();
-            let (x, y) = camera.at(place);
-            let r = radius * camera.scale;
+            let slot = station.slot_frame(1);
+            let inward = slot.rotation * nalgebra::Vector3::y();
+            let (x, y) = camera.at(center(slot.translation.vector));
+            let r = radius;
             let arrow = [
                 (x - 0.75 * r * inward.x, y + 0.75 * r * inward.y),
                 (x - 0.25 * r * inward.x, y + 0.25 * r * inward.y),
             ];
             svg.path(&path_data(&arrow), &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));
             svg.path(&dot(arrow[1], 2.6), &format!(" fill=\"{INK}\""));
-            let normal = frame.rotation * nalgebra::Vector3::z();
-            let lean = normal.x.hypot(normal.y).atan2(normal.z).to_degrees();
+            let normal = slot.rotation * nalgebra::Vector3::z();
+            let tilt = normal.x.hypot(normal.y).atan2(normal.z).to_degrees();
             let slots = if station.slots > 1 {
                 format!(", {} slots", station.slots)
             } else {
                 String::new()
             };
-            let tilt = if lean > 5e-4 { format!(", {}°", short(lean)) } else { String::new() };
+            let tilt = if tilt > 5e-4 { format!(", {}°", short(tilt)) } else { String::new() };
             let text = format!("{}{slots}{tilt}", station.name);
-            let half = 0.5 * width(&text, TICK);
-            let x = x.clamp(half + 4.0, (self.width - half - 4.0).max(half + 4.0));
-            // Beyond the station, seen from the robot.
-            let beyond = if place[1] < 0.0 { y + r + 16.0 } else { y - r - 8.0 };
-            let y = beyond.clamp(top + TICK, bottom - 4.0);
-            svg.text((x, y), TICK, Anchor::Middle, &text, RIM);
+            let below = slot.translation.vector.y < 0.0;
+            let at = place(&text, outline(slot), below, &mut obstacles, frame);
+            svg.text(at, TICK, Anchor::Middle, &text, RIM);
         }
     }
 
-    /// What colours mean, in rows that fit the page: a drawn sign and a text each.
+    /// The legend in rows that fit the page: a symbol and a text for each entry.
     fn legend_rows(&self) -> Vec<Vec<(String, String)>> {
         let mut entries: Vec<(String, String)> = Vec::new();
-        for (k, track) in self.tracks.iter().enumerate() {
+        for (k, path) in self.paths.iter().enumerate() {
             let name =
-                &self.cell.robot.arms[track.effector.arm].effectors[track.effector.effector].name;
-            let [way, reach] = [self.way_look(k), self.reach_look(k)];
-            entries.push((element("M0 0h20", &way), format!("wafer centre of {name}")));
-            entries.push((element("M0 0h20", &reach), format!("reach of {name}")));
+                &self.cell.robot.arms[path.effector.arm].effectors[path.effector.effector].name;
+            let [path_style, reach_style] = [self.path_style(k), self.reach_style(k)];
+            entries.push((element("M0 0h20", &path_style), format!("wafer centre of {name}")));
+            entries.push((element("M0 0h20", &reach_style), format!("reach of {name}")));
         }
         if !self.cell.stations.is_empty() {
             let arrow = element("M0 0h14", &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""))
@@ -330,18 +348,18 @@ impl<'a> TopView<'a> {
         entries.push((rod, "rod".to_owned()));
         let swatch = |look: &str| element("M0 -5h20v10h-20z", look);
         if self.cell.zones.iter().any(|zone| zone.rule == ZoneRule::KeepOut) {
-            entries.push((swatch(FORBIDDEN), "keep out".to_owned()));
+            entries.push((swatch(FORBIDDEN), "keep-out zone".to_owned()));
         }
         if self.cell.zones.iter().any(|zone| zone.rule == ZoneRule::Safe) {
-            entries.push((swatch(ALLOWED), "safe".to_owned()));
+            entries.push((swatch(ALLOWED), "safe zone".to_owned()));
         }
         if self.cell.bodies.iter().any(|body| body.carrier == Carrier::World) {
             entries.push((swatch(BODY), "body".to_owned()));
         }
-        if self.broken().next().is_some() {
-            entries.push((swatch(BROKEN), "in a violation".to_owned()));
+        if self.outlines_in_violation().next().is_some() {
+            entries.push((swatch(VIOLATING), "in violation".to_owned()));
         }
-        if !self.wrong.is_empty() {
+        if !self.violations.is_empty() {
             let look = format!(" stroke=\"{}\" stroke-width=\"2.4\"", Colour::VERMILLION.hex());
             entries.push((element("M5 -4.5l9 9m0 -9l-9 9", &look), "violation".to_owned()));
         }
@@ -376,7 +394,7 @@ impl<'a> TopView<'a> {
     }
 }
 
-/// Width of a legend entry with the gap behind it [px].
+/// Width of a legend entry with the gap after it [px].
 fn entry_width(text: &str) -> f64 {
     26.0 + width(text, TICK) + 16.0
 }

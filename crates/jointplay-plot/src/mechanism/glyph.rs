@@ -3,12 +3,13 @@
 use jointplay_core::mechanism::JointKind;
 use nalgebra::{Rotation3, Vector3};
 
-use super::paint::Camera;
-use super::scene::{Placed, Play, RAIL};
+use super::camera::Camera;
+use super::item::Item;
+use super::scene::{DrawnJoint, Play, RAIL};
 use crate::Colour;
 use crate::svg::{element, path_data, px};
 
-/// Colours of a body: side, what faces the eye most, edges.
+/// Colours of a body: side, lit face, edges.
 #[derive(Clone, Copy)]
 pub(super) struct Material {
     side: Colour,
@@ -31,20 +32,10 @@ pub(super) const ACTUATED: Material = Material {
     light: Colour::rgb(246, 178, 122),
     edge: Colour::rgb(92, 36, 0),
 };
-/// Where a virtual joint is.
+/// A virtual joint.
 pub(super) const PLAY: Colour = Colour::rgb(158, 47, 128);
 /// A rail or an imagined line.
 const LINE: &str = "#7a8794";
-
-/// Something on the page.
-pub(super) struct Item {
-    /// How near it is.
-    pub(super) depth: f64,
-    /// Points that tell whether it is before or behind a plate.
-    pub(super) points: Vec<Vector3<f64>>,
-    /// Its elements.
-    pub(super) drawn: String,
-}
 
 impl Material {
     fn attributes(self, face: Colour) -> String {
@@ -62,7 +53,7 @@ impl Material {
 }
 
 /// A joint by its kind.
-pub(super) fn joint(joint: &Placed, camera: &Camera, radius: f64, items: &mut Vec<Item>) {
+pub(super) fn joint(joint: &DrawnJoint, camera: &Camera, radius: f64, items: &mut Vec<Item>) {
     let material = if joint.actuated { ACTUATED } else { PASSIVE };
     let (at, axis) = (joint.at, joint.axis());
     // In front of the links that meet here, and a pin in front of its block.
@@ -125,7 +116,7 @@ pub(super) fn joint(joint: &Placed, camera: &Camera, radius: f64, items: &mut Ve
     items.push(Item { depth, points: vec![at], drawn });
 }
 
-/// A virtual joint: an arrow both ways, straight for a slide and round for a turn.
+/// A virtual joint: a double arrow, straight for a translation and circular for a rotation.
 pub(super) fn play(play: &Play, camera: &Camera, radius: f64, items: &mut Vec<Item>) {
     let line = format!(" stroke=\"{}\" stroke-width=\"1.8\"", PLAY.hex());
     let fill = format!(" fill=\"{}\"", PLAY.hex());
@@ -146,20 +137,20 @@ pub(super) fn play(play: &Play, camera: &Camera, radius: f64, items: &mut Vec<It
         let ends = [1.0, -1.0].map(|sign| camera.spot(&(play.at + play.axis * (sign * reach))));
         let length = (ends[0].0 - ends[1].0).hypot(ends[0].1 - ends[1].1);
         if length < 4.0 {
-            // Toward the eye: the tip of an arrow.
+            // Toward the viewer: the tip of an arrow.
             drawn += &element(&circle((x, y), 4.0), &line);
             drawn += &element(&circle((x, y), 1.2), &fill);
         } else {
             drawn += &element(&path_data(&ends), &line);
-            let way = ((ends[0].0 - ends[1].0) / length, (ends[0].1 - ends[1].1) / length);
-            drawn += &element(&head(ends[0], way, 7.0), &fill);
-            drawn += &element(&head(ends[1], (-way.0, -way.1), 7.0), &fill);
+            let direction = ((ends[0].0 - ends[1].0) / length, (ends[0].1 - ends[1].1) / length);
+            drawn += &element(&head(ends[0], direction, 7.0), &fill);
+            drawn += &element(&head(ends[1], (-direction.0, -direction.1), 7.0), &fill);
         }
     }
     items.push(Item { depth, points: vec![play.at], drawn });
 }
 
-/// Play shown larger: a line from the end of a link to its joint, with a mark across where the link ends.
+/// Exaggerated play: a line from the end of a link to its joint, with a mark at the end of the link.
 pub(super) fn gap(ends: [Vector3<f64>; 2], camera: &Camera, width: f64) -> Item {
     let [from, to] = ends.map(|end| camera.spot(&end));
     let side = camera.across(&(ends[1] - ends[0]));
@@ -170,17 +161,20 @@ pub(super) fn gap(ends: [Vector3<f64>; 2], camera: &Camera, width: f64) -> Item 
     Item { depth, points: ends.to_vec(), drawn }
 }
 
-/// The head of an arrow with its tip a little beyond `tip`, toward `way` [px].
-fn head(tip: (f64, f64), way: (f64, f64), length: f64) -> String {
+/// The head of an arrow with its tip slightly beyond `tip`, along `direction` [px].
+fn head(tip: (f64, f64), direction: (f64, f64), length: f64) -> String {
     let at = |along: f64, aside: f64| {
-        (tip.0 + way.0 * along - way.1 * aside, tip.1 + way.1 * along + way.0 * aside)
+        (
+            tip.0 + direction.0 * along - direction.1 * aside,
+            tip.1 + direction.1 * along + direction.0 * aside,
+        )
     };
     let corners =
         [at(0.4 * length, 0.0), at(-0.6 * length, 0.4 * length), at(-0.6 * length, -0.4 * length)];
     path_data(&corners) + "z"
 }
 
-fn line_to_center(joint: &Placed, camera: &Camera) -> Item {
+fn line_to_center(joint: &DrawnJoint, camera: &Camera) -> Item {
     let ends = [joint.origin, joint.at];
     let depth = camera.depth(&((joint.origin + joint.at) * 0.5));
     let dashes = format!(" stroke=\"{LINE}\" stroke-width=\"1\" stroke-dasharray=\"5 3\"");
@@ -188,7 +182,7 @@ fn line_to_center(joint: &Placed, camera: &Camera) -> Item {
     Item { depth, points: ends.to_vec(), drawn }
 }
 
-/// The line along which something slides, behind what runs along it.
+/// The rail of a prismatic or cylindrical joint, behind its block.
 fn rail(camera: &Camera, at: Vector3<f64>, axis: Vector3<f64>, reach: f64) -> Item {
     let ends = [1.0, -1.0].map(|sign| at + axis * (sign * reach));
     let line = format!(" stroke=\"{LINE}\" stroke-width=\"2.2\" stroke-linecap=\"round\"");

@@ -1,12 +1,12 @@
-//! Names of joints, set where they hide least.
+//! Placement of joint names.
 
 use jointplay_core::mechanism::JointKind;
 
-use super::paint::Camera;
+use super::camera::Camera;
 use super::scene::Scene;
 use crate::text::{HALF_CAPITAL, TICK, width};
 
-/// Joints from whose number on only the actuated ones are named.
+/// Number of joints from which only actuated ones are named.
 const MANY: usize = 16;
 
 /// A name on the page.
@@ -39,8 +39,19 @@ impl Room {
     }
 }
 
-/// Places for the names, within `page` (width, top, bottom) [px].
-pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Vec<Name> {
+/// The part of the page that labels may use.
+#[derive(Clone, Copy)]
+pub(super) struct LabelArea {
+    /// Width of the page [px].
+    pub(super) width: f64,
+    /// Upper edge [px].
+    pub(super) top: f64,
+    /// Lower edge [px].
+    pub(super) bottom: f64,
+}
+
+/// Positions of the names within an area of the page.
+pub(super) fn place(scene: &Scene, camera: &Camera, area: LabelArea) -> Vec<Name> {
     let many = scene.joints.len() + scene.play.len() >= MANY;
     let radius = scene.radius * camera.scale;
     let mut taken: Vec<Room> = scene
@@ -69,7 +80,7 @@ pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Ve
     let mut names = Vec::new();
     for (text, at, reach, play) in wanted {
         let spot = camera.spot(&at);
-        let room = best(&text, spot, reach * radius, &taken, page);
+        let room = best(&text, spot, reach * radius, &taken, area);
         taken.push(room);
         let base = room.y + 0.5 * room.h + HALF_CAPITAL * TICK;
         names.push(Name { text, at: (room.x, base), play });
@@ -77,7 +88,7 @@ pub(super) fn place(scene: &Scene, camera: &Camera, page: (f64, f64, f64)) -> Ve
     names
 }
 
-/// How far the picture of a joint reaches, in radii.
+/// Extent of the drawing of a joint, in radii.
 fn reach(kind: JointKind) -> f64 {
     match kind {
         JointKind::Prismatic | JointKind::Cylindrical => 2.0,
@@ -87,10 +98,10 @@ fn reach(kind: JointKind) -> f64 {
     }
 }
 
-/// The room beside a spot that shares least with what is there.
-fn best(text: &str, spot: (f64, f64), reach: f64, taken: &[Room], page: (f64, f64, f64)) -> Room {
+/// The free rectangle next to a position with the least overlap.
+fn best(text: &str, spot: (f64, f64), reach: f64, taken: &[Room], area: LabelArea) -> Room {
     let (w, h) = (width(text, TICK), 1.1 * TICK);
-    let (right, top, bottom) = page;
+    let LabelArea { width: right, top, bottom } = area;
     let mut found: Option<(f64, Room)> = None;
     for ring in 0..3 {
         for step in 0..16 {

@@ -1,9 +1,10 @@
-//! What is drawn first.
+//! Drawing order, from far to near.
 
-use super::glyph::Item;
-use super::paint::{Camera, Plate};
+use super::camera::Camera;
+use super::item::Item;
+use super::plate::Plate;
 
-/// What is nearer to a plate than this lies on it, in sizes.
+/// Distance within which an element lies on a plate, in sizes.
 const ON: f64 = 1e-3;
 
 /// Depths nearer to each other than this count as equal, in sizes.
@@ -11,11 +12,11 @@ const EQUAL: f64 = 1e-6;
 
 /// Elements from far to near.
 ///
-/// Small things go by their depth.
-/// A plate may reach from far to near: it is drawn after all that is behind its plane where they overlap, and before all that is in front of it.
-/// A base that cuts through the mechanism is a mere sign of what is fixed, and goes behind everything.
+/// Small elements are ordered by depth.
+/// A plate can extend from far to near: it is drawn after the overlapping elements behind its plane, and before those in front.
+/// A base plate that intersects the mechanism is drawn behind everything.
 pub(super) fn far_to_near(mut items: Vec<Item>, plates: Vec<Plate>, camera: &Camera) -> String {
-    // What is equally near but for round-off keeps its order, so that every machine draws the same.
+    // Elements of equal depth up to round-off keep their order, so that all machines draw the same picture.
     items.sort_by_key(|item| (item.depth / EQUAL).round() as i64);
     let behind: Vec<Vec<bool>> = plates
         .iter()
@@ -38,7 +39,7 @@ pub(super) fn far_to_near(mut items: Vec<Item>, plates: Vec<Plate>, camera: &Cam
     let (mut done, mut laid) = (vec![false; items.len()], vec![false; plates.len()]);
     let mut drawn = String::new();
     for _ in 0..items.len() + plates.len() {
-        // A plate as soon as all that is behind it is there; the farthest of several.
+        // A plate is drawn once all elements behind it are; of several, the farthest.
         let ready = (0..plates.len())
             .filter(|&p| {
                 !laid[p] && behind[p].iter().zip(&done).all(|(behind, done)| !behind || *done)
@@ -53,7 +54,7 @@ pub(super) fn far_to_near(mut items: Vec<Item>, plates: Vec<Plate>, camera: &Cam
         }
         let waits = |i: usize| (0..plates.len()).any(|p| front[p][i] && !laid[p]);
         let free = (0..items.len()).find(|&i| !done[i] && !waits(i));
-        // Things that are in front of each other in a circle go by their depth.
+        // Elements that cover each other cyclically are ordered by depth.
         if let Some(i) = free.or_else(|| done.iter().position(|done| !done)) {
             done[i] = true;
             drawn += &items[i].drawn;
@@ -62,7 +63,7 @@ pub(super) fn far_to_near(mut items: Vec<Item>, plates: Vec<Plate>, camera: &Cam
     drawn
 }
 
-/// How far a thing is in front of a plate where they overlap; 0 where they do not.
+/// Distance of an element in front of a plate where they overlap; 0 otherwise.
 fn side(item: &Item, plate: &Plate, camera: &Camera) -> f64 {
     let covered = item.points.iter().filter(|point| covers(plate, camera.spot(point)));
     covered.map(|point| (point - plate.middle).dot(&plate.normal)).sum()

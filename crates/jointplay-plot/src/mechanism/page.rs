@@ -2,22 +2,24 @@
 
 use nalgebra::Vector3;
 
+use super::camera::Camera;
 use super::glyph::{ACTUATED, GAP, PLAY, circle};
-use super::paint::{self, Camera};
+use super::labels::{self, LabelArea};
+use super::paint;
+use super::picture::MechanismPicture;
 use super::scene::{RAIL, Scene};
-use super::{MechanismPicture, View, labels};
-use crate::decimal::{order, plain, short, value};
-use crate::draw::RIM;
-use crate::svg::{Anchor, INK, Svg, element, path_data, px};
+use super::view::View;
+use crate::scale_bar::scale_bar;
+use crate::svg::{Anchor, INK, RIM, Svg, element, path_data, px};
 use crate::text::{HALF_CAPITAL, LEADING, TICK, TITLE, width, wrap};
 
-/// Room about the mechanism, for names [px].
+/// Margin around the mechanism, for labels [px].
 const MARGIN: f64 = 46.0;
-/// Room for axes, scale and legend [px].
+/// Height of axes, scale and legend [px].
 const FOOT: f64 = 74.0;
-/// Greatest height of the mechanism, in widths of the page.
+/// Largest height of the mechanism, as a share of the page width.
 const HIGH: f64 = 0.72;
-/// Part of the width that the scale takes at most.
+/// Largest length of the scale, as a share of the page width.
 const SCALE: f64 = 0.2;
 /// Length of the axes [px].
 const AXES: f64 = 26.0;
@@ -38,7 +40,7 @@ pub(super) fn draw(picture: &MechanismPicture<'_>, scene: &Scene, ghost: Option<
         0.5 * (top + bottom) + 0.5 * (low.1 + high.1) * scale,
     );
     let camera = Camera::new(view, scale, middle);
-    // Readers who do not see the picture are told what it is of, also where no title is shown.
+    // The accessible name describes the picture even without a title.
     let about = if title.is_empty() { picture.mechanism.name() } else { &picture.title };
     let mut svg = Svg::new(page, bottom + FOOT, about);
     svg.elements(
@@ -51,13 +53,13 @@ pub(super) fn draw(picture: &MechanismPicture<'_>, scene: &Scene, ghost: Option<
         svg.text(at, TITLE, Anchor::Middle, text, "");
     }
     svg.elements(&paint::draw(scene, ghost, &camera));
-    for name in labels::place(scene, &camera, (page, top, bottom)) {
+    for name in labels::place(scene, &camera, LabelArea { width: page, top, bottom }) {
         let more =
             if name.play { format!(" style=\"fill:{}\"{RIM}", PLAY.hex()) } else { RIM.to_owned() };
         svg.text(name.at, TICK, Anchor::Start, &name.text, &more);
     }
     axes(&mut svg, view, (MARGIN, bottom + 34.0));
-    bar(&mut svg, scene.size / scale, (page - MARGIN, bottom + 40.0), SCALE * page);
+    scale_bar(&mut svg, scene.size / scale, (page - MARGIN, bottom + 40.0), SCALE * page);
     legend(&mut svg, scene, ghost.is_some(), (0.5 * page, bottom + 40.0));
     svg.finish()
 }
@@ -105,47 +107,19 @@ fn axes(svg: &mut Svg, view: View, (x, y): (f64, f64)) {
                 &format!(" fill=\"#ffffff\" stroke=\"{INK}\" stroke-width=\"1.2\""),
             );
         }
-        let way = if length < 0.15 { (-0.7, 0.7) } else { (dx / length, dy / length) };
-        let beyond = (tip.0 + 9.0 * way.0, tip.1 + 9.0 * way.1 + HALF_CAPITAL * TICK);
+        let direction = if length < 0.15 { (-0.7, 0.7) } else { (dx / length, dy / length) };
+        let beyond = (tip.0 + 9.0 * direction.0, tip.1 + 9.0 * direction.1 + HALF_CAPITAL * TICK);
         let clear = |at: &(f64, f64)| {
             set.iter().all(|other| (other.0 - at.0).hypot(other.1 - at.1) > 1.2 * TICK)
         };
-        let beside = [0.0, -1.0, 1.0, -2.0, 2.0].map(|k| (beyond.0 + k * TICK, beyond.1));
-        let at = beside.into_iter().find(clear).unwrap_or(beyond);
+        let candidates = [0.0, -1.0, 1.0, -2.0, 2.0].map(|k| (beyond.0 + k * TICK, beyond.1));
+        let at = candidates.into_iter().find(clear).unwrap_or(beyond);
         set.push(at);
         svg.text(at, TICK, Anchor::Middle, name, "");
     }
 }
 
-/// A bar of a round length.
-///
-/// # Arguments
-/// * `meters` – length of a px [m]
-pub(crate) fn bar(svg: &mut Svg, meters: f64, (right, y): (f64, f64), room: f64) {
-    let longest = meters * room;
-    if !longest.is_normal() {
-        return;
-    }
-    let exponent = order(longest);
-    let n = [5, 2, 1].into_iter().find(|&n| value(n, exponent) <= longest).unwrap_or(1);
-    let length = value(n, exponent) / meters;
-    let left = right - length;
-    let data = format!("M{} {}v6m0 -3H{}m0 -3v6", px(left), px(y - 3.0), px(right));
-    svg.path(&data, &format!(" stroke=\"{INK}\" stroke-width=\"1.4\""));
-    svg.text((0.5 * (left + right), y - 8.0), TICK, Anchor::Middle, &measure(n, exponent), "");
-}
-
-/// A length of `n` · 10^`exponent` m in the unit that suits it.
-fn measure(n: i64, exponent: i32) -> String {
-    match exponent {
-        0..4 => format!("{} m", plain(n, exponent)),
-        -3..0 => format!("{} mm", plain(n, exponent + 3)),
-        -6..-3 => format!("{} µm", plain(n, exponent + 6)),
-        _ => format!("{} m", short(n, exponent)),
-    }
-}
-
-/// What colours and hatching mean, as far as they occur.
+/// The legend of the colours and hatchings that occur.
 fn legend(svg: &mut Svg, scene: &Scene, ghost: bool, (middle, y): (f64, f64)) {
     let mut entries: Vec<(String, String)> = Vec::new();
     let line = " stroke=\"#5c5c5c\" stroke-width=\"1.1\"";
@@ -157,7 +131,7 @@ fn legend(svg: &mut Svg, scene: &Scene, ghost: bool, (middle, y): (f64, f64)) {
     }
     if let Some(factor) = scene.exaggeration {
         let line = format!(" stroke=\"{}\" stroke-width=\"{}\"", PLAY.hex(), px(GAP));
-        entries.push((element("M0 0h18", &line), format!("play ×{factor}")));
+        entries.push((element("M0 0h18", &line), format!("play scale {factor}×")));
     } else if !scene.play.is_empty() {
         let arrow = format!(" stroke=\"{}\" stroke-width=\"1.8\"", PLAY.hex());
         entries.push((

@@ -1,63 +1,19 @@
-//! Bodies on the page, the far ones first.
+//! Links and joints on the page, from far to near.
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::Vector3;
 
-use super::glyph::{self, Item};
-use super::order;
-use super::scene::{Body, Placed, Scene};
-use super::view::View;
+use super::camera::Camera;
+use super::item::Item;
+use super::plate::{EDGE, GHOST, Plate, STRAIGHT, colours, corners, hull, straight, under};
+use super::scene::{DrawnJoint, Scene};
+use super::{glyph, order};
+use crate::path::crossing;
 use crate::svg::{element, path_data, px};
 
-/// Fill and edge of links, of the base, and of links in another configuration.
-const LINK: [&str; 2] = ["#bfd4e6", "#4a6580"];
-const BASE: [&str; 2] = ["url(#base)", "#5c5c5c"];
-const GHOST: [&str; 2] = ["#f3f6f9", "#8fa3b5"];
 /// Width of a link, in radii of a joint.
 const WIDTH: f64 = 0.95;
-/// Width of an edge [px].
-const EDGE: f64 = 1.1;
-/// What is nearer to a line than this is on it, in sizes.
-const STRAIGHT: f64 = 1e-6;
 /// Bars of an arc about the point where axes meet.
 const ARC: usize = 12;
-
-/// From the mechanism's space to the page.
-pub(super) struct Camera {
-    frame: [Vector3<f64>; 3],
-    /// Length of one size [px].
-    pub(super) scale: f64,
-    /// Where the mechanism's middle stands [px].
-    middle: (f64, f64),
-}
-
-impl Camera {
-    pub(super) fn new(view: View, scale: f64, middle: (f64, f64)) -> Self {
-        Self { frame: view.frame(), scale, middle }
-    }
-
-    /// Where a point stands [px].
-    pub(super) fn spot(&self, point: &Vector3<f64>) -> (f64, f64) {
-        let [right, up, _] = &self.frame;
-        (self.middle.0 + point.dot(right) * self.scale, self.middle.1 - point.dot(up) * self.scale)
-    }
-
-    /// How near a point is to the eye.
-    pub(super) fn depth(&self, point: &Vector3<f64>) -> f64 {
-        point.dot(&self.frame[2])
-    }
-
-    /// Part of a direction that points to the eye.
-    pub(super) fn toward(&self, direction: &Vector3<f64>) -> f64 {
-        direction.dot(&self.frame[2])
-    }
-
-    /// Unit vector on the page square to the image of a direction: a quarter turn, such that bulging ends need one sense only.
-    pub(super) fn across(&self, direction: &Vector3<f64>) -> (f64, f64) {
-        let (x, y) = (direction.dot(&self.frame[0]), -direction.dot(&self.frame[1]));
-        let length = x.hypot(y);
-        if length < 1e-9 { (1.0, 0.0) } else { (-y / length, x / length) }
-    }
-}
 
 /// A link as a line through these points.
 struct Bar {
@@ -65,7 +21,7 @@ struct Bar {
     points: Vec<Vector3<f64>>,
 }
 
-/// Everything but words, from far to near.
+/// All shapes, from far to near.
 pub(super) fn draw(scene: &Scene, ghost: Option<&Scene>, camera: &Camera) -> String {
     let mut items: Vec<Item> = Vec::new();
     let width = WIDTH * scene.radius * camera.scale;
@@ -85,26 +41,6 @@ pub(super) fn draw(scene: &Scene, ghost: Option<&Scene>, camera: &Camera) -> Str
     let plates = scene.links.iter().filter_map(|body| Plate::of(body, camera, width));
     let ghost = ghost.map_or(String::new(), |ghost| ghosts(ghost, camera, width));
     ghost + &order::far_to_near(items, plates.collect(), camera)
-}
-
-fn colours(body: &Body) -> [&'static str; 2] {
-    if body.base { BASE } else { LINK }
-}
-
-/// The two ends farthest from each other, if all others are on the line between them.
-fn straight(body: &Body) -> Option<[Vector3<f64>; 2]> {
-    let (mut far, mut pair) = (-1.0, None);
-    for (i, &a) in body.ends.iter().enumerate() {
-        for &b in &body.ends[i + 1..] {
-            let apart = (a - b).norm();
-            if apart > far {
-                (far, pair) = (apart, Some([a, b]));
-            }
-        }
-    }
-    let [a, b] = pair?;
-    let along = (b - a).try_normalize(STRAIGHT)?;
-    body.ends.iter().all(|end| (end - a).cross(&along).norm() < STRAIGHT).then_some([a, b])
 }
 
 /// Links as bars; a link with one joint sticks out of it.
@@ -129,7 +65,7 @@ fn bars(scene: &Scene) -> Vec<Bar> {
 }
 
 /// The arc between two hinges about the point where their axes meet.
-fn arc(a: &Placed, b: &Placed) -> Option<Vec<Vector3<f64>>> {
+fn arc(a: &DrawnJoint, b: &DrawnJoint) -> Option<Vec<Vector3<f64>>> {
     let together = (a.origin - b.origin).norm() < STRAIGHT;
     if !(a.on_sphere && b.on_sphere && together) {
         return None;
@@ -148,7 +84,7 @@ fn arc(a: &Placed, b: &Placed) -> Option<Vec<Vector3<f64>>> {
     Some((0..=ARC).map(point).collect())
 }
 
-/// A bar in pieces, each as near as its end, or as where it crosses another.
+/// Splits a bar into pieces, each with the depth of its end or of its crossing with another bar.
 fn pieces(
     bar: &Bar,
     bars: &[Bar],
@@ -158,7 +94,7 @@ fn pieces(
     items: &mut Vec<Item>,
 ) {
     let body = &scene.links[bar.link];
-    // What moves lies over the base where both are in one plane.
+    // Moving links are drawn over the base in one plane.
     let (colours, back) = (colours(body), if body.base { 0.5 * scene.radius } else { 0.0 });
     let [from, to] = [bar.points[0], bar.points[bar.points.len() - 1]];
     if bar.points.len() > 2 {
@@ -184,7 +120,7 @@ fn pieces(
             across.filter_map(|pair| crossing(p, q, camera.spot(&pair[0]), camera.spot(&pair[1]))),
         );
     }
-    // Joints on the way lie over it.
+    // Joints along the bar are drawn over it.
     let along = (to - from) / (to - from).norm_squared().max(f64::MIN_POSITIVE);
     let own = scene.links[bar.link].ends.iter().map(|end| (end - from).dot(&along));
     crossings.extend(own.filter(|t| (1e-6..1.0 - 1e-6).contains(t)));
@@ -229,96 +165,9 @@ fn tube(
     drawn
 }
 
-/// Paints from below to above: a pattern needs a ground.
-fn under(fill: &'static str) -> Vec<&'static str> {
-    if fill.starts_with("url") { vec!["#ececec", fill] } else { vec![fill] }
-}
-
 fn stroked(data: &str, paint: &str, width: f64, more: &str) -> String {
     let width = px(width.max(0.5));
     element(data, &format!(" stroke=\"{paint}\" stroke-width=\"{width}\"{more}"))
-}
-
-/// Part of the way from `p` to `q` at which the line from `r` to `s` crosses it, if it does.
-pub(super) fn crossing(p: (f64, f64), q: (f64, f64), r: (f64, f64), s: (f64, f64)) -> Option<f64> {
-    let (d, e) = ((q.0 - p.0, q.1 - p.1), (s.0 - r.0, s.1 - r.1));
-    let determinant = d.0 * e.1 - d.1 * e.0;
-    let size = d.0.hypot(d.1) * e.0.hypot(e.1);
-    if determinant.abs() <= 1e-9 * size {
-        return None;
-    }
-    let f = (r.0 - p.0, r.1 - p.1);
-    let t = (f.0 * e.1 - f.1 * e.0) / determinant;
-    let u = (f.0 * d.1 - f.1 * d.0) / determinant;
-    ((0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)).then_some(t)
-}
-
-/// A link that is no bar.
-pub(super) struct Plate {
-    /// Its outline on the page [px].
-    pub(super) outline: Vec<(f64, f64)>,
-    pub(super) middle: Vector3<f64>,
-    /// Square to it as well as can be, toward the eye.
-    pub(super) normal: Vector3<f64>,
-    pub(super) base: bool,
-    pub(super) drawn: String,
-}
-
-impl Plate {
-    fn of(body: &Body, camera: &Camera, width: f64) -> Option<Self> {
-        let corners = corners(body)?;
-        #[expect(clippy::cast_precision_loss, reason = "a count of corners")]
-        let middle = corners.iter().sum::<Vector3<f64>>() / corners.len() as f64;
-        let spread: Matrix3<f64> =
-            corners.iter().map(|corner| (corner - middle) * (corner - middle).transpose()).sum();
-        let least = spread.symmetric_eigen();
-        let normal = least.eigenvectors.column(least.eigenvalues.imin()).into_owned();
-        let normal = if camera.toward(&normal) < 0.0 { -normal } else { normal };
-        let outline = hull(corners.iter().map(|corner| camera.spot(corner)).collect());
-        let data = path_data(&outline) + "z";
-        let [fill, edge] = colours(body);
-        let solid = |paint: &str, width: f64| {
-            let width = px(width.max(0.5));
-            let paints = format!(
-                " fill=\"{paint}\" stroke=\"{paint}\" stroke-width=\"{width}\" stroke-linejoin=\"round\""
-            );
-            element(&data, &paints)
-        };
-        let opacity = if body.base { 0.6 } else { 0.8 };
-        let mut drawn = format!("<g opacity=\"{opacity}\">\n{}", solid(edge, width));
-        for paint in under(fill) {
-            drawn += &solid(paint, width - 2.0 * EDGE);
-        }
-        Some(Self { outline, middle, normal, base: body.base, drawn: drawn + "</g>\n" })
-    }
-}
-
-/// Corners in space of a link that is no bar.
-fn corners(body: &Body) -> Option<&[Vector3<f64>]> {
-    (body.joints.len() > 2 && straight(body).is_none()).then_some(&body.ends)
-}
-
-/// Corners of the convex hull, by Andrew's monotone chain.
-fn hull(mut spots: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
-    spots.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    let mut around: Vec<(f64, f64)> = Vec::new();
-    for _ in 0..2 {
-        let start = around.len();
-        for &spot in &spots {
-            while around.len() >= start + 2 {
-                let (a, b) = (around[around.len() - 2], around[around.len() - 1]);
-                let left = (b.0 - a.0) * (spot.1 - a.1) - (b.1 - a.1) * (spot.0 - a.0);
-                if left > 0.0 {
-                    break;
-                }
-                around.pop();
-            }
-            around.push(spot);
-        }
-        around.pop();
-        spots.reverse();
-    }
-    around
 }
 
 /// The links of another configuration as outlines, behind everything.

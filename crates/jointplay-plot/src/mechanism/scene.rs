@@ -1,4 +1,4 @@
-//! A mechanism as bodies and joints in space, in sizes of the mechanism.
+//! Links and joints in space, in lengths relative to the size of the mechanism.
 
 use jointplay_core::mechanism::{Carrier, ExaggeratedPlay, JointKind, Mechanism, VirtualMotion};
 use jointplay_core::spatial::Pose;
@@ -6,33 +6,33 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::Error;
 
-/// Joints nearer to each other than this are in one place, in sizes.
+/// Joints closer than this coincide, in sizes.
 const TOGETHER: f64 = 1e-3;
-/// Directions nearer to parallel than this count as parallel.
+/// Directions within this angle are parallel [rad].
 const PARALLEL: f64 = 1e-3;
-/// How far a slide goes out of the way of another joint, in sizes.
+/// Displacement of a prismatic joint away from a coincident joint, in sizes.
 const ASIDE: f64 = 0.3;
-/// How far a hinge goes along its axis out of the way of another joint, in sizes.
+/// Displacement of a hinge along its axis, away from a coincident joint, in sizes.
 const ALONG: f64 = 0.14;
-/// Radius of the sphere on which the hinges of a spherical mechanism stand, in sizes.
+/// Radius of the sphere for the hinges of a spherical mechanism, in sizes.
 const SPHERE: f64 = 0.5;
-/// Radius of a joint where there is room, in sizes.
+/// Largest radius of a joint, in sizes.
 const RADIUS: f64 = 0.024;
-/// How far a rail reaches either way, in radii of a joint.
+/// Half length of a rail, in radii of a joint.
 pub(super) const RAIL: f64 = 6.0;
-/// Number of joints from which on they are drawn smaller.
+/// Number of joints above which they are drawn smaller.
 const MANY: f64 = 12.0;
 
-/// What is drawn; lengths are in sizes of the mechanism, about its middle.
+/// Everything that is drawn; lengths are in sizes of the mechanism, relative to its centre.
 pub(super) struct Scene {
-    pub(super) joints: Vec<Placed>,
+    pub(super) joints: Vec<DrawnJoint>,
     pub(super) links: Vec<Body>,
     pub(super) play: Vec<Play>,
-    /// Play shown larger, from the end of a link to its joint.
+    /// Exaggerated play, from the end of a link to its joint.
     pub(super) gaps: Vec<[Vector3<f64>; 2]>,
-    /// By how much.
+    /// Play scale.
     pub(super) exaggeration: Option<f64>,
-    /// What lies in the origin [m].
+    /// Centre of the mechanism [m].
     middle: Vector3<f64>,
     /// The length of one size [m].
     pub(super) size: f64,
@@ -40,20 +40,20 @@ pub(super) struct Scene {
     pub(super) radius: f64,
 }
 
-/// A joint in its place.
-pub(super) struct Placed {
+/// A joint with its drawn position.
+pub(super) struct DrawnJoint {
     pub(super) name: String,
     pub(super) kind: JointKind,
     pub(super) actuated: bool,
-    /// The links that it joins.
+    /// The connected links.
     links: [usize; 2],
-    /// Where it is drawn.
+    /// Drawn position.
     pub(super) at: Vector3<f64>,
-    /// Where it was before it went out of the way.
+    /// Position before it was moved away from coincident joints.
     pub(super) origin: Vector3<f64>,
-    /// Its frame as its first and its second link carry it.
+    /// Its frame on the first and on the second link.
     pub(super) frames: [Rotation3<f64>; 2],
-    /// Whether it stands on a sphere about where its axis meets others.
+    /// Whether it is drawn on a sphere about the intersection of axes.
     pub(super) on_sphere: bool,
     /// Whether it shares a pin with others.
     stacked: bool,
@@ -66,7 +66,7 @@ pub(super) struct Body {
     pub(super) base: bool,
     /// Indices of its joints.
     pub(super) joints: Vec<usize>,
-    /// Where it ends at each of them.
+    /// Its end at each joint.
     pub(super) ends: Vec<Vector3<f64>>,
 }
 
@@ -78,18 +78,18 @@ pub(super) struct Play {
     pub(super) turn: bool,
 }
 
-impl Placed {
+impl DrawnJoint {
     /// Direction of its z axis.
     pub(super) fn axis(&self) -> Vector3<f64> {
         self.frames[0] * Vector3::z()
     }
 
-    /// Whether something slides along it that is drawn.
+    /// Whether it is drawn with a rail.
     pub(super) fn has_rail(&self) -> bool {
         matches!(self.kind, JointKind::Prismatic | JointKind::Cylindrical)
     }
 
-    /// Where a link ends at it: that with the rail at the rail's foot, and the other at the block.
+    /// The end of a link at this joint: at the end of the rail for the link that carries it, else at the block.
     fn end(&self, on_rail: bool, radius: f64) -> Vector3<f64> {
         if self.stacked {
             return self.origin;
@@ -102,7 +102,7 @@ impl Placed {
         }
     }
 
-    /// Whether its z axis is a line that people look for.
+    /// Whether its z axis is a line of interest.
     pub(super) fn has_axis(&self) -> bool {
         matches!(
             self.kind,
@@ -112,7 +112,7 @@ impl Placed {
 }
 
 impl Scene {
-    /// The mechanism with its links at these poses; on the same scale as `other`, if there is one.
+    /// The mechanism with its links at given poses, on the scale of `other` if given.
     pub(super) fn of(
         mechanism: &Mechanism,
         poses: &[Pose],
@@ -151,7 +151,7 @@ impl Scene {
             let at = (at - middle) / size;
             let (name, kind, actuated) = (joint.name.clone(), joint.kind, joint.actuated);
             let (origin, on_sphere, stacked, telescope) = (at, false, false, false);
-            joints.push(Placed {
+            joints.push(DrawnJoint {
                 name,
                 kind,
                 actuated,
@@ -193,7 +193,7 @@ impl Scene {
         Ok(Self { joints, links, play, gaps, exaggeration, middle, size, radius })
     }
 
-    /// Lets links end short of their joints, or beyond, by the play as it is exaggerated.
+    /// Moves the ends of links away from their joints by the exaggerated play.
     pub(super) fn exaggerate(&mut self, shown: &ExaggeratedPlay) {
         self.exaggeration = Some(shown.factor);
         for (link, body) in self.links.iter_mut().enumerate() {
@@ -219,7 +219,7 @@ fn carries_rail(mechanism: &Mechanism, joint: usize) -> usize {
 }
 
 /// Radius of joints that leaves room between them.
-fn radius(joints: &[Placed]) -> f64 {
+fn radius(joints: &[DrawnJoint]) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "a count of joints")]
     let crowd = (MANY / joints.len() as f64).sqrt().clamp(0.4, 1.0);
     let mut nearest = f64::MAX;
@@ -234,8 +234,8 @@ fn radius(joints: &[Placed]) -> f64 {
     (RADIUS * crowd).min(0.3 * nearest).max(0.3 * RADIUS)
 }
 
-/// Moves joints along their axes to where they can be told apart.
-fn spread(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body], point: bool) {
+/// Moves coincident joints apart along their axes.
+fn spread(joints: &mut [DrawnJoint], mechanism: &Mechanism, links: &[Body], point: bool) {
     telescopes(joints, mechanism, links);
     let mut done = vec![false; joints.len()];
     for first in 0..joints.len() {
@@ -253,8 +253,8 @@ fn spread(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body], point: b
     }
 }
 
-/// Puts the slide of a telescope between its ends.
-fn telescopes(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body]) {
+/// Centres the prismatic joint of a telescope between its ends.
+fn telescopes(joints: &mut [DrawnJoint], mechanism: &Mechanism, links: &[Body]) {
     for (j, joint) in mechanism.joints().iter().enumerate() {
         if !matches!(joint.kind, JointKind::Prismatic) {
             continue;
@@ -271,11 +271,11 @@ fn telescopes(joints: &mut [Placed], mechanism: &Mechanism, links: &[Body]) {
     }
 }
 
-/// Parts joints that are in one place.
-fn part(joints: &mut [Placed], group: &[usize], point: bool) {
-    let parallel = |a: &Placed, b: &Placed| a.axis().cross(&b.axis()).norm() < PARALLEL;
+/// Separates joints at one position.
+fn part(joints: &mut [DrawnJoint], group: &[usize], point: bool) {
+    let parallel = |a: &DrawnJoint, b: &DrawnJoint| a.axis().cross(&b.axis()).norm() < PARALLEL;
     let hinges: Vec<usize> = group.iter().copied().filter(|&j| joints[j].has_axis()).collect();
-    // A slide gives way, but for a hinge across it: that is a pin in a block.
+    // A prismatic joint is moved, unless a hinge crosses it: that is a pin in a block.
     for &j in group {
         if joints[j].kind == JointKind::Prismatic {
             let across = |k: &usize| joints[*k].axis().dot(&joints[j].axis()).abs() < PARALLEL;
@@ -283,7 +283,7 @@ fn part(joints: &mut [Placed], group: &[usize], point: bool) {
                 && group.iter().any(|k| *k != j && joints[*k].has_axis() && across(k));
             if !pinned {
                 let axis = joints[j].axis();
-                // Away from the middle, all slides of one direction alike.
+                // Away from the centre, in the same sense for all joints of one direction.
                 let sign = if height(joints, &axis) > TOGETHER { 1.0 } else { -1.0 };
                 joints[j].at += axis * (sign * ASIDE);
             }
@@ -312,9 +312,9 @@ fn part(joints: &mut [Placed], group: &[usize], point: bool) {
     }
 }
 
-/// How far along an axis the slides along it are, on average.
-fn height(joints: &[Placed], axis: &Vector3<f64>) -> f64 {
-    let along = |joint: &&Placed| {
+/// Mean position along an axis of the prismatic joints parallel to it.
+fn height(joints: &[DrawnJoint], axis: &Vector3<f64>) -> f64 {
+    let along = |joint: &&DrawnJoint| {
         joint.kind == JointKind::Prismatic && joint.axis().dot(axis) > 1.0 - PARALLEL
     };
     let heights: Vec<f64> = joints.iter().filter(along).map(|joint| joint.at.dot(axis)).collect();
@@ -323,8 +323,8 @@ fn height(joints: &[Placed], axis: &Vector3<f64>) -> f64 {
     heights.iter().sum::<f64>() / count
 }
 
-/// Whether a joint that cannot give way is in the group.
-fn others_stay(joints: &[Placed], group: &[usize]) -> bool {
+/// Whether the group contains a joint that cannot be moved.
+fn others_stay(joints: &[DrawnJoint], group: &[usize]) -> bool {
     group.iter().any(|&j| {
         matches!(
             joints[j].kind,

@@ -1,15 +1,14 @@
-//! From where a mechanism is seen.
+//! Viewing directions.
 
 use std::f64::consts::PI;
 
 use jointplay_core::mechanism::JointKind;
 use nalgebra::{Vector2, Vector3};
 
-use super::paint::crossing;
 use super::scene::Scene;
-use crate::path::Spot;
+use crate::path::{Spot, crossing};
 
-/// Where the eye is: the direction from the mechanism to it, with z up in the picture.
+/// The direction from the mechanism to the viewer, with z up in the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Azimuth of the eye, from x toward y [rad].
@@ -20,13 +19,13 @@ pub struct View {
 
 /// Directions nearer to parallel than this count as parallel.
 const PARALLEL: f64 = 1e-6;
-/// How far from square on a planar mechanism is seen, so that its hinges show their direction [rad].
-const LEAN: f64 = 25.0 * PI / 180.0;
-/// The usual view, where nothing speaks for another.
+/// Angle between the view of a planar mechanism and its normal, so that hinges show their direction [rad].
+const OBLIQUITY: f64 = 25.0 * PI / 180.0;
+/// The default view.
 const USUAL: View = View { azimuth: -60.0 * PI / 180.0, elevation: 25.0 * PI / 180.0 };
-/// Pairs of joints that the choice looks at, at most those among this many joints.
+/// Largest number of joints considered in the choice of a view.
 const LOOKED_AT: usize = 120;
-/// Distance in the picture from which on two joints are well apart, in sizes of the mechanism.
+/// Distance in the picture above which two joints are well separated, in sizes of the mechanism.
 const APART: f64 = 0.12;
 
 impl View {
@@ -39,7 +38,7 @@ impl View {
         [right, eye.cross(&right), eye]
     }
 
-    /// The view in which joints stand apart best: a planar mechanism nearly square on, any other from a raster of views, near the usual one where they are equally good.
+    /// The view that separates the joints best: almost along the normal for a planar mechanism, else the best of a raster of views.
     pub(super) fn of(scene: &Scene) -> Self {
         match common_axis(scene) {
             Some(normal) => square_on(normal),
@@ -69,16 +68,16 @@ fn common_axis(scene: &Scene) -> Option<Vector3<f64>> {
     slides.all(|slide| slide.axis().dot(&normal).abs() < PARALLEL).then_some(normal)
 }
 
-/// Nearly along the normal of a plane, from the side of it that is seen from the front.
+/// A view almost along the normal of a plane, from its front side.
 fn square_on(normal: Vector3<f64>) -> View {
     let [_, _, usual] = USUAL.frame();
     let toward = if normal.dot(&usual) < 0.0 { -normal } else { normal };
     let flat = toward.z.clamp(-1.0, 1.0).asin();
-    if flat > PI / 2.0 - LEAN {
+    if flat > PI / 2.0 - OBLIQUITY {
         // Lying flat: x to the right, y up.
-        return View { azimuth: -PI / 2.0, elevation: PI / 2.0 - LEAN };
+        return View { azimuth: -PI / 2.0, elevation: PI / 2.0 - OBLIQUITY };
     }
-    View { azimuth: toward.y.atan2(toward.x) + LEAN, elevation: flat + 0.6 * LEAN }
+    View { azimuth: toward.y.atan2(toward.x) + OBLIQUITY, elevation: flat + 0.6 * OBLIQUITY }
 }
 
 fn best(scene: &Scene) -> View {
@@ -96,7 +95,7 @@ fn best(scene: &Scene) -> View {
     found.1
 }
 
-/// How well joints stand apart and bars show their length, less a little for being unusual.
+/// Merit of a view: separation of joints and visible length of bars, less its distance from the default view.
 fn merit(scene: &Scene, view: View) -> f64 {
     let [right, up, eye] = view.frame();
     let flat = |p: &Vector3<f64>| Vector2::new(p.dot(&right), p.dot(&up));
@@ -105,7 +104,7 @@ fn merit(scene: &Scene, view: View) -> f64 {
     for (i, (a, flat_a)) in spots.iter().enumerate() {
         for (b, flat_b) in &spots[i + 1..] {
             let apart = (a - b).norm().min(APART);
-            // What is in one place is so in every view.
+            // Coincident joints coincide in every view.
             if apart > 0.0 {
                 worth += ((flat_a - flat_b).norm() / apart).min(1.0);
                 pairs += 1.0;
@@ -130,14 +129,14 @@ fn merit(scene: &Scene, view: View) -> f64 {
         - 0.05 * crossed
 }
 
-/// The mean, and 1 where there is nothing.
+/// The mean; 1 for no values.
 fn mean(values: &[f64]) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "a count")]
     let count = values.len() as f64;
     if values.is_empty() { 1.0 } else { values.iter().sum::<f64>() / count }
 }
 
-/// How well an axis shows its direction: as a circle it does not, nor as a rectangle.
+/// Visibility of the direction of an axis: a hinge seen as a circle or as a rectangle hides it.
 fn direction_shown(toward: f64) -> f64 {
     (5.0 * toward).min(8.0 * (1.0 - toward)).clamp(0.0, 1.0)
 }

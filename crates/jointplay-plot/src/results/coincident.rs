@@ -1,4 +1,4 @@
-//! Curves that cannot be told apart are drawn once and named together.
+//! Indistinguishable curves, drawn once and named together.
 
 use crate::Curve;
 

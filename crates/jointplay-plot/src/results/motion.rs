@@ -2,7 +2,7 @@
 
 use crate::{Axis, Curve, Figure, Panel, rod_style};
 
-/// Curves of one panel: as many as there are styles that can be told apart.
+/// Curves of one panel: as many as there are distinct styles.
 const MOST_CURVES: usize = 6;
 
 /// One coordinate along the motion.

@@ -1,9 +1,9 @@
-//! `jointplay cell export`: a program's motion for other programs.
+//! `jointplay cell export`: trajectories in formats of other programs.
 
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use jointplay::format::number::number;
+use jointplay::format::number::{counted, number};
 use jointplay::format::place;
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
 use jointplay::interop::export::{self, Recording};
@@ -11,15 +11,15 @@ use jointplay::report::table;
 use serde::Serialize;
 
 use super::input::{InputArgs, Planned};
-use super::text::{counted, violations};
+use super::text::violations;
 use crate::arguments::finite;
 use crate::failure::Failure;
-use crate::folder::{self, Contents, ForceArgs, Staged};
+use crate::folder::{self, Contents, ForceArgs, Staged, WrittenFile};
 use crate::output;
 use crate::progress::Progress;
 use crate::source::{STANDARD, label, read_text};
 
-/// Samples a second [Hz].
+/// A sampling rate [Hz].
 #[derive(Clone, Copy)]
 pub(super) struct Rate(pub(super) f64);
 
@@ -28,14 +28,14 @@ pub(super) fn rate(text: &str) -> Result<Rate, String> {
     if (0.1..=100_000.0).contains(&value) {
         Ok(Rate(value))
     } else {
-        Err(format!("{} samples a second are not within 0.1 to 100000", number(value)))
+        Err(format!("sampling rate must be from 0.1 to 100000 Hz, got {} Hz", number(value)))
     }
 }
 
-/// Export the motion of a program: tables, glTF, MCAP, SolidWorks, controller text
+/// Export the trajectory of a program: tables, glTF, MCAP, SolidWorks, controller text
 ///
-/// Every file lasts exactly as long as the motion.
-/// A program with violations exports nothing, unless --despite-errors asks for it; then names and contents of the files say so.
+/// Every file has exactly the duration of the trajectory.
+/// A program with violations is exported only with --despite-errors; names and contents of the files then contain a warning.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -43,17 +43,17 @@ Examples:
   jointplay cell export --to gltf --rate 60 --out scene
   jointplay cell export --to text --dialect points --out controller
 
-Exit codes: 0 written, 1 not safe to run or not reachable, 2 bad input or usage, 130 interrupted.")]
+Exit codes: 0 written, 1 not safe to run or unreachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Export {
     #[command(flatten)]
     pub(super) input: InputArgs,
-    /// What to write, with commas between; parquet and mcap need a build with the feature of that name
+    /// Formats, separated by commas; parquet and mcap need a build with the feature of that name
     #[arg(long, value_enum, value_delimiter = ',', default_value = "csv,gltf,solidworks,text")]
     to: Vec<Kind>,
-    /// How controller text is written: the name of a dialect that comes along (neutral, points), or a dialect file
+    /// Dialect of the controller text: an included one (neutral, points), or a dialect file
     #[arg(long, value_name = "DIALECT", default_value = "neutral")]
     dialect: PathBuf,
-    /// Samples a second
+    /// Sampling rate
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate: Rate,
     /// Folder for the files
@@ -61,12 +61,12 @@ pub(super) struct Export {
     out: PathBuf,
     #[command(flatten)]
     force: ForceArgs,
-    /// Export a program with violations too
+    /// Export a program with violations
     #[arg(long)]
     despite_errors: bool,
 }
 
-/// In the names of files that should not be run.
+/// Part of the names of files that must not be run.
 const MARK: &str = "-not-safe-to-run";
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -76,18 +76,24 @@ enum Kind {
     /// samples as Parquet
     #[cfg(feature = "parquet")]
     Parquet,
-    /// the cell in 3D with its motion, one binary glTF file
+    /// animated 3D scene of the cell, one binary glTF file
     Gltf,
     /// joint states, trajectories and transforms, for Foxglove and ROS 2
     #[cfg(feature = "mcap")]
     Mcap,
-    /// time and value for each motor, and a macro that loads them
+    /// time series of each axis, and a macro that loads them
     Solidworks,
-    /// lines for a controller, by --dialect
+    /// controller text, by --dialect
     Text,
 }
 
-/// What was written.
+/// The name of a file without its ending, and the dialect of controller text.
+struct TextName<'a> {
+    stem: &'a str,
+    dialect: &'a Dialect,
+}
+
+/// The files written.
 #[derive(Serialize)]
 struct Written {
     verdict: &'static str,
@@ -105,7 +111,7 @@ impl Export {
         if !planned.is_sound() && !self.despite_errors {
             let count = counted(planned.report.violations.len(), "violation");
             return Err(Failure::Unsolved(format!(
-                "{}: {count}, not safe to run\n{}nothing is exported; --despite-errors exports it all the same",
+                "{}: {count}, not safe to run\n{}nothing is exported; use --despite-errors to export it anyway",
                 planned.input.label,
                 violations(&planned)
             )));
@@ -116,29 +122,29 @@ impl Export {
             violations: planned.report.violations.len(),
             duration_s: planned.motion.duration(),
             rate_hz: self.rate.0,
-            files: files.iter().map(|(path, _)| path.clone()).collect(),
+            files: files.iter().map(|file| file.path.clone()).collect(),
         };
-        if self.input.json() {
+        if self.input.format().json() {
             output::json(&written)
         } else {
-            output::text(&told(&written, &files))
+            output::text(&text(&written, &files))
         }
     }
 
-    /// Paths and lengths of the files written.
-    fn files(&self, planned: &Planned, dialect: &Dialect) -> Result<Vec<(PathBuf, u64)>, Failure> {
+    /// Writes the files of all formats.
+    fn files(&self, planned: &Planned, dialect: &Dialect) -> Result<Vec<WrittenFile>, Failure> {
         let recording = planned.recording();
         let mut kinds = self.to.clone();
         kinds.dedup();
         let mark = if recording.flaws.is_empty() { "" } else { MARK };
-        let stem = format!("{}{mark}", planned.input.named.stem);
+        let stem = format!("{}{mark}", planned.input.cell.stem);
         let progress = Progress::new(kinds.len());
         let reporter = progress.reporter();
         reporter.stage("writing");
         reporter.parts(kinds.len());
         let mut staged = Staged::into(&self.out, self.force)?;
         for kind in kinds {
-            self.file(kind, &recording, (&stem, dialect), &mut staged)?;
+            self.file(kind, &recording, &TextName { stem: &stem, dialect }, &mut staged)?;
             reporter.part_done();
         }
         staged.publish()
@@ -148,7 +154,7 @@ impl Export {
         &self,
         kind: Kind,
         recording: &Recording<'_>,
-        (stem, dialect): (&str, &Dialect),
+        &TextName { stem, dialect }: &TextName<'_>,
         staged: &mut Staged,
     ) -> Result<(), Failure> {
         let Rate(rate) = self.rate;
@@ -182,7 +188,7 @@ impl Export {
     }
 }
 
-/// The samples of a motion as comma-separated values.
+/// The samples of a trajectory as comma-separated values.
 pub(super) fn csv(
     staged: &mut Staged,
     name: &str,
@@ -198,7 +204,7 @@ pub(super) fn csv(
     })
 }
 
-/// A dialect that comes along, or that of a file.
+/// An included dialect, or the dialect in a file.
 fn dialect(path: &Path) -> Result<Dialect, Failure> {
     let label = label(path);
     let known = DIALECTS.iter().find(|entry| entry.name == label && !path.exists());
@@ -206,7 +212,7 @@ fn dialect(path: &Path) -> Result<Dialect, Failure> {
         Some(entry) => entry.text.to_owned(),
         None if !path.exists() && path.extension().is_none() && path != Path::new(STANDARD) => {
             let names = DIALECTS.map(|entry| entry.name.to_owned());
-            return Err(Failure::Misused(place::not_known("the dialect", &label, &names)));
+            return Err(Failure::Usage(place::not_known("the dialect", &label, &names)));
         }
         None => read_text(path, MAX_BYTES as u64)?,
     };
@@ -221,7 +227,7 @@ fn parquet(
     rate: f64,
 ) -> Result<(), Failure> {
     let failed = |error: table::ParquetError| match error {
-        // The disk is told as such.
+        // An error of the disk keeps its kind.
         table::ParquetError::External(source) => match source.downcast::<std::io::Error>() {
             Ok(source) => Contents::Write(*source),
             Err(_) => Contents::Other(Failure::Parquet),
@@ -229,7 +235,7 @@ fn parquet(
         _ => Contents::Other(Failure::Parquet),
     };
     staged.add(name, |writer| {
-        // Its writer is known with the columns of the first part.
+        // The writer needs the columns of the first part.
         let mut file = None;
         let mut writer = Some(writer);
         export::samples_in_parts(recording, rate, |columns| {
@@ -252,17 +258,17 @@ fn mcap(
     staged.add(name, |writer| Ok(writer.write_all(&export::mcap::write(recording, rate)?)?))
 }
 
-fn told(written: &Written, files: &[(PathBuf, u64)]) -> String {
+fn text(written: &Written, files: &[WrittenFile]) -> String {
     let mut text = format!(
-        "{:.3} s of motion at {} samples a second\n",
+        "trajectory of {:.3} s at {} samples/s\n",
         written.duration_s,
         number(written.rate_hz)
     );
     if written.violations > 0 {
-        text.push_str("NOT SAFE TO RUN, as every file says\n");
+        text.push_str("NOT SAFE TO RUN: every file contains this warning\n");
     }
-    for (path, bytes) in files {
-        text.push_str(&format!("  {:<44} {bytes:>12} bytes\n", path.display()));
+    for WrittenFile { path, length } in files {
+        text.push_str(&format!("  {:<44} {length:>12} bytes\n", path.display()));
     }
     text
 }

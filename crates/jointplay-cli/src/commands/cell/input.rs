@@ -1,4 +1,4 @@
-//! Cells and programs, as given on the command line.
+//! Cells and programs given on the command line, and their plan.
 
 use std::path::{Path, PathBuf};
 
@@ -10,31 +10,29 @@ use jointplay::cell::trajectory::{StepError, Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
 use jointplay::format::cell::explain_trajectory::explain_step;
-use jointplay::format::place::Error as Placed;
-use jointplay::format::{cell, program};
+use jointplay::format::number::counted;
+use jointplay::format::{cell, place, program};
 use jointplay::interop::export::{self, Flaw, Recording};
 use jointplay::report;
 
-use super::text::counted;
-use crate::arguments::TextFormat;
-use crate::failure::{Failure, Wrong};
+use crate::failure::{Diagnostic, Failure};
+use crate::output::FormatArgs;
 use crate::progress::{Progress, Reporter};
 use crate::source::{self, Kind, STANDARD, Source, read_text};
 
-/// What the example is called, in place of a file.
+/// Name of the included example, in place of a file.
 pub(super) const EXAMPLE: &str = "example";
-/// What names of programs end in.
+/// Extension of program files.
 const PROGRAM: &str = "program";
 
-/// A cell file, and how the answer is told.
+/// A cell file, and the output format.
 #[derive(Args)]
 pub(super) struct CellArgs {
-    /// Cell file (TOML); without it, the example that comes along
+    /// Cell file (TOML) [default: the included example]
     #[arg(value_name = "CELL")]
     file: Option<PathBuf>,
-    /// How the answer is printed
-    #[arg(long, value_enum, default_value = "text")]
-    format: TextFormat,
+    #[command(flatten)]
+    pub(super) format: FormatArgs,
 }
 
 /// A cell and a program for it.
@@ -42,44 +40,51 @@ pub(super) struct CellArgs {
 pub(super) struct InputArgs {
     #[command(flatten)]
     cell: CellArgs,
-    /// Program; without it, the file beside the cell with the same name that ends in .program
+    /// Program [default: the file next to the cell with the same name that ends in .program]
     #[arg(value_name = "PROGRAM")]
     program: Option<PathBuf>,
 }
 
-/// A cell, and what it is called in messages and names of files.
-pub(super) struct Named {
+/// A cell with its text, its name in messages, and the name of its result files.
+pub(super) struct CellSource {
     pub(super) cell: Cell,
     pub(super) label: String,
     pub(super) stem: String,
     pub(super) text: String,
-    /// Where files that it names lie; `None` for the example.
+    /// Folder of the files that the cell refers to; `None` for the example.
     pub(super) folder: Option<PathBuf>,
 }
 
-impl Named {
-    pub(super) fn read(
+impl CellSource {
+    pub(super) fn parse(
         label: String,
         stem: String,
         text: String,
         folder: Option<PathBuf>,
     ) -> Result<Self, Failure> {
-        let read = cell::read(&text, &mut |name| beside(folder.as_deref(), name));
-        let cell = read.map_err(|problems| Failure::Wrong(wrong(&problems, &label)))?;
+        let read = cell::read(&text, &mut |name| read_relative(folder.as_deref(), name));
+        let cell = read.map_err(|problems| Failure::Invalid(diagnostics(&problems, &label)))?;
         Ok(Self { cell, label, stem, text, folder })
     }
 }
 
-/// A cell with a program that it can do something with.
+/// The text of a program and its name in messages.
+struct ProgramText {
+    text: String,
+    label: String,
+}
+
+/// A cell and a program that parses.
 pub(super) struct Input {
-    pub(super) named: Named,
+    pub(super) cell: CellSource,
     pub(super) program: Program,
-    /// Text of the program, and what messages call it.
+    /// Text of the program.
     pub(super) text: String,
+    /// Name of the program in messages.
     pub(super) label: String,
 }
 
-/// A program as it runs, and what is wrong with it.
+/// The trajectory of a program with its check report.
 pub(super) struct Planned {
     pub(super) input: Input,
     pub(super) motion: Trajectory,
@@ -88,10 +93,6 @@ pub(super) struct Planned {
 }
 
 impl CellArgs {
-    pub(super) fn json(&self) -> bool {
-        self.format == TextFormat::Json
-    }
-
     pub(super) fn is_standard_input(&self) -> bool {
         self.file.as_deref() == Some(Path::new(STANDARD))
     }
@@ -100,7 +101,7 @@ impl CellArgs {
         self.file.as_ref().is_none_or(|path| path == Path::new(EXAMPLE) && !path.exists())
     }
 
-    pub(super) fn load(&self) -> Result<Named, Failure> {
+    pub(super) fn load(&self) -> Result<CellSource, Failure> {
         match &self.file {
             Some(path) if !self.is_example() => {
                 let stem = source::stem(path);
@@ -110,91 +111,101 @@ impl CellArgs {
                     source.require(&[Kind::Cell], "a work cell")?;
                     source
                 };
-                Named::read(label, stem, text, Some(folder))
+                CellSource::parse(label, stem, text, Some(folder))
             }
             _ => {
                 let label = format!("{EXAMPLE}.toml");
-                Named::read(label, EXAMPLE.to_owned(), cell::EXAMPLE.to_owned(), None)
+                CellSource::parse(label, EXAMPLE.to_owned(), cell::EXAMPLE.to_owned(), None)
             }
         }
     }
 }
 
 impl InputArgs {
-    pub(super) fn json(&self) -> bool {
-        self.cell.json()
+    pub(super) fn format(&self) -> FormatArgs {
+        self.cell.format
     }
 
     pub(super) fn load(&self) -> Result<Input, Failure> {
-        // What is wrong with either is told at once.
-        let (named, text) = (self.cell.load(), self.text());
-        let (text, label) = match (text, &named) {
+        // Errors of both files are reported together.
+        let (cell, program) = (self.cell.load(), self.program_text());
+        let ProgramText { text, label } = match (program, &cell) {
             (Ok(found), _) => found,
             (Err(program), Ok(_)) => return Err(program),
             (Err(program), Err(cell)) => return Err(Failure::Robot(format!("{cell}\n{program}"))),
         };
         let (program, problems) = program::parse_what_can_be(&text);
         if problems.is_empty() {
-            return Ok(Input { named: named?, program, text, label });
+            return Ok(Input { cell: cell?, program, text, label });
         }
-        let unread = wrong(&problems, &label);
-        Err(match named {
-            Ok(named) => {
-                let misfits = name_errors(&named.cell, &program);
-                let mut all = unread;
-                all.extend(misfits.iter().map(|one| told(&named.cell, one, &text, &label)));
+        let syntax_errors = diagnostics(&problems, &label);
+        Err(match cell {
+            Ok(source) => {
+                let unknown_names = name_errors(&source.cell, &program);
+                let mut all = syntax_errors;
+                all.extend(
+                    unknown_names
+                        .iter()
+                        .map(|one| program_diagnostic(&source.cell, one, &text, &label)),
+                );
                 all.sort_by_key(|one| (one.line, one.column));
-                Failure::Wrong(all)
+                Failure::Invalid(all)
             }
-            Err(Failure::Wrong(cell)) => Failure::Wrong(cell.into_iter().chain(unread).collect()),
+            Err(Failure::Invalid(cell)) => {
+                Failure::Invalid(cell.into_iter().chain(syntax_errors).collect())
+            }
             Err(cell) => cell,
         })
     }
 
-    /// The program, and what messages call it.
-    fn text(&self) -> Result<(String, String), Failure> {
+    /// Reads the program.
+    fn program_text(&self) -> Result<ProgramText, Failure> {
         let path = match (&self.program, &self.cell.file) {
             (Some(path), _) => path.clone(),
             (None, Some(cell)) if !self.cell.is_example() => {
                 let path = cell.with_extension(PROGRAM);
                 if !path.exists() {
-                    return Err(Failure::Misused(format!(
-                        "there is no {} beside the cell: name the program after the cell",
+                    return Err(Failure::Usage(format!(
+                        "{} does not exist: give the program after the cell",
                         path.display()
                     )));
                 }
                 path
             }
-            _ => return Ok((program::EXAMPLE.to_owned(), format!("{EXAMPLE}.{PROGRAM}"))),
+            _ => {
+                let label = format!("{EXAMPLE}.{PROGRAM}");
+                return Ok(ProgramText { text: program::EXAMPLE.to_owned(), label });
+            }
         };
         let text = read_text(&path, program::MAX_BYTES as u64)?;
-        Ok((text, source::label(&path)))
+        Ok(ProgramText { text, label: source::label(&path) })
     }
 
-    /// Expands, times and checks the program.
+    /// Expands the program, plans its trajectory and checks it.
     pub(super) fn plan(&self) -> Result<Planned, Failure> {
         let input = self.load()?;
         let progress = Progress::new(1);
-        let mut memory = counted_by(progress.reporter());
+        let mut planner = with_progress(progress.reporter());
         let reporter = progress.reporter();
         reporter.stage("expanding");
-        let cell = &input.named.cell;
-        let steps = memory.expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
+        let cell = &input.cell.cell;
+        let steps =
+            planner.expand(cell, &input.program).map_err(|errors| input.refused(&errors))?;
         if steps.is_empty() {
             return Err(Failure::Robot(format!(
-                "{}: nothing moves in this program: every axis starts at home, and no command takes one from there",
+                "{}: the program contains no motion (all axes stay at home)",
                 input.label
             )));
         }
         reporter.stage("timing");
-        let motion = memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).map_err(
+        let motion = planner.plan_trajectory(cell, steps, &TrajectoryOptions::default()).map_err(
             |error| {
-                let of = |one: &StepError| (one.place, explain_step(&cell.robot, one));
-                Failure::CannotDo(input.at(error.steps.iter().map(of)))
+                let explained = |one: &StepError| (one.place, explain_step(&cell.robot, one));
+                Failure::Infeasible(input.at(error.steps.iter().map(explained)))
             },
         )?;
         reporter.stage("checking");
-        let report = memory.check(cell, &motion, &CheckOptions::default());
+        let report = planner.check(cell, &motion, &CheckOptions::default());
         drop(progress);
         let flaws = export::flaws(cell, &report);
         Ok(Planned { input, motion, report, flaws })
@@ -202,17 +213,17 @@ impl InputArgs {
 }
 
 impl Input {
-    /// A message at a place of the program, with its line.
+    /// A message with its line of the program and a caret.
     pub(super) fn excerpt(&self, at: Place, message: &str) -> String {
         report::excerpt(&self.text, at, message, &self.label)
     }
 
-    /// Messages at places of the program; the same at one place once.
-    fn at(&self, messages: impl Iterator<Item = (Place, String)>) -> Vec<Wrong> {
-        let mut all: Vec<Wrong> = Vec::new();
+    /// Diagnostics at positions of the program, without duplicates.
+    fn at(&self, messages: impl Iterator<Item = (Place, String)>) -> Vec<Diagnostic> {
+        let mut all: Vec<Diagnostic> = Vec::new();
         for (at, message) in messages {
             let (file, excerpt) = (self.label.clone(), self.excerpt(at, &message));
-            let one = Wrong { file, line: at.line, column: at.column, message, excerpt };
+            let one = Diagnostic { file, line: at.line, column: at.column, message, excerpt };
             if !all.contains(&one) {
                 all.push(one);
             }
@@ -220,10 +231,12 @@ impl Input {
         all
     }
 
-    /// Why the program cannot run in this cell: bad input, or the answer is no where it is all about reach and limits.
+    /// The failure for errors of the program in its cell: infeasible if all of them concern reach and limits, else invalid input.
     fn refused(&self, errors: &[ProgramError]) -> Failure {
-        let all =
-            errors.iter().map(|one| told(&self.named.cell, one, &self.text, &self.label)).collect();
+        let all = errors
+            .iter()
+            .map(|one| program_diagnostic(&self.cell.cell, one, &self.text, &self.label))
+            .collect();
         let out_of_reach = |one: &ProgramError| {
             matches!(
                 one.problem,
@@ -232,13 +245,17 @@ impl Input {
                     | ProgramProblem::Unreachable { .. }
             )
         };
-        if errors.iter().all(out_of_reach) { Failure::CannotDo(all) } else { Failure::Wrong(all) }
+        if errors.iter().all(out_of_reach) {
+            Failure::Infeasible(all)
+        } else {
+            Failure::Invalid(all)
+        }
     }
 }
 
 impl Planned {
     pub(super) fn cell(&self) -> &Cell {
-        &self.input.named.cell
+        &self.input.cell.cell
     }
 
     pub(super) fn is_sound(&self) -> bool {
@@ -263,7 +280,7 @@ impl Planned {
         self.cell().robot.effectors().collect()
     }
 
-    /// Ends the command as the verdict says.
+    /// Fails if the report has violations.
     pub(super) fn verdict(&self) -> Result<(), Failure> {
         if self.is_sound() {
             return Ok(());
@@ -274,26 +291,29 @@ impl Planned {
 }
 
 /// A planner that reports its progress.
-fn counted_by(reporter: Reporter) -> IncrementalPlanner {
+fn with_progress(reporter: Reporter) -> IncrementalPlanner {
     IncrementalPlanner::with_observer(move |progress| match progress {
         JobProgress::Started { jobs } => reporter.parts(jobs),
         JobProgress::JobDone => reporter.part_done(),
     })
 }
 
-/// What is wrong with a file.
-pub(super) fn wrong<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -> Vec<Wrong> {
-    problems.iter().map(|one| Wrong::new(one, label)).collect()
+/// The diagnostics of a file.
+pub(super) fn diagnostics<P: std::fmt::Display>(
+    problems: &[place::Error<P>],
+    label: &str,
+) -> Vec<Diagnostic> {
+    problems.iter().map(|one| Diagnostic::new(one, label)).collect()
 }
 
-/// What is wrong with a program in its cell.
-fn told(cell: &Cell, error: &ProgramError, text: &str, label: &str) -> Wrong {
-    Wrong::new(&program::explain(&cell.robot, text, error), label)
+/// The diagnostic of an error of a program in its cell.
+fn program_diagnostic(cell: &Cell, error: &ProgramError, text: &str, label: &str) -> Diagnostic {
+    Diagnostic::new(&program::explain(&cell.robot, text, error), label)
 }
 
-/// A file that a cell names: in its folder or below, and nowhere else.
-fn beside(folder: Option<&Path>, name: &str) -> Result<Vec<u8>, String> {
-    let folder = folder.ok_or("the example has no files beside it")?;
+/// Reads a file that a cell refers to, in the folder of the cell or below.
+fn read_relative(folder: Option<&Path>, name: &str) -> Result<Vec<u8>, String> {
+    let folder = folder.ok_or("the included example has no folder for other files")?;
     let allowed = cell::MAX_MESH_BYTES as u64;
     jointplay_files::read(folder, name, allowed).map_err(|why| why.to_string())
 }

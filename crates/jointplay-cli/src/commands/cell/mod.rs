@@ -1,4 +1,4 @@
-//! `jointplay cell`: a robot with arms among stations, and what a program makes it do.
+//! `jointplay cell`: work cells and their programs.
 
 mod check;
 mod example;
@@ -13,10 +13,11 @@ mod text;
 use clap::{Args, Subcommand};
 
 use crate::failure::Failure;
+use crate::output::FormatArgs;
 
-/// Work cells: check programs of robots with arms, run them, export their motion, teach stations
+/// Check, run and export programs of work cells; teach stations
 ///
-/// Without files, all of these take the example that comes along: a dual-arm robot between two load ports, an aligner and a process station.
+/// Without files, the commands use the included example: a dual-arm robot with two load ports, an aligner and a process station.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -53,13 +54,14 @@ impl CellCommand {
         }
     }
 
-    pub(crate) fn json(&self) -> bool {
+    pub(crate) fn format(&self) -> FormatArgs {
         match &self.action {
-            Action::Check(command) => command.input.json(),
-            Action::Run(command) => command.input.json(),
-            Action::Export(command) => command.input.json(),
-            Action::Teach(command) => command.cell.json(),
-            Action::Format(_) | Action::Example(_) => false,
+            Action::Check(command) => command.input.format(),
+            Action::Run(command) => command.input.format(),
+            Action::Export(command) => command.input.format(),
+            Action::Teach(command) => command.cell.format,
+            Action::Format(command) => command.format,
+            Action::Example(command) => command.format,
         }
     }
 }

@@ -1,9 +1,10 @@
-//! `jointplay cell run`: a program as it runs, as data and pictures.
+//! `jointplay cell run`: report, samples and pictures of a program.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use clap::Args;
+use jointplay::format::number::counted;
 
 use super::export::{Rate, csv, rate};
 use super::input::InputArgs;
@@ -16,20 +17,20 @@ use crate::output;
 const REPORT: &str = "report.json";
 const SAMPLES: &str = "samples.csv";
 
-/// Run a program: its report, its samples, the cell from above and the axes over time
+/// Simulate a program and write its report, samples, top view and timing diagram
 ///
-/// Samples of a program with violations are written only where --despite-errors asks for them; report and pictures always are, and show what is wrong.
+/// The samples of a program with violations are written only with --despite-errors; report and pictures are always written, and show the violations.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   jointplay cell run
   jointplay cell run --rate 1000 --out fine-run --format json
 
-Exit codes: 0 sound, 1 not safe to run or not reachable, 2 bad input or usage, 130 interrupted.")]
+Exit codes: 0 sound, 1 not safe to run or unreachable, 2 bad input or usage, 130 interrupted.")]
 pub(super) struct Run {
     #[command(flatten)]
     pub(super) input: InputArgs,
-    /// Samples a second
+    /// Sampling rate
     #[arg(long, value_name = "HZ", default_value = "100", value_parser = rate)]
     rate: Rate,
     /// Folder for the results
@@ -37,7 +38,7 @@ pub(super) struct Run {
     out: PathBuf,
     #[command(flatten)]
     force: ForceArgs,
-    /// Write the samples of a program with violations too, which are counted in a column of their own
+    /// Also write the samples of a program with violations; a column counts the violations
     #[arg(long)]
     despite_errors: bool,
 }
@@ -61,13 +62,13 @@ impl Run {
         }
         staged.publish()?;
         folder::remove_stale(&self.out, &own, &files)?;
-        if self.input.json() {
+        if self.input.format().json() {
             output::json(&document)?;
         } else {
-            let mut told = text::report(&document, &planned);
-            let written = text::counted(files.len(), "file");
-            told.push_str(&format!("{written} written into {}\n", self.out.display()));
-            output::text(&told)?;
+            let mut text = text::report(&document, &planned);
+            let written = counted(files.len(), "file");
+            text.push_str(&format!("{written} written into {}\n", self.out.display()));
+            output::text(&text)?;
         }
         planned.verdict()
     }

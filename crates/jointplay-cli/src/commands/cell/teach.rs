@@ -1,4 +1,4 @@
-//! `jointplay cell teach`: stations from taught points.
+//! `jointplay cell teach`: station poses from taught points.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -12,18 +12,18 @@ use jointplay::nalgebra::Vector3;
 use jointplay::plot::cell::Taught;
 use jointplay::report::{self, StationReport, TeachReport};
 
-use super::input::{CellArgs, Named};
-use super::pictures::PNG_WIDTH;
+use super::input::{CellArgs, CellSource};
 use crate::arguments::{finite, length};
 use crate::failure::Failure;
-use crate::figure::{FigureArgs, Format};
+use crate::figure::FigureArgs;
 use crate::folder::{self, ForceArgs};
 use crate::output::{self, fixed};
 
-/// Place a station from taught points, or tell where stations are
+/// Compute the pose of a station from taught points, or list the poses of all stations
 ///
-/// Three points or more on the resting plane give its tilt with its uncertainty, their distances from the plane, and a verdict; the place of the first and the last wafer gives the tilt by drift.
-/// Without points it tells what the cell file says of its stations.
+/// Three or more points on the resting plane determine its tilt, the uncertainty of the tilt, and the distances of the points from the plane.
+/// The positions of the first and the last wafer determine the tilt by the drift between them.
+/// Without points, the poses in the cell file are listed.
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
@@ -31,31 +31,31 @@ Examples:
   jointplay cell teach --figure stations.png
   jointplay cell teach --station LP2 --first-mm -495,-495,500 --last-mm -492,-495,740
 
-Exit codes: 0 done, 1 the robot cannot tilt so far, or the points are scattered or leave the plane too uncertain, 2 bad input or usage.")]
+Exit codes: 0 done, 1 the tilt exceeds the robot's limit, the points are scattered, or the plane is too uncertain, 2 bad input or usage.")]
 pub(super) struct Teach {
     #[command(flatten)]
     pub(super) cell: CellArgs,
-    /// Which station
+    /// Name of the station
     #[arg(long, value_name = "NAME")]
     station: Option<String>,
-    /// A point of the resting plane in the base frame; three or more
+    /// Point of the resting plane in the base frame; give three or more
     #[arg(long, value_name = "X,Y,Z", value_parser = point, requires = "station", conflicts_with_all = ["first_mm", "last_mm"])]
     point_mm: Vec<Point>,
-    /// How far from the plane a point may be
+    /// Largest accepted distance of a point from the plane
     #[arg(long, value_name = "UM", default_value = "100", value_parser = threshold)]
     threshold_um: f64,
-    /// Standard deviation of a measured coordinate; without it the noise is unknown and estimated from the points
+    /// Standard deviation of a measured coordinate [default: estimated from the points]
     #[arg(long, value_name = "UM", value_parser = threshold, requires = "point_mm")]
     noise_um: Option<f64>,
-    /// Where the wafer of the first slot rests, in the base frame
+    /// Position of the wafer in the first slot, in the base frame
     #[arg(long, value_name = "X,Y,Z", value_parser = point, requires_all = ["station", "last_mm"])]
     first_mm: Option<Point>,
-    /// Where the wafer of the last slot rests, in the base frame
+    /// Position of the wafer in the last slot, in the base frame
     #[arg(long, value_name = "X,Y,Z", value_parser = point, requires_all = ["station", "first_mm"])]
     last_mm: Option<Point>,
     #[command(flatten)]
     figure: FigureArgs,
-    /// Write it into the cell file, whose comments stay
+    /// Write the pose into the cell file, keeping its comments
     #[arg(long, requires = "station")]
     write: bool,
 }
@@ -66,9 +66,9 @@ struct Point(Vector3<f64>);
 
 fn point(text: &str) -> Result<Point, String> {
     let values = text.split(',').map(length).collect::<Result<Vec<f64>, String>>()?;
-    let values: [f64; 3] = values.try_into().map_err(|values: Vec<f64>| {
-        format!("a point has 3 coordinates, {} are given", values.len())
-    })?;
+    let values: [f64; 3] = values
+        .try_into()
+        .map_err(|values: Vec<f64>| format!("expected 3 coordinates, got {}", values.len()))?;
     Ok(Point(Vector3::from(values.map(m_from_mm))))
 }
 
@@ -77,39 +77,36 @@ fn threshold(text: &str) -> Result<f64, String> {
     if value > 0.0 && value <= 1e5 {
         Ok(value)
     } else {
-        Err(format!("{} µm is not within 0 to 100000 µm", number(value)))
+        Err(format!("value must be above 0 and at most 100000 µm, got {} µm", number(value)))
     }
 }
 
 impl Teach {
     pub(super) fn run(&self) -> Result<(), Failure> {
         self.figure.target()?;
-        let mut named = self.cell.load()?;
+        let mut source = self.cell.load()?;
         if let Some(station) = &self.station {
             let names: Vec<String> =
-                named.cell.stations.iter().map(|station| station.name.clone()).collect();
+                source.cell.stations.iter().map(|station| station.name.clone()).collect();
             if !names.contains(station) {
-                return Err(Failure::Misused(not_known("the station", station, &names)));
+                return Err(Failure::Usage(not_known("the station", station, &names)));
             }
             if let Some(change) = self.change() {
-                named = changed(named, station, change)?;
+                source = changed(source, station, change)?;
                 if self.write {
-                    self.save(&named)?;
+                    self.save(&source)?;
                 }
             }
         }
-        let document = report::teach(&named.cell, self.station.as_deref());
-        if self.cell.json() {
+        let document = report::teach(&source.cell, self.station.as_deref());
+        if self.cell.format.json() {
             output::json(&document)?;
         } else {
             output::text(&text(&document))?;
         }
-        let picture = self.picture(&named);
-        let written = self.figure.write(|format| match format {
-            Format::Svg => picture.to_svg().map(String::into_bytes),
-            Format::Png => picture.to_png(PNG_WIDTH),
-        })?;
-        if let Some(path) = written.filter(|_| !self.cell.json()) {
+        let picture = self.picture(&source);
+        let written = self.figure.write(&picture)?;
+        if let Some(path) = written.filter(|_| !self.cell.format.json()) {
             output::text(&format!("picture: {}\n", path.display()))?;
         }
         let scattered = document.stations.iter().find(|station| {
@@ -117,7 +114,7 @@ impl Teach {
         });
         if let Some(station) = scattered {
             return Err(Failure::Unsolved(format!(
-                "the taught points of {} are scattered: teach them again, or allow more by --threshold-um",
+                "the taught points of {} are scattered: teach them again, or increase --threshold-um",
                 station.name
             )));
         }
@@ -127,19 +124,19 @@ impl Teach {
         });
         uncertain.map_or(Ok(()), |(name, plane, known)| {
             Err(Failure::Unsolved(format!(
-                "the taught plane of {name} is known to ±{} µrad, allowed are {} µrad (`plane_urad`): teach points farther apart, more of them, or with less noise",
+                "the tilt of the taught plane of {name} is uncertain by ±{} µrad, but only {} µrad are allowed (`plane_urad`): teach more points, points farther apart, or reduce the noise",
                 fixed(known.tilt_95_urad, 1),
                 fixed(plane.allowed_urad, 1)
             )))
         })
     }
 
-    /// The picture of the stations asked about.
-    fn picture<'a>(&self, named: &'a Named) -> Taught<'a> {
-        let mut picture = Taught::new(&named.cell);
+    /// The picture of the selected stations.
+    fn picture<'a>(&self, source: &'a CellSource) -> Taught<'a> {
+        let mut picture = Taught::new(&source.cell);
         if let Some(station) = &self.station {
-            picture.stations.retain(|&k| named.cell.stations[k].name == *station);
-            picture.title = named.cell.name.clone();
+            picture.stations.retain(|&k| source.cell.stations[k].name == *station);
+            picture.title = source.cell.name.clone();
         }
         picture
     }
@@ -156,26 +153,26 @@ impl Teach {
         }
     }
 
-    fn save(&self, named: &Named) -> Result<(), Failure> {
+    fn save(&self, source: &CellSource) -> Result<(), Failure> {
         if self.cell.is_standard_input() {
-            let text = "--write: standard input is no file; name the cell file";
-            return Err(Failure::Misused(text.to_owned()));
+            let text = "--write needs a cell file, not standard input";
+            return Err(Failure::Usage(text.to_owned()));
         }
-        if named.folder.is_none() {
-            let text = "--write: the example is no file; `jointplay cell example` makes one of it";
-            return Err(Failure::Misused(text.to_owned()));
+        if source.folder.is_none() {
+            let text = "--write needs a cell file; use `jointplay cell example` to write the example into files";
+            return Err(Failure::Usage(text.to_owned()));
         }
-        folder::write_file(Path::new(&named.label), named.text.as_bytes(), ForceArgs::REPLACE)
+        folder::write_file(Path::new(&source.label), source.text.as_bytes(), ForceArgs::REPLACE)
     }
 }
 
-/// The cell with another place of one station.
-fn changed(named: Named, station: &str, change: Change) -> Result<Named, Failure> {
-    let text = cell::set_station(&named.text, station, &[change])
-        .map_err(|problem| Failure::at(&problem, &named.label))?;
-    match Named::read(named.label, named.stem, text, named.folder) {
-        // The file was sound before: what is wrong now are the points.
-        Err(Failure::Wrong(all)) => Err(Failure::CannotDo(all)),
+/// The cell with another pose of one station.
+fn changed(source: CellSource, station: &str, change: Change) -> Result<CellSource, Failure> {
+    let text = cell::set_station(&source.text, station, &[change])
+        .map_err(|problem| Failure::at(&problem, &source.label))?;
+    match CellSource::parse(source.label, source.stem, text, source.folder) {
+        // The file was valid before: the new points are infeasible.
+        Err(Failure::Invalid(all)) => Err(Failure::Infeasible(all)),
         other => other,
     }
 }
@@ -184,19 +181,19 @@ fn text(report: &TeachReport) -> String {
     let mut text = format!("{}, stations\n", report.cell);
     for station in &report.stations {
         let _ = writeln!(text, "{}", station.name);
-        one(&mut text, station, report.tilt_limit_deg);
+        write_station(&mut text, station, report.tilt_limit_deg);
     }
     text
 }
 
-fn one(text: &mut String, station: &StationReport, limit: f64) {
+fn write_station(text: &mut String, station: &StationReport, limit: f64) {
     let [x, y, z] = station.position_mm.map(|value| fixed(value, 3));
-    let how = match station.from {
-        "taught" => "in the plane of taught points",
-        "drift" => "from the places of first and last wafer",
+    let origin = match station.from {
+        "taught" => "plane of taught points",
+        "drift" => "positions of first and last wafer",
         _ => "nominal, not taught",
     };
-    let _ = writeln!(text, "  place (mm)           {x}, {y}, {z}; {how}");
+    let _ = writeln!(text, "  position (mm)        {x}, {y}, {z}; {origin}");
     if let Some(pitch) = station.pitch_mm {
         let _ = writeln!(text, "  pitch (mm)           {}", fixed(pitch, 3));
     }
@@ -215,18 +212,18 @@ fn one(text: &mut String, station: &StationReport, limit: f64) {
         let distances: Vec<String> = plane.distances_um.iter().map(|&one| fixed(one, 1)).collect();
         let verdict = match plane.verdict {
             "fits" => "fits",
-            "uncertain" => "uncertain: the plane may be off by more than `plane_urad` allows",
+            "uncertain" => "uncertain: the tilt uncertainty exceeds `plane_urad`",
             "unproven" if plane.freedom == 0 => {
-                "unproven: three points always lie in a plane, teach a fourth"
+                "unverified: three points always define a plane, teach a fourth"
             }
             "unproven" => {
-                "unproven: too few points to test their noise; give --noise-um, or teach 6 or more"
+                "unverified: too few points to test their noise; use --noise-um, or teach 6 or more"
             }
             _ => "scattered: teach them again",
         };
         let _ = writeln!(
             text,
-            "  points off it (µm)   {}; at most {}, allowed {}",
+            "  point distances (µm) {}; largest {}, allowed {}",
             distances.join(", "),
             fixed(plane.worst_um, 1),
             fixed(plane.threshold_um, 1)
@@ -236,11 +233,11 @@ fn one(text: &mut String, station: &StationReport, limit: f64) {
             freedom => format!("{freedom} degrees of freedom"),
         };
         let noise = match (&plane.noise_um, &plane.uncertainty) {
-            (Some(noise), _) => format!("{} µm a coordinate, as given", fixed(*noise, 1)),
+            (Some(noise), _) => format!("{} µm per coordinate, given", fixed(*noise, 1)),
             (None, Some(known)) => {
-                format!("not given; {} µm by the distances", fixed(known.noise_um, 1))
+                format!("not given; {} µm estimated from the distances", fixed(known.noise_um, 1))
             }
-            (None, None) => "not given, and three points do not show it".to_owned(),
+            (None, None) => "not given; cannot be estimated from three points".to_owned(),
         };
         let _ = writeln!(text, "  noise                {noise}, {freedom}");
         match &plane.uncertainty {
@@ -255,7 +252,7 @@ fn one(text: &mut String, station: &StationReport, limit: f64) {
                 );
             }
             None => {
-                let _ = writeln!(text, "  uncertainty          unknown; --noise-um gives it");
+                let _ = writeln!(text, "  uncertainty          unknown; use --noise-um");
             }
         }
         let _ = writeln!(text, "  verdict              {verdict}");

@@ -1,4 +1,4 @@
-//! What a check finds, in words.
+//! The report of a check as text.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -6,22 +6,23 @@ use std::fmt::Write as _;
 use jointplay::cell::EntityId;
 use jointplay::cell::check::{Kind, Violation};
 use jointplay::cell::program::Place;
+use jointplay::format::number::counted;
 use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
 
 use super::input::Planned;
 use crate::output::fixed;
 
-/// Times that are listed of one violation that comes again and again.
+/// Largest number of times listed of a repeated violation.
 const TIMES: usize = 4;
-/// Groups of violations that are listed.
+/// Largest number of violation groups listed.
 const GROUPS: usize = 12;
 
-/// Verdict, what is wrong, and a table by line of the program.
+/// Verdict, violations, and a table by program line.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     let mut text = format!("{} with {}\n", report.cell, report.robot);
-    let metric = report.metric_mm.map_or(String::new(), |length| {
-        format!(", an angle of 1 rad counted as {} mm", fixed(length, 3))
-    });
+    let metric = report
+        .metric_mm
+        .map_or(String::new(), |length| format!(", characteristic length {} mm", fixed(length, 3)));
     let _ = writeln!(
         text,
         "  platform             {} virtualization, {}{metric}",
@@ -38,13 +39,13 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
         "  program              {}, {} in {}",
         planned.input.label,
         counted(report.instructions.len(), "instruction"),
-        counted(report.steps, "motion")
+        counted(report.steps, "segment")
     );
     let _ = writeln!(text, "  time                 {} s", fixed(report.duration_s, 3));
     if let Some(rate) = report.wafers_per_hour {
         let _ = writeln!(
             text,
-            "  throughput           {} in it, {} an hour where it is repeated",
+            "  throughput           {}, {} wafers/h if repeated",
             counted(report.wafers, "wafer"),
             fixed(rate, 1)
         );
@@ -52,7 +53,7 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     if let Some(straight) = &report.straight {
         let _ = writeln!(
             text,
-            "  straight lines       {}, wafers within {} µm",
+            "  Cartesian lines      {}, wafer centre within {} µm",
             straight.motions,
             fixed(straight.off_um, 3)
         );
@@ -60,53 +61,53 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     if let Some(blended) = &report.blended {
         let _ = writeln!(
             text,
-            "  blended              {}, {} s at once, wafers within {} mm of the way without",
+            "  blended              {}, overlap {} s, wafer centre within {} mm of the unblended path",
             counted(blended.motions, "corner"),
             fixed(blended.overlap_s, 3),
             fixed(blended.off_mm, 3)
         );
     }
-    if let Some(made) = &report.compensated {
+    if let Some(compensated) = &report.compensated {
         let _ = writeln!(
             text,
-            "  made up for          droop to {} µm and {} mrad, sag of {} µm, in {}",
-            fixed(made.drop_um, 1),
-            fixed(made.slope_mrad, 3),
-            fixed(made.sag_um, 1),
-            counted(made.handovers, "handover")
+            "  compensated          droop up to {} µm and {} mrad, sag up to {} µm, at {}",
+            fixed(compensated.drop_um, 1),
+            fixed(compensated.slope_mrad, 3),
+            fixed(compensated.sag_um, 1),
+            counted(compensated.handovers, "hand-over")
         );
         let _ = writeln!(
             text,
-            "  left of it           {} µm and {} mrad off the slots' planes; wafers stay bent by {} µm",
-            fixed(made.left_um, 3),
-            fixed(made.left_mrad, 4),
-            fixed(made.bent_um, 1)
+            "  residual             {} µm and {} mrad from the slot planes; residual curvature of wafers {} µm",
+            fixed(compensated.left_um, 3),
+            fixed(compensated.left_mrad, 4),
+            fixed(compensated.bent_um, 1)
         );
         let _ = writeln!(
             text,
-            "  at a handover        an effector moves by up to {} µm as the weight passes over, at once in poses and files",
-            fixed(made.jump_um, 1)
+            "  hand-over jump       effectors move by up to {} µm as they take or release the weight",
+            fixed(compensated.jump_um, 1)
         );
-        if let (Some(mrad), Some(height)) = (made.taught_mrad, made.taught_um) {
+        if let (Some(mrad), Some(height)) = (compensated.taught_mrad, compensated.taught_um) {
             let _ = writeln!(
                 text,
-                "  taught planes        known to ±{} mrad and ±{} µm (95 %), in addition",
+                "  taught planes        additional uncertainty ±{} mrad and ±{} µm (95 %)",
                 fixed(mrad, 4),
                 fixed(height, 1)
             );
         }
-        if !made.taught_unknown.is_empty() {
+        if !compensated.taught_unknown.is_empty() {
             let _ = writeln!(
                 text,
-                "  taught planes        uncertainty unknown for {}: `noise_um` or more points give it",
-                made.taught_unknown.join(", ")
+                "  taught planes        uncertainty unknown for {}: add `noise_um` or more points",
+                compensated.taught_unknown.join(", ")
             );
         }
     }
-    let _ = writeln!(text, "  looked at            {}", counted(report.samples, "sample"));
+    let _ = writeln!(text, "  checked at           {}", counted(report.samples, "sample"));
     if !report.assumed.is_empty() {
         let assumed = counted(report.assumed.len(), "parameter");
-        let _ = writeln!(text, "  assumed, not known   {assumed}:");
+        let _ = writeln!(text, "  assumed              {assumed} without a known value:");
         for assumed in &report.assumed {
             let _ = writeln!(text, "    {assumed}");
         }
@@ -118,13 +119,13 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     lines(&mut text, report);
     axes(&mut text, report);
     if !report.nearest.is_empty() {
-        let _ = writeln!(text, "bodies that come nearest");
+        let _ = writeln!(text, "minimum distances");
         for pair in &report.nearest {
             let [a, b] = &pair.bodies;
             let others = match pair.others {
                 0 => String::new(),
-                1 => "; another such pair comes no nearer".to_owned(),
-                others => format!("; {others} more such pairs come no nearer"),
+                1 => "; one similar pair is farther apart".to_owned(),
+                others => format!("; {others} similar pairs are farther apart"),
             };
             let _ = writeln!(
                 text,
@@ -137,19 +138,25 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     text
 }
 
-/// What a group of violations has in common: command, kind, and the entities concerned, `None` for any wafer.
-type Group = (Place, Kind, Vec<Option<EntityId>>);
+/// The common properties of a group of violations; wafers count as one entity, `None`.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct GroupKey {
+    place: Place,
+    kind: Kind,
+    entities: Vec<Option<EntityId>>,
+}
 
-/// Violations grouped by command and pair, worst first: the worst of each group under an excerpt, with times and number of the others.
+/// Violations grouped by command and pair, worst first: the worst of each group with an excerpt, and the times and number of the others.
 pub(super) fn violations(planned: &Planned) -> String {
-    let mut groups: BTreeMap<Group, Vec<&Violation>> = BTreeMap::new();
+    let mut groups: BTreeMap<GroupKey, Vec<&Violation>> = BTreeMap::new();
     for one in &planned.report.violations {
         let entities = one.entities.iter().map(|&one| (!one.is_wafer()).then_some(one)).collect();
-        groups.entry((one.place, one.kind, entities)).or_default().push(one);
+        let key = GroupKey { place: one.place, kind: one.kind, entities };
+        groups.entry(key).or_default().push(one);
     }
     let mut groups: Vec<Vec<&Violation>> = groups.into_values().collect();
     for group in &mut groups {
-        // The worst of them stands for all; of equal ones the first.
+        // The worst one represents the group; of equal ones the first.
         group.sort_by(|a, b| excess(b).total_cmp(&excess(a)).then(a.start.total_cmp(&b.start)));
     }
     groups.sort_by(|a, b| {
@@ -180,7 +187,7 @@ pub(super) fn violations(planned: &Planned) -> String {
         let wafers: BTreeSet<&EntityId> = entities.filter(|one| one.is_wafer()).collect();
         let wafers = match wafers.len() {
             0 | 1 => String::new(),
-            wafers => format!("; {wafers} wafers in all"),
+            wafers => format!("; {wafers} wafers in total"),
         };
         let _ = writeln!(text, "    at {} s{more}{wafers}", times.join(", "));
     }
@@ -197,12 +204,12 @@ pub(super) fn violations(planned: &Planned) -> String {
     text
 }
 
-/// By how much a limit is broken, in SI; of no meaning between kinds.
+/// Amount by which a limit is exceeded, in SI units; not comparable between kinds.
 fn excess(one: &Violation) -> f64 {
     (one.worst - one.limit).abs()
 }
 
-/// Which kinds come first: what breaks something, then what comes too near, then the limits of the axes.
+/// Rank of a kind: damage first, then clearances, then limits of the axes.
 fn severity(kind: Kind) -> u8 {
     match kind {
         Kind::Platform | Kind::Droop => 0,
@@ -214,7 +221,7 @@ fn severity(kind: Kind) -> u8 {
     }
 }
 
-/// A row for each line of the program, over all its runs.
+/// A row for each line of the program, over all its executions.
 fn lines(text: &mut String, report: &CellReport) {
     let mut rows: Vec<(usize, Vec<&InstructionReport>)> = Vec::new();
     for one in &report.instructions {
@@ -224,7 +231,7 @@ fn lines(text: &mut String, report: &CellReport) {
         }
     }
     rows.sort_by_key(|&(line, _)| line);
-    let _ = writeln!(text, "by line, the most of all its runs; shares of limits in %");
+    let _ = writeln!(text, "by line, maximum over all executions; shares of limits in %");
     let _ = writeln!(
         text,
         "  line  runs   s each  speed  accel.  jerk  tilt  play  slip  nearest mm  violations"
@@ -264,7 +271,7 @@ fn axes(text: &mut String, report: &CellReport) {
         let share = if report.duration_s > 0.0 { axis.moving_s / report.duration_s } else { 0.0 };
         let _ = writeln!(
             text,
-            "  {:<20} moves {:>10} s, {:>3} % of the time",
+            "  {:<20} moving {:>10} s, {:>3} % of the time",
             axis.name,
             fixed(axis.moving_s, 3),
             percent(share)
@@ -272,12 +279,7 @@ fn axes(text: &mut String, report: &CellReport) {
     }
 }
 
-/// A number of things: the word takes its plural by an s.
-pub(super) fn counted(count: usize, what: &str) -> String {
-    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
-}
-
-/// A share in %; what is beyond all bounds, such as of a limit of zero, is more than can be shown.
+/// A share in %; very large shares, such as of a limit of zero, are shown as >9999.
 fn percent(share: f64) -> String {
     if share.is_finite() && share < 99.995 { fixed(100.0 * share, 0) } else { ">9999".to_owned() }
 }

@@ -1,9 +1,10 @@
-//! The table of a study while it is not whole, and the marker from which another run can go on.
+//! An incomplete table of a study on the disk, and the marker from which another run can resume.
 //!
-//! `TABLE.part` holds the chunks so far, `TABLE.part.json` says how many these are.
-//! A marker speaks of chunks only that are on the disk: the table is synced first, then the marker is written under a temporary name, synced and renamed.
-//! What stands in the table beyond its marker is cut off by whoever goes on.
-//! The whole table gets its name last, and the marker goes after that.
+//! `TABLE.part` holds the finished chunks, and the marker `TABLE.part.json` their number.
+//! Invariant: the marker counts only chunks that are on the disk.
+//! Therefore the table is synced first; then the marker is written under a temporary name, synced and renamed.
+//! A resumed run truncates the table to the length in the marker.
+//! The complete table is renamed first, and the marker is removed afterwards.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Seek as _, SeekFrom, Write as _};
@@ -17,14 +18,14 @@ use jointplay::study::plan::{Block, Totals};
 use crate::failure::Failure;
 use crate::source::read_text;
 
-/// So often is marked how far a run has come: what is done since then is lost to a power cut or a kill.
+/// Interval between two markers; a power cut or a kill loses the chunks since the last one.
 const MARK_EVERY: Duration = Duration::from_millis(500);
-/// Or so many times as long as the last marking took: the end of a long Parquet table takes its time.
+/// Lower bound of the interval, in durations of the last marking: the footer of a long Parquet table takes time to write.
 const MARK_PAUSE: u32 = 20;
-/// Larger markers are refused unread [bytes].
+/// Largest accepted marker [bytes].
 const LARGEST_MARKER: u64 = 1 << 32;
 
-/// A table on its way.
+/// An incomplete table and its marker.
 pub(super) struct PartFile {
     out: PathBuf,
     path: PathBuf,
@@ -34,13 +35,21 @@ pub(super) struct PartFile {
     marker: Marker,
     seed: u64,
     marked: Instant,
-    /// How long the last marking took.
+    /// Duration of the last marking.
     marking: Duration,
     replace: bool,
 }
 
+/// The files of an interrupted study.
+pub(super) struct Files<'a> {
+    /// The incomplete table.
+    pub(super) part: &'a Path,
+    /// The table that it becomes once complete.
+    pub(super) table: &'a Path,
+}
+
 impl PartFile {
-    /// Begins a table.
+    /// Starts a table.
     pub(super) fn begin(
         out: &Path,
         study: &StudyFile,
@@ -48,35 +57,35 @@ impl PartFile {
         table: &Table,
         replace: bool,
     ) -> Result<Self, Failure> {
-        let (path, marker_path) = names(out);
+        let Names { path, marker: marker_path } = names(out);
         if out.is_dir() {
             let source = io::Error::new(io::ErrorKind::IsADirectory, "a folder is in its place");
             return Err(Failure::Write { path: out.to_owned(), source });
         }
         if out.exists() && !replace {
-            return Err(Failure::Misused(format!(
-                "{} exists: choose another --out, or replace it with --force",
+            return Err(Failure::Usage(format!(
+                "{} exists: choose another --out, or use --force to replace it",
                 out.display()
             )));
         }
         if path.exists() && !replace {
-            // First of all: another run may be writing it.
+            // Checked first: another run may be writing it.
             let running = OpenOptions::new().read(true).write(true).open(&path);
             lock(&running.map_err(failed(&path))?, &path)?;
         }
         if marker_path.exists() && !replace {
-            return Err(Failure::Misused(format!(
-                "{} is what an interrupted run left: --resume goes on with it, --force begins again",
+            return Err(Failure::Usage(format!(
+                "{} is the table of an interrupted run: use --resume to continue it, or --force to start again",
                 path.display()
             )));
         }
         if path.exists() && !replace {
-            return Err(Failure::Misused(format!(
-                "{} is in the way, and no run that could be gone on with has left it: move it, or say --force to replace it",
+            return Err(Failure::Usage(format!(
+                "{} exists and does not belong to an interrupted run: move it, or use --force to replace it",
                 path.display()
             )));
         }
-        // Locked before it is emptied: another run may be at it.
+        // Locked before it is truncated: another run may be writing it.
         let file =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
         let file = file.map_err(failed(&path))?;
@@ -103,37 +112,37 @@ impl PartFile {
         Ok(part)
     }
 
-    /// Takes up a table that an interrupted run left.
+    /// Resumes the table of an interrupted run.
     pub(super) fn resume(
         out: &Path,
         study: &StudyFile,
         kind: TableKind,
         table: &Table,
     ) -> Result<Self, Failure> {
-        let (path, marker_path) = names(out);
+        let Names { path, marker: marker_path } = names(out);
         if !marker_path.exists() {
             let (out, marker) = (out.display(), marker_path.display());
-            return Err(Failure::Misused(format!(
-                "there is nothing to go on with: no interrupted run has left {marker}, from which {out} would be completed; begin without --resume"
+            return Err(Failure::Usage(format!(
+                "nothing to resume: there is no {marker}, from which {out} would be completed; run without --resume"
             )));
         }
-        let wrong = |why: String| Failure::Marker { path: marker_path.clone(), why };
+        let invalid = |why: String| Failure::Marker { path: marker_path.clone(), why };
         let text = read_text(&marker_path, LARGEST_MARKER)?;
-        let marker = Marker::parse(&text).map_err(|error| wrong(error.to_string()))?;
+        let marker = Marker::parse(&text).map_err(|error| invalid(error.to_string()))?;
         let begun = parse(&marker.study, |_| Ok(marker.robot.clone()))
-            .map_err(|error| wrong(format!("the study in it cannot be read: {error}")))?;
+            .map_err(|error| invalid(format!("the study in it is invalid: {error}")))?;
         let differences = begun.differences(study);
         if !differences.is_empty() {
-            return Err(wrong(format!(
-                "the study is not the one that was begun; --force begins again\n  {}",
+            return Err(invalid(format!(
+                "the study differs from the one that was started; use --force to start again\n  {}",
                 differences.join("\n  ")
             )));
         }
         if marker.kind != kind {
             let (found, here) = (marker.kind.ending(), kind.ending());
-            return Err(wrong(format!("it is of a table of {found}, not of {here}")));
+            return Err(invalid(format!("it belongs to a {found} table, not to a {here} table")));
         }
-        // Killed after the last renaming: the table is whole, only its marker is left.
+        // Killed after the table was renamed: the table is complete, and only the marker is left.
         let whole = marker.bytes + marker.foot.len() as u64;
         let named = !path.exists() && out.metadata().is_ok_and(|found| found.len() == whole);
         let path = if named { out.to_owned() } else { path };
@@ -142,8 +151,8 @@ impl PartFile {
         let length = file.metadata().map_err(failed(&path))?.len();
         if length < marker.bytes {
             let (shown, needed) = (path.display(), marker.bytes);
-            return Err(wrong(format!(
-                "{shown} has {length} bytes, but {needed} were written; --force begins again"
+            return Err(invalid(format!(
+                "{shown} has {length} bytes, but {needed} bytes were written; use --force to start again"
             )));
         }
         let index = table.index(&marker.foot)?;
@@ -159,26 +168,21 @@ impl PartFile {
             marking: Duration::ZERO,
             replace: false,
         };
-        part.cut().map_err(failed(&part.path))?;
+        part.truncate().map_err(failed(&part.path))?;
         Ok(part)
     }
 
-    /// How many chunks are done.
+    /// Number of chunks written.
     pub(super) fn chunks(&self) -> u64 {
         self.marker.chunks
     }
 
-    /// How many samples are done.
-    pub(super) fn samples(&self) -> u64 {
-        self.marker.totals.samples
-    }
-
-    /// The columns so far.
+    /// Statistics of the columns written so far.
     pub(super) fn totals(&self) -> &Totals {
         &self.marker.totals
     }
 
-    /// Adds a chunk.
+    /// Appends one chunk.
     pub(super) fn append(
         &mut self,
         table: &Table,
@@ -188,9 +192,9 @@ impl PartFile {
         let at = self.marker.bytes;
         for bytes in &encoded.parts {
             if let Err(failure) = self.write(bytes) {
-                // Only whole chunks stay, so that what is there is a table.
+                // Only complete chunks stay, so that the file is a table.
                 self.marker.bytes = at;
-                drop(self.cut());
+                drop(self.truncate());
                 return Err(failure);
             }
         }
@@ -203,32 +207,32 @@ impl PartFile {
         Ok(())
     }
 
-    /// Marks as much as can be marked after a failure; says what the table so far is called.
-    pub(super) fn keep(&mut self, table: &Table) -> String {
-        // An older marker stands where this one cannot.
+    /// Marks the chunks written before a failure; the path of the incomplete table.
+    pub(super) fn save(&mut self, table: &Table) -> &Path {
+        // If marking fails, the previous marker stays valid.
         drop(self.mark(table));
-        self.path.display().to_string()
+        &self.path
     }
 
-    /// Ends what is done as a table, to be gone on with later; says what it is called, and what it is to become.
-    pub(super) fn interrupt(&mut self, table: &Table) -> Result<(String, String), Failure> {
+    /// Closes the incomplete table so that it can be read, and resumed later.
+    pub(super) fn interrupt(&mut self, table: &Table) -> Result<Files<'_>, Failure> {
         self.mark(table)?;
-        // Not counted by the marker: whoever goes on cuts it off.
+        // The marker does not count the footer; a resumed run truncates it.
         let foot = table.foot(&self.index)?;
         self.file.write_all(&foot).map_err(failed(&self.path))?;
         self.file.sync_all().map_err(failed(&self.path))?;
-        Ok((self.path.display().to_string(), self.out.display().to_string()))
+        Ok(Files { part: &self.path, table: &self.out })
     }
 
-    /// Ends the table, which is whole, and gives it its name.
+    /// Closes the complete table and gives it its final name.
     pub(super) fn finish(mut self, table: &Table) -> Result<(), Failure> {
         self.mark(table)?;
         let foot = table.foot(&self.index)?;
         self.write(&foot)?;
         self.file.sync_all().map_err(failed(&self.path))?;
         if self.path != self.out && self.out.exists() && !self.replace {
-            return Err(Failure::Misused(format!(
-                "{} was created meanwhile; the whole table is {}",
+            return Err(Failure::Usage(format!(
+                "{} was created meanwhile; the complete table is {}",
                 self.out.display(),
                 self.path.display()
             )));
@@ -244,13 +248,13 @@ impl PartFile {
         Ok(())
     }
 
-    /// Cuts off what stands beyond the whole chunks.
-    fn cut(&mut self) -> io::Result<()> {
+    /// Removes everything beyond the complete chunks.
+    fn truncate(&mut self) -> io::Result<()> {
         self.file.set_len(self.marker.bytes)?;
         self.file.seek(SeekFrom::Start(self.marker.bytes)).map(|_| ())
     }
 
-    /// Marks how far the run has come.
+    /// Writes the marker.
     fn mark(&mut self, table: &Table) -> Result<(), Failure> {
         let start = Instant::now();
         self.file.sync_data().map_err(failed(&self.path))?;
@@ -275,35 +279,40 @@ impl PartFile {
     }
 }
 
-/// Size of what an interrupted run left of a table [bytes]; 0 if there is nothing.
+/// Size of the table of an interrupted run [bytes]; 0 without one.
 pub(super) fn written(out: &Path) -> f64 {
-    let (path, _) = names(out);
+    let Names { path, .. } = names(out);
     path.metadata().map_or(0.0, |found| found.len() as f64)
 }
 
-/// Names of the table on its way and of its marker.
-fn names(out: &Path) -> (PathBuf, PathBuf) {
+/// The paths of an incomplete table and of its marker.
+struct Names {
+    path: PathBuf,
+    marker: PathBuf,
+}
+
+fn names(out: &Path) -> Names {
     let with = |ending: &str| {
         let mut name = out.as_os_str().to_owned();
         name.push(ending);
         PathBuf::from(name)
     };
-    (with(".part"), with(".part.json"))
+    Names { path: with(".part"), marker: with(".part.json") }
 }
 
-/// Keeps other runs from the same table.
+/// Locks the table against other runs.
 fn lock(file: &File, path: &Path) -> Result<(), Failure> {
     match file.try_lock() {
         Ok(()) => Ok(()),
-        Err(TryLockError::WouldBlock) => Err(Failure::Misused(format!(
-            "another run is writing {}: let it end, or choose another --out",
+        Err(TryLockError::WouldBlock) => Err(Failure::Usage(format!(
+            "another run is writing {}: wait for it to end, or choose another --out",
             path.display()
         ))),
         Err(TryLockError::Error(source)) => Err(failed(path)(source)),
     }
 }
 
-/// Makes a change of names last through a power cut, where folders can be synced.
+/// Makes a renaming durable across a power cut, on systems that can sync folders.
 fn sync_folder(path: &Path) {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
     if let Ok(folder) = File::open(folder.unwrap_or(Path::new("."))) {

@@ -1,4 +1,4 @@
-//! Running the command as a person would, in a folder of its own.
+//! Runs of the command in a temporary folder.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -6,16 +6,16 @@ use std::process::{Command, Output};
 use serde_json::Value;
 
 /// A folder to run in, removed afterwards.
-pub(crate) struct Desk(tempfile::TempDir);
+pub(crate) struct Sandbox(tempfile::TempDir);
 
-/// What a run came to.
+/// The result of a run.
 pub(crate) struct Run {
     pub(crate) code: i32,
     pub(crate) stdout: String,
     pub(crate) stderr: String,
 }
 
-impl Desk {
+impl Sandbox {
     pub(crate) fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }
@@ -36,7 +36,7 @@ impl Desk {
         std::fs::write(self.file(name), text).unwrap();
     }
 
-    /// Names in a folder of the desk, in order.
+    /// Names in a folder of the sandbox, in order.
     pub(crate) fn names(&self, folder: &str) -> Vec<String> {
         let entries = std::fs::read_dir(self.file(folder)).unwrap();
         let mut names: Vec<String> =
@@ -89,7 +89,7 @@ pub(crate) fn three(value: &Value) -> [f64; 3] {
     numbers.try_into().unwrap()
 }
 
-/// Settings for snapshots in which what is zero but for round-off is told as such: it differs from machine to machine.
+/// Settings for snapshots in which round-off is masked, since it differs from machine to machine.
 pub(crate) fn without_round_off() -> insta::Settings {
     let mut settings = insta::Settings::clone_current();
     settings.add_filter(r"\d\.\d+e-1[0-9]|\b0\.0{6}\b", "[round-off]");

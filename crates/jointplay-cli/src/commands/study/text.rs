@@ -1,4 +1,4 @@
-//! What a study comes to, in words.
+//! The summary of a study as text.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -6,27 +6,27 @@ use std::path::Path;
 use jointplay::format::study::StudyFile;
 use jointplay::report::{ColumnReport, OutcomeReport, TotalsReport};
 
-use super::study::Expected;
+use super::estimate::Estimate;
 use crate::failure::Failure;
 use crate::output;
 
-/// The summary of a whole study.
-pub(super) fn summary(report: &TotalsReport, out: &Path) -> String {
+/// The summary of a completed study, and the file of its table.
+pub(super) fn summary(report: &TotalsReport, out: Option<&Path>) -> String {
     let samples = report.samples;
     let mut text = format!("{}, {}: {}\n", report.study, report.robot, sample_count(samples));
     for model in &report.virtualizations {
         let _ = writeln!(text, "  {}: {}", model.name, outcome(model));
     }
     for (count, limits) in [
-        (report.beyond_tilt_limit, "are commanded beyond the robot's limit of the tilt"),
-        (report.beyond_rod_limits, "have a rod beyond its limits"),
+        (report.beyond_tilt_limit, "exceed the robot's tilt limit"),
+        (report.beyond_rod_limits, "exceed a rod limit"),
     ] {
         if count > 0 {
-            let _ = writeln!(text, "  {count} samples {limits}, and were computed all the same");
+            let _ = writeln!(text, "  {count} samples {limits}; they are included");
         }
     }
     let width = report.columns.iter().map(|column| column.name.len()).max().unwrap_or_default();
-    let heads = ["least", "5 %", "median", "95 %", "greatest", "mean", "deviation"];
+    let heads = ["minimum", "5 %", "median", "95 %", "maximum", "mean", "std. dev."];
     let heads: String = heads.iter().map(|head| format!("{head:>14}")).collect();
     let _ = writeln!(text, "  {:width$}{heads}", "");
     for column in &report.columns {
@@ -36,11 +36,13 @@ pub(super) fn summary(report: &TotalsReport, out: &Path) -> String {
     if report.percentiles_from < samples {
         let _ = writeln!(
             text,
-            "  percentiles from {} samples, drawn evenly over the study: the share below each is true to 0.2 % of the samples (standard error, at most)",
+            "  percentiles are estimated from {} samples, drawn uniformly from the study (standard error of each rank at most 0.2 %)",
             report.percentiles_from
         );
     }
-    let _ = writeln!(text, "{} written", out.display());
+    if let Some(out) = out {
+        let _ = writeln!(text, "{} written", out.display());
+    }
     text
 }
 
@@ -48,13 +50,13 @@ fn outcome(model: &OutcomeReport) -> String {
     let all = model.solved + model.failed;
     if model.failed == 0 {
         return match all {
-            1 => "the sample has an answer".to_owned(),
-            all => format!("all {all} samples have an answer"),
+            1 => "the sample is solved".to_owned(),
+            all => format!("all {all} samples are solved"),
         };
     }
     let reasons: Vec<String> =
         model.reasons.iter().map(|(why, count)| format!("{count} {why}")).collect();
-    format!("{} of {all} samples have no answer: {}", model.failed, reasons.join(", "))
+    format!("{} of {all} samples are not solved: {}", model.failed, reasons.join(", "))
 }
 
 fn cells(column: &ColumnReport) -> [String; 7] {
@@ -70,7 +72,7 @@ fn cells(column: &ColumnReport) -> [String; 7] {
     .map(|value| value.map_or("-".to_owned(), number))
 }
 
-/// A number to seven digits.
+/// A number with seven significant digits.
 fn number(value: f64) -> String {
     let size = value.abs();
     if !value.is_finite() {
@@ -85,11 +87,11 @@ fn number(value: f64) -> String {
     }
 }
 
-/// What a study will take, as text or as JSON.
+/// Prints the expected size and duration of a study, as text or as JSON.
 pub(super) fn dry_run(
     file: &StudyFile,
     out: &Path,
-    expected: &Expected,
+    estimate: &Estimate,
     json: bool,
 ) -> Result<(), Failure> {
     let columns: Vec<&str> = file.columns.iter().map(|column| column.name.as_str()).collect();
@@ -97,15 +99,15 @@ pub(super) fn dry_run(
         return output::json(&serde_json::json!({
             "study": file.name,
             "table": out.display().to_string(),
-            "samples": expected.samples,
+            "samples": estimate.samples,
             "columns": columns,
-            "expected_bytes": expected.bytes.round(),
-            "expected_seconds": expected.time,
+            "expected_bytes": estimate.bytes.round(),
+            "expected_seconds": estimate.time,
         }));
     }
-    let mut text = format!("{}: {}, nothing computed\n", file.name, sample_count(expected.samples));
-    let _ = writeln!(text, "  table    {}, about {}", out.display(), size(expected.bytes));
-    let _ = writeln!(text, "  time     about {}", time(expected.time));
+    let mut text = format!("{}: {}, nothing computed\n", file.name, sample_count(estimate.samples));
+    let _ = writeln!(text, "  table    {}, about {}", out.display(), size(estimate.bytes));
+    let _ = writeln!(text, "  time     about {}", time(estimate.time));
     let _ = writeln!(text, "  columns  {}: {}", columns.len(), columns.join(", "));
     output::text(&text)
 }
@@ -114,13 +116,13 @@ fn sample_count(count: u64) -> String {
     if count == 1 { "1 sample".to_owned() } else { format!("{count} samples") }
 }
 
-/// How large a file is.
+/// A file size with its unit.
 pub(super) fn size(bytes: f64) -> String {
     let text = output::short(bytes);
     if text.contains(' ') { text + "B" } else { text + " B" }
 }
 
-/// How long something takes.
+/// A duration with its unit.
 fn time(seconds: f64) -> String {
     const YEAR: f64 = 365.25 * 86_400.0;
     for (unit, name) in [(YEAR, "years"), (86_400.0, "days"), (3600.0, "h"), (60.0, "min")] {

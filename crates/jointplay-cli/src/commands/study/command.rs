@@ -1,0 +1,237 @@
+//! The flags of `jointplay study`, and the run from study file to table.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use clap::Args;
+use jointplay::format::study::{self, StudyFile};
+use jointplay::report::study_table::{Table, TableError, TableKind};
+use jointplay::report::{self, SHARES, TotalsReport};
+use jointplay::study::parallel::MOST_THREADS;
+use jointplay::study::plan::{self, Block};
+
+use super::destination::Destination;
+use super::estimate::{Estimate, rough_size};
+use super::part_file::{self, PartFile};
+use super::source::StudySource;
+use super::text;
+use crate::console;
+use crate::failure::Failure;
+use crate::output::{self, FormatArgs};
+use crate::progress::Progress;
+use crate::source::STANDARD;
+use crate::space;
+
+/// Compute a table over many poses or robots, as described by a study file
+///
+/// A study file lists the varied parameters and the computed quantities: grids or random samples of poses, nominal robots or robots with manufacturing tolerances, one or several virtualizations.
+/// The result is one table in CSV or Parquet format.
+/// Memory use does not depend on the number of samples.
+/// The bytes of the table depend only on the study file: not on the number of threads, and not on interruptions.
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  jointplay study                                      the first example: centre shift over the workspace
+  jointplay study --example                            print its study file, as a template
+  jointplay study misbuilt --out misbuilt-robots.csv   ten thousand robots with tolerances
+  jointplay study misbuilt --dry-run                   expected duration, size and columns
+
+Ctrl-C stops a study after the current chunk; the finished chunks stay in TABLE.part, and --resume continues.
+Included examples: center-shift, misbuilt, play-over-the-workspace.
+Exit codes: 0 done, 1 no sample could be solved, 2 bad input or usage, 130 interrupted.")]
+pub(crate) struct StudyCommand {
+    /// Study file (TOML), or the name of an included example [default: the first example]
+    #[arg(value_name = "FILE")]
+    file: Option<PathBuf>,
+    /// Table to write: a file ending in .csv or .parquet, or - for CSV on standard output [default: STUDY.csv]
+    #[arg(long, value_name = "TABLE")]
+    out: Option<PathBuf>,
+    /// Number of threads, from 1 to 1024; at most one per 4096 samples is used [default: one per core]
+    #[arg(long, value_name = "N", value_parser = threads)]
+    threads: Option<usize>,
+    /// Continue an interrupted run
+    #[arg(long, conflicts_with_all = ["force", "dry_run", "example"])]
+    resume: bool,
+    /// Replace an existing table or the table of an interrupted run; start even if the disk is too small
+    #[arg(long)]
+    force: bool,
+    /// Report the number of samples, the columns, and the expected size and duration; compute nothing
+    #[arg(long, conflicts_with = "example")]
+    dry_run: bool,
+    /// Print the study file and exit
+    #[arg(long)]
+    example: bool,
+    #[command(flatten)]
+    pub(crate) format: FormatArgs,
+}
+
+/// Tables of at least this size are announced before the computation starts [bytes].
+const ANNOUNCED_SIZE: f64 = 1e10;
+
+/// Set by Ctrl-C.
+static STOP: AtomicBool = AtomicBool::new(false);
+
+impl StudyCommand {
+    pub(crate) fn run(&self) -> Result<(), Failure> {
+        let first = Path::new(study::examples()[0].name);
+        let source = StudySource::read(self.file.as_deref().unwrap_or(first))?;
+        if self.example {
+            return output::raw(&source.text);
+        }
+        let file = source.parse()?;
+        let out = self.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}.csv", source.stem)));
+        let to_standard_output = out == Path::new(STANDARD);
+        let kind = if to_standard_output { Some(TableKind::Csv) } else { TableKind::of(&out) };
+        let kind = kind.ok_or_else(|| {
+            let shown = out.display();
+            Failure::Usage(format!("--out {shown}: the name of a table ends in .csv or .parquet"))
+        })?;
+        let table = Table::new(kind, file.columns.clone())?;
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let threads = self.threads.unwrap_or(cores).min(file.plan.most_threads()?);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|error| Failure::Usage(format!("cannot start the threads: {error}")))?;
+        if self.dry_run {
+            let estimate = pool.install(|| Estimate::measure(&file, &table))?;
+            return text::dry_run(&file, &out, &estimate, self.format.json());
+        }
+        let mut destination = if to_standard_output {
+            if self.resume {
+                let text = "--resume needs a table in a file, not on standard output";
+                return Err(Failure::Usage(text.to_owned()));
+            }
+            Destination::standard_output(&file, &table)?
+        } else {
+            pool.install(|| self.check_space(&file, &table, &out))?;
+            let part = if self.resume {
+                PartFile::resume(&out, &file, kind, &table)?
+            } else {
+                PartFile::begin(&out, &file, kind, &table, self.force)?
+            };
+            Destination::File(Box::new(part))
+        };
+        stop_on_interrupt()?;
+        let report = pool.install(|| compute(&file, &table, &mut destination))?;
+        destination.finish(&table)?;
+        match (self.format.json(), to_standard_output) {
+            (true, true) => console::print(&output::to_json(&report)),
+            (true, false) => output::json(&report)?,
+            (false, true) => console::note(text::summary(&report, None).trim_end()),
+            (false, false) => output::text(&text::summary(&report, Some(&out)))?,
+        }
+        if report.virtualizations.iter().all(|model| model.solved == 0) {
+            return Err(Failure::Unsolved(format!(
+                "no sample could be solved; the reasons are in {}",
+                if to_standard_output { "the table".to_owned() } else { out.display().to_string() }
+            )));
+        }
+        Ok(())
+    }
+
+    /// Refuses a table that does not fit on its disk.
+    fn check_space(&self, file: &StudyFile, table: &Table, out: &Path) -> Result<(), Failure> {
+        let rough = rough_size(file)?;
+        let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new("."));
+        // The table of an interrupted run takes its space already.
+        let written = if self.resume { part_file::written(out) } else { 0.0 };
+        let Some(free) = space::free(folder).filter(|free| rough > 0.1 * free) else {
+            return Ok(());
+        };
+        let needed = Estimate::measure(file, table)?.bytes - written;
+        if needed <= free {
+            return Ok(());
+        }
+        let (needed, free) = (text::size(needed), text::size(free));
+        let text = format!(
+            "the table needs about {needed}, but only {free} are free in {}",
+            folder.display()
+        );
+        if self.force || self.resume {
+            console::note(&format!("warning: {text}"));
+            return Ok(());
+        }
+        Err(Failure::Usage(format!(
+            "{text}: reduce the number of samples or columns, choose another --out, or use --force to start anyway"
+        )))
+    }
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let count = text.parse().ok().filter(|count| (1..=MOST_THREADS).contains(count));
+    count.ok_or_else(|| format!("the number of threads must be from 1 to {MOST_THREADS}"))
+}
+
+/// Makes Ctrl-C stop the study after the current chunk, and a second Ctrl-C at once.
+fn stop_on_interrupt() -> Result<(), Failure> {
+    ctrlc::set_handler(|| {
+        if STOP.swap(true, Ordering::SeqCst) {
+            // The marker on the disk covers the finished chunks; the next run resumes from it.
+            #[expect(clippy::exit, reason = "a second Ctrl-C asks for an immediate end")]
+            std::process::exit(130);
+        }
+    })
+    .map_err(|error| Failure::Usage(format!("cannot listen for Ctrl-C: {error}")))
+}
+
+/// Computes the remaining samples of a study.
+fn compute(
+    file: &StudyFile,
+    table: &Table,
+    destination: &mut Destination,
+) -> Result<TotalsReport, Failure> {
+    let plan = &file.plan;
+    let count = plan.samples()?;
+    let begun = destination.samples();
+    let expected = rough_size(file)?;
+    if expected > ANNOUNCED_SIZE {
+        console::note(&format!("{count} samples will take about {}", text::size(expected)));
+    }
+    let mut progress = Progress::of_samples(count, begun);
+    let done = plan::run(
+        plan,
+        destination.chunks(),
+        |blocks: &[Block]| Ok(table.encode(blocks)?),
+        |blocks, encoded| {
+            destination.append(table, blocks, &encoded)?;
+            progress.samples(destination.samples());
+            Ok(!STOP.load(Ordering::SeqCst) || destination.samples() == count)
+        },
+    );
+    let (rate, time) = progress.pace();
+    drop(progress);
+    if let Err(failure) = done {
+        if let Some(part) = destination.save(table) {
+            console::note(&format!(
+                "the finished samples are in {}; the same command with --resume continues",
+                part.display()
+            ));
+        }
+        return Err(failure);
+    }
+    let samples = destination.samples();
+    if samples < count {
+        return Err(Failure::Interrupted(destination.interrupt(table, count)?));
+    }
+    if samples > begun {
+        console::note(&format!(
+            "{} samples in {time:.2} s, {} samples/s",
+            samples - begun,
+            output::short(rate)
+        ));
+    }
+    let quantiles = plan::quantiles(plan, &SHARES)?;
+    Ok(report::totals(file, destination.totals(), &quantiles))
+}
+
+impl From<TableError> for Failure {
+    fn from(error: TableError) -> Self {
+        match error {
+            #[cfg(not(feature = "parquet"))]
+            TableError::WithoutParquet => Self::NoParquet,
+            other => Self::Usage(other.to_string()),
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! The study file and the robot that it names.
+
+use std::path::{Path, PathBuf};
+
+use jointplay::format::study::{self, MAX_BYTES, StudyFile};
+use jointplay::format::{catalogue, place};
+
+use crate::failure::Failure;
+use crate::source::{self, Kind, STANDARD, Source};
+
+/// The text of a study file, its name in messages, and the name of its table.
+pub(super) struct StudySource {
+    pub(super) label: String,
+    pub(super) stem: String,
+    pub(super) text: String,
+    /// Folder of the robot files that the study names; `None` for an example.
+    pub(super) folder: Option<PathBuf>,
+}
+
+impl StudySource {
+    /// Reads a study file, an included example, or standard input.
+    pub(super) fn read(path: &Path) -> Result<Self, Failure> {
+        let label = path.display().to_string();
+        if let Some(example) = study::example(&label).filter(|_| !path.exists()) {
+            let (stem, text) = (example.name.to_owned(), example.text.to_owned());
+            return Ok(Self { label, stem, text, folder: None });
+        }
+        if !path.exists() && path.extension().is_none() && path != Path::new(STANDARD) {
+            if catalogue::find(&label).is_some() {
+                Source::read(path, MAX_BYTES)?.require(&[Kind::Study], "a study")?;
+            }
+            let known: Vec<String> =
+                study::examples().iter().map(|example| example.name.to_owned()).collect();
+            return Err(Failure::Usage(place::not_known("the study", &label, &known)));
+        }
+        let source = Source::read(path, MAX_BYTES)?;
+        source.require(&[Kind::Study], "a study")?;
+        let (label, text) = (source.label, source.text);
+        let stem = source::stem(path);
+        let folder = Some(path.parent().map(Path::to_owned).unwrap_or_default());
+        Ok(Self { label, stem, text, folder })
+    }
+
+    /// The study with its robot.
+    pub(super) fn parse(&self) -> Result<StudyFile, Failure> {
+        study::parse(&self.text, |name| robot_text(name, self.folder.as_deref()))
+            .map_err(|error| Failure::at(&error, &self.label))
+    }
+}
+
+/// The text of the robot that a study names: an entry of the catalogue, or a file in the folder of the study or below.
+fn robot_text(name: &str, folder: Option<&Path>) -> Result<String, String> {
+    let Some(folder) = folder.filter(|_| name.ends_with(".toml")) else {
+        return study::robot_of(name);
+    };
+    let refused =
+        |why: &dyn std::fmt::Display| format!("cannot read the robot file {name:?}: {why}");
+    let bytes =
+        jointplay_files::read(folder, name, MAX_BYTES as u64).map_err(|why| refused(&why))?;
+    String::from_utf8(bytes).map_err(|_| refused(&"it is not text in UTF-8"))
+}
