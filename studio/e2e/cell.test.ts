@@ -48,7 +48,7 @@ async function write(kind: 'program' | 'cell', text: string): Promise<void> {
 
 test('the cell is seen, with its parts by name, and its program is safe to run', async () => {
   await checkResult('sound');
-  await until('the cell is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellPictures > 0));
+  await until('the cell is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellFrames > 0));
   const parts = await page.evaluate(() => window.jointplay.probe.cell!.parts());
   for (const name of ['wall', 'optics', 'blade-A', 'LP1-left']) expect(parts).toContain(name);
 });
@@ -321,11 +321,11 @@ test('parts are found by name, marked in the picture, and told', async () => {
   await page.getByRole('tab', { name: 'Parts' }).click();
   await page.getByTestId('parts').getByText('Bodies').click();
   await page.getByTestId('parts').getByRole('button', { name: 'blade-A' }).click();
-  await until('it is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.marked())).includes('blade-A'));
+  await until('it is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.selected())).includes('blade-A'));
   expect(await page.getByTestId('properties').textContent()).toContain('300.00 mm × 220.00 mm × 3.00 mm');
   await page.getByTestId('parts').getByText('Arm lower').click();
   await page.getByTestId('parts').getByRole('button', { name: 'lower whole arm' }).click();
-  await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.marked())).includes('blade-B'));
+  await until('the whole arm is marked', async () => (await page.evaluate(() => window.jointplay.probe.cell!.selected())).includes('blade-B'));
   await page.getByRole('tab', { name: 'Program' }).click();
 });
 
@@ -377,7 +377,7 @@ test('files that changed on the disk are not replaced unasked', async () => {
 
 test('the robot is beside it', async () => {
   await page.getByRole('button', { name: 'Robot', exact: true }).first().click();
-  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.pictures > 0));
+  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.frames > 0));
   await page.getByRole('button', { name: 'Cell', exact: true }).click();
   await checkResult('sound');
 });

@@ -41,7 +41,7 @@ async function set(name: string, to: number): Promise<void> {
   await page.getByTestId(`field-jog-${name}`).press('Enter');
 }
 const state = (want: string) => until(`the pose is ${want}`, async () => (await page.getByTestId('jog-check').getAttribute('data-state')) === want);
-const marked = () => page.evaluate(() => window.jointplay.probe.cell!.broken());
+const marked = () => page.evaluate(() => window.jointplay.probe.cell!.violating());
 const text = () => page.getByTestId('text-cell').locator('.cm-content').innerText();
 /** Blade A turned toward the wall and stretched through it. */
 async function intoTheWall(): Promise<void> {
@@ -102,13 +102,13 @@ test('while a newer answer is awaited, the check of the pose is outdated', async
   await page.getByRole('button', { name: 'Decrease RA by 1 °' }).click();
   await state('outdated');
   expect(await page.getByTestId('jog-check').innerText()).toContain('Outdated');
-  expect(await page.evaluate(() => window.jointplay.probe.cell!.brokenColour()), 'the marks lose their colour').toBe('8a9099');
+  expect(await page.evaluate(() => window.jointplay.probe.cell!.violationColor()), 'the marks lose their colour').toBe('8a9099');
   await until('the answer is there', async () => {
     for (const go of held.splice(0)) go();
     return (await page.getByTestId('jog-check').getAttribute('data-state')) === 'violations';
   });
   await page.unroute('**/cell/jog');
-  expect(await page.evaluate(() => window.jointplay.probe.cell!.brokenColour())).toBe('d62f1f');
+  expect(await page.evaluate(() => window.jointplay.probe.cell!.violationColor())).toBe('d62f1f');
   expect(await value('RA')).toBe(59);
 });
 

@@ -98,7 +98,7 @@ test('a long program is shown with its result; typing one line sends what change
   });
   await page.goto(server.address);
   await until('it is sound', () => sound(page));
-  await until('it is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellPictures > 0));
+  await until('it is drawn', () => page.evaluate(() => (window.jointplay.probe.cell?.parts().length ?? 0) > 0 && window.jointplay.probe.cellFrames > 0));
   await until('all of it is there', async () => (await planned(page)) && (await page.getByTestId('fetching').count()) === 0);
   // A moment far into it.
   const link = () => page.evaluate(() => window.jointplay.probe.cell!.origin('upper link 4'));

@@ -187,7 +187,7 @@ test('a whole motion is filmed, and the film lasts as long', async () => {
   await page.getByRole('button', { name: 'Poses' }).click();
   await page.getByTestId('export').click();
   const begun = Date.now();
-  const [film] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-film').click()]);
+  const [film] = await Promise.all([page.waitForEvent('download'), page.getByTestId('export-video').click()]);
   const took = (Date.now() - begun) / 1000;
   expect(await at()).toBe(180);
   expect(film.suggestedFilename()).toMatch(/^motion\.(webm|mp4)$/);

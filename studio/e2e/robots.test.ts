@@ -106,7 +106,7 @@ function glb(size: [number, number, number]): Buffer {
   return Buffer.concat([head, chunks]);
 }
 
-const shown = (page: Page) => page.evaluate(() => window.jointplay.probe.shapes);
+const shown = (page: Page) => page.evaluate(() => window.jointplay.probe.meshExtents);
 
 test('shapes of the robot file are drawn in their size', async () => {
   writeFileSync(join(folder, 'base.stl'), stl([320, 260, 30]));

@@ -121,7 +121,7 @@ test('from the first digit of a number typed the result is outdated, and while i
   await checkResult('broken');
   expect(await page.title()).toMatch(/^\d+ violations \(unsaved\)/);
   // Parts in collision lose their colour with the result.
-  const colour = () => page.evaluate(() => window.jointplay.probe.cell!.brokenColour());
+  const colour = () => page.evaluate(() => window.jointplay.probe.cell!.violationColor());
   const red = await colour();
   const last = await hold();
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -185,7 +185,7 @@ test('edits, undo and the open text survive a look at the robot', async () => {
   await until('it can be undone', () => page.getByRole('button', { name: 'Undo' }).isEnabled());
   await checkResult('sound');
   await page.getByRole('button', { name: 'Robot', exact: true }).click();
-  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.pictures > 0));
+  await until('the robot is drawn', () => page.evaluate(() => window.jointplay.probe.frames > 0));
   expect(await page.title()).toBe('jointplay studio');
   let fetched = 0;
   page.on('request', (request) => void (fetched += Number(/\/cell(\/plan|\/motion.glb)?$/.test(request.url()))));

@@ -102,7 +102,7 @@ export class JogController {
     }
   }
 
-  #where(anew: boolean): api.JogQuestion {
+  #where(anew: boolean): api.JogParameters {
     const effector = this.effector ? { effector: this.effector } : {};
     const from = this.positions;
     if (anew || !from) return { time_s: this.#context.time, ...effector };

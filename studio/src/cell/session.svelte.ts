@@ -167,7 +167,7 @@ export class WorkcellSession {
   }
 
   constructor() {
-    connection.onReturn(() => void (this.state === 'starting' ? this.start() : this.replan()));
+    connection.onReconnect(() => void (this.state === 'starting' ? this.start() : this.replan()));
     window.addEventListener('beforeunload', (event) => {
       this.#store();
       if (this.changed) event.preventDefault();

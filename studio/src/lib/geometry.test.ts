@@ -1,5 +1,5 @@
 import { describe, expect, test } from 'vitest';
-import { hull, jointPaths, outline, planeMap, seat, type Point, type Triple } from './geometry';
+import { hull, jointPaths, outline, planeMap, displayedSocket, type Point, type Triple } from './geometry';
 
 function apply(matrix: number[], [x, y]: Point): Triple {
   const at = (row: number) => (matrix[row] as number) * x + (matrix[4 + row] as number) * y + (matrix[12 + row] as number);
@@ -14,8 +14,8 @@ test('the plane map carries each point where it is drawn', () => {
   expect(matrix.slice(8, 12)).toEqual([0, 0, 1, 0]);
 });
 
-test('a seat is where its ball is, but for the play', () => {
-  expect(seat([1, 2, 3], [0.5, 0, -0.25], 4)).toEqual([-1, 2, 4]);
+test('a displayedSocket is where its ball is, but for the play', () => {
+  expect(displayedSocket([1, 2, 3], [0.5, 0, -0.25], 4)).toEqual([-1, 2, 4]);
 });
 
 test('the hull leaves out what lies inside', () => {

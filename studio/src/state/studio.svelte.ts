@@ -92,7 +92,7 @@ export class Studio {
     this.themeChoice = load('theme', 'system', (value) => ['system', 'light', 'dark'].includes(value as string));
     // Not the address of now: the page may have written its own in the meantime.
     window.addEventListener('hashchange', ({ newURL }) => this.#follow(new URL(newURL).hash));
-    connection.onReturn(() => void this.#connect());
+    connection.onReconnect(() => void this.#connect());
     await this.#connect();
   }
 
