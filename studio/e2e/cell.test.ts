@@ -89,7 +89,7 @@ test('a wall in the way is a violation: in the list, at its moment, in the line,
   const first = page.getByTestId('violations').getByRole('button').first();
   expect(await first.textContent()).toContain('wall');
   await first.click();
-  await page.getByTestId('broken-now').filter({ hasText: 'wall' }).waitFor();
+  await page.getByTestId('current-violations').filter({ hasText: 'wall' }).waitFor();
   await page.getByTestId('text-program').locator('.cm-lintRange-warning').first().waitFor();
   await page.keyboard.press('Escape');
   await page.getByRole('button', { name: 'Undo' }).click();
@@ -359,7 +359,7 @@ test('files that changed on the disk are not replaced unasked', async () => {
   await page.getByTestId('station-LP1-x').press('Enter');
   await until('it can be kept', () => page.getByTestId('save').isEnabled());
   await page.getByTestId('save').click();
-  await page.getByTestId('overtaken').waitFor();
+  await page.getByTestId('disk-conflict').waitFor();
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
   expect(readFileSync(path, 'utf8')).toBe(theirs);
   await page.getByRole('button', { name: 'Reload from disk' }).click();
@@ -368,7 +368,7 @@ test('files that changed on the disk are not replaced unasked', async () => {
   await until('mine can be had back', async () => (await page.getByTestId('station-LP1-x').inputValue()) === '-492');
   writeFileSync(path, theirs.replace('-493', '-491'));
   await page.getByTestId('save').click();
-  await page.getByTestId('overtaken').waitFor();
+  await page.getByTestId('disk-conflict').waitFor();
   expect(heard.splice(0).filter((line) => !line.includes('409'))).toEqual([]);
   await page.getByRole('button', { name: 'Overwrite' }).click();
   await until('mine is kept', async () => readFileSync(path, 'utf8').includes('-492'));

@@ -81,7 +81,7 @@ test('a blade in the wall is a violation in the panel, and both are marked in th
   expect(await page.getByTestId('jog-stopped').innerText()).toBe('');
   await page.getByTestId('jog-violations').locator('li', { hasText: 'blade-A' }).filter({ hasText: 'wall' }).waitFor();
   await page.getByTestId('jog-distances').locator('tr', { hasText: 'wall' }).filter({ hasText: 'contact' }).first().waitFor();
-  await page.getByTestId('broken-now').filter({ hasText: 'wall' }).waitFor();
+  await page.getByTestId('current-violations').filter({ hasText: 'wall' }).waitFor();
   for (const name of ['wall', 'blade-A']) expect(await marked()).toContain(name);
   if (process.env.SCREENSHOT) await page.screenshot({ path: process.env.SCREENSHOT });
   await page.evaluate(axe.source);

@@ -16,7 +16,7 @@ const SHORTCUTS: Shortcut[] = [
   { group: 'Program', keys: ['Home'], description: 'start of the program', run: () => session.seek(0) },
   { group: 'Program', keys: ['End'], description: 'end of the program', run: () => session.seek(session.duration) },
   { group: 'Program', keys: ['l'], description: 'loop on or off', run: () => (session.loop = !session.loop) },
-  ...CELL_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => session.look?.(view) })),
+  ...CELL_VIEWS.map(([view, title], i): Shortcut => ({ group: 'View', keys: [String(i + 1)], description: `view: ${title.toLowerCase()}`, run: () => session.showView?.(view) })),
   { group: 'Page', keys: ['?'], description: 'keyboard shortcuts', run: () => (layout.helpOpen = !layout.helpOpen) },
   { group: 'Page', keys: ['t'], description: 'light or dark theme', run: () => studio.setTheme(studio.theme === 'dark' ? 'light' : 'dark') },
 ];

@@ -1,8 +1,8 @@
 import { describe, expect, test } from 'vitest';
-import { firstDocument, paperStudy, type Command, type Document } from './document';
+import { initialDocument, paperStudy, type Command, type Document } from './document';
 import { fingerprint, fromHash, toHash, type Linked } from './link';
 
-const usual = firstDocument(500);
+const usual = initialDocument(500);
 
 const commands: Command[] = [
   { kind: 'tilt', yaw_deg: -17.25, pitch_deg: 1.5, height_mm: 500, height_kind: 'center' },

@@ -4,7 +4,7 @@ import * as api from '../api/client';
 import { connection } from '../api/connection.svelte';
 import { ConnectionError, ApiError, type PoseDocument, type RobotDocument } from '../api/client';
 import {
-  firstDocument,
+  initialDocument,
   VIRTUALIZATIONS,
   type Command,
   type Document,
@@ -59,7 +59,7 @@ function inTermsOf(told: Command, pose: PoseDocument, decimals: number): Command
 export class Studio {
   robot = $state.raw<RobotDocument | null>(null);
   pose = $state.raw<PoseDocument | null>(null);
-  document = $state.raw<Document>(firstDocument(500));
+  document = $state.raw<Document>(initialDocument(500));
   /** Why the robot stays where it is, or another thing to tell. */
   notice = $state<string | null>(null);
   /** The robot that the link was made with, where it is not this one. */
@@ -135,7 +135,7 @@ export class Studio {
   /** Takes over what a link says. */
   #follow(hash: string): void {
     clearTimeout(this.#linkTimer);
-    const usual = this.robot ? firstDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : firstDocument(500);
+    const usual = this.robot ? initialDocument(millimetres(this.robot.working_height_m), degrees(this.robot.limits.tilt_max_rad)) : initialDocument(500);
     const { robot, document, view, sample } = fromHash(hash, usual);
     const own = this.#mark;
     this.foreignRobot = robot && own && robot.print !== own.print ? robot.name : null;
