@@ -42,7 +42,7 @@ export interface RobotRendererEvents extends RendererEvents {
   viewChanged: () => void;
 }
 
-/** Ambient light from behind, which separates the robot from the background. */
+/** Intensity of the light from behind, which separates the robot from the background. */
 const RIM_INTENSITY = 0.9;
 
 export class RobotRenderer extends SceneRenderer {
