@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::python;
 
-/// Lets others read what the command of the workspace at `root` exports; true if all passed.
+/// Has other programs read what the command of the workspace at `root` exports; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
     python::with_command("validation/exported.py", root, None)
 }

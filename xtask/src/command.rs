@@ -8,7 +8,7 @@ use std::process::Command;
 /// A test is named because what only tests depend on turns on features of what everything depends on.
 pub(crate) const AS_TESTED: [&str; 4] = ["--workspace", "--all-features", "--test", "cli"];
 
-/// The path of the command of the workspace at `root`, built now; says so where it cannot be.
+/// The path of the command of the workspace at `root`, built now; prints an error if it cannot be built.
 pub(crate) fn built(root: &Path) -> Option<PathBuf> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut build = Command::new(cargo);

@@ -48,7 +48,7 @@ usage: cargo xtask CHORE
   words    words to avoid, and the field's terms for them
   python   the Python package: its wheel, tested in clean environments
   cell     exported motions, read by other programs
-  studio   the studio's server, held to its own description
+  studio   the studio's server, checked against its own description
   page     the studio's page: built, and tested in a browser
   book     the documentation as a book, with every link checked";
 

@@ -83,7 +83,7 @@ fn differences(
     missing.chain(obsolete.map(|path| format!("{} is obsolete", path.display()))).collect()
 }
 
-/// The name of a Node that is new enough; says so where there is none.
+/// The name of a Node that is new enough; prints an error if there is none.
 pub(crate) fn find() -> Option<&'static str> {
     let mut probe = Command::new("node");
     probe.args(["--eval", NEW_ENOUGH]).stdout(Stdio::null()).stderr(Stdio::null());

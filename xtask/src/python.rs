@@ -11,7 +11,7 @@ use crate::command;
 const NAMES: [&str; 7] =
     ["python3", "python", "python3.14", "python3.13", "python3.12", "python3.11", "python3.10"];
 
-/// Says by its exit code whether this Python is new enough.
+/// Reports by its exit code whether this Python is new enough.
 const NEW_ENOUGH: &str = "import sys; sys.exit(sys.version_info < (3, 10))";
 
 /// Builds the wheel of the Python package at `root` and tests it; true if all passed.
@@ -42,7 +42,7 @@ pub(crate) fn with_command(
     }
 }
 
-/// Stands in for the `cargo rustc` of maturin: what that wants of one crate is built with the features of the tests, whose dependencies are there already.
+/// Replaces the `cargo rustc` of maturin: what that wants of one crate is built with the features of the tests, whose dependencies are there already.
 pub(crate) fn rustc(arguments: &[&str], root: &Path) -> bool {
     // Not what `CARGO` names, which is this program.
     let build = Command::new("cargo").args(as_tested(arguments)).current_dir(root).status();
@@ -61,7 +61,7 @@ fn as_tested<'a>(arguments: &[&'a str]) -> Vec<&'a str> {
     ["build"].into_iter().chain(others).chain(command::AS_TESTED).collect()
 }
 
-/// The name of a Python that is new enough; says so where there is none.
+/// The name of a Python that is new enough; prints an error if there is none.
 pub(crate) fn find() -> Option<&'static str> {
     let found = NAMES.into_iter().find(|name| is_new_enough(name));
     if found.is_none() {

@@ -28,7 +28,7 @@ impl Step {
         Self { arguments, environment: None, cure: cure.into() }
     }
 
-    /// The line a person would type to run this step alone.
+    /// The line a user would type to run this step alone.
     fn command_line(&self) -> String {
         let quoted =
             self.environment.map(|(key, value)| format!("{key}=\"{value}\" ")).unwrap_or_default();
@@ -36,7 +36,7 @@ impl Step {
     }
 }
 
-/// What a person types before an example's name.
+/// What a user types before an example's name.
 const EXAMPLE: &str = "run -p jointplay --example ";
 
 /// Random cases are the same in each run, so that a failure speaks of the change; `cargo test` alone draws new ones.
@@ -84,18 +84,18 @@ pub(crate) fn run(root: &Path) -> bool {
 fn steps(examples: &[String]) -> Vec<Step> {
     let mut steps = vec![
         Step::new("fmt --all --check", "run `cargo fmt --all`"),
-        Step::new("xtask tidy", "mend each line listed above"),
+        Step::new("xtask tidy", "correct each line listed above"),
         Step::new(
             "xtask deps",
             "drop the import, or move the code to the ring it belongs to (ARCHITECTURE.md)",
         ),
         Step::new(
             CLIPPY,
-            "mend what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
+            "correct what clippy names above; much of it `cargo clippy --fix --workspace --all-targets --all-features` does",
         ),
         Step::new(
             UNASKED,
-            "put what only a feature needs under its `#[cfg(feature = …)]`, and what clippy names above to rights",
+            "put what only a feature needs under its `#[cfg(feature = …)]`, and correct what clippy names above",
         ),
     ];
     let tests = Step::new(
@@ -104,11 +104,12 @@ fn steps(examples: &[String]) -> Vec<Step> {
     );
     steps.push(Step { environment: Some(SAME_CASES), ..tests });
     for name in examples {
-        let cure =
-            format!("mend examples/{name}.rs; its crate's manifest must list it under [[example]]");
+        let cure = format!(
+            "correct examples/{name}.rs; its crate's manifest must list it under [[example]]"
+        );
         steps.push(Step::new(&format!("{EXAMPLE}{name}"), cure));
     }
-    let docs = Step::new(DOC, "mend the doc comments that rustdoc names above");
+    let docs = Step::new(DOC, "correct the doc comments that rustdoc names above");
     steps.push(Step { environment: Some(("RUSTDOCFLAGS", doc_links::FLAGS)), ..docs });
     steps.push(Step::new("xtask book", "correct the formula or link listed above"));
     steps.push(Step::new(
@@ -121,11 +122,11 @@ fn steps(examples: &[String]) -> Vec<Step> {
     ));
     steps.push(Step::new(
         "xtask page",
-        "run the failing test alone, as CONTRIBUTING.md says under \"The studio's page\"",
+        "run the failing test alone, see CONTRIBUTING.md, \"The studio's page\"",
     ));
     steps.push(Step::new(
         "xtask python",
-        "run the failing test alone, as CONTRIBUTING.md says under \"Python\"",
+        "run the failing test alone, see CONTRIBUTING.md, \"Python\"",
     ));
     steps
 }
@@ -192,7 +193,7 @@ fn run_cargo(step: &Step, root: &Path) -> bool {
     }
 }
 
-/// Runs an example as the tests have built it: alone, it would be built anew with the features that it needs.
+/// Runs an example as the tests have built it: alone, it would be built again with the features that it needs.
 fn run_example(name: &str, root: &Path) -> bool {
     let target = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
     let name = format!("{name}{}", std::env::consts::EXE_SUFFIX);
@@ -206,7 +207,7 @@ fn run_example(name: &str, root: &Path) -> bool {
     }
 }
 
-/// Colours for people, none for log files or those who asked for none.
+/// Colours on a terminal, none in log files or where `NO_COLOR` asks for none.
 fn color(is_terminal: bool, unwanted: bool) -> &'static str {
     if is_terminal && !unwanted { "always" } else { "never" }
 }

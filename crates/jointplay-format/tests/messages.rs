@@ -34,6 +34,7 @@ fn files() -> Vec<(&'static str, String, Read)> {
 }
 
 const CHAIN: &str = r#"kind = "mechanism"
+name = "pair"
 units = { length = "mm", angle = "deg" }
 base = "base"
 [[joint]]

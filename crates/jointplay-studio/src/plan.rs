@@ -8,7 +8,8 @@ use jointplay::cell::check::Report;
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, name_errors};
 use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{Interrupted, Memory, Stop, Unplanned};
+use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, Stop};
+use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::program;
 use jointplay::interop::export::{self, Flaw, Recording, Timeline};
 use jointplay::report;
@@ -70,7 +71,7 @@ impl Plan {
     pub(crate) fn new(
         files: &CellFiles,
         (cell_text, program_text): (String, String),
-        memory: &mut Memory,
+        memory: &mut IncrementalPlanner,
         last: Option<&Self>,
         stop: Stop<'_>,
     ) -> Result<Self, Interrupted> {
@@ -104,7 +105,8 @@ impl Plan {
             .map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string()))
             .collect();
         if let (Some(cell), false) = (&plan.cell, wrong.is_empty()) {
-            wrong.extend(Stopped::Steps(name_errors(cell, &program)).told(&plan.program_text));
+            wrong
+                .extend(Stopped::Steps(name_errors(cell, &program)).told(cell, &plan.program_text));
             wrong.sort_by_key(|one| (one.line, one.column));
         }
         let readable = wrong.is_empty();
@@ -116,11 +118,11 @@ impl Plan {
                 plan.take(motion, &report, last, stop)?;
                 return Ok(plan);
             }
-            Err(Unplanned::Interrupted(interrupted)) => return Err(interrupted),
-            Err(Unplanned::Program(errors)) => Stopped::Steps(errors),
-            Err(Unplanned::Trajectory(error)) => Stopped::Times(error),
+            Err(PlanError::Interrupted(interrupted)) => return Err(interrupted),
+            Err(PlanError::Program(errors)) => Stopped::Steps(errors),
+            Err(PlanError::Trajectory(error)) => Stopped::Times(error),
         };
-        plan.problems.extend(stopped.told(&plan.program_text));
+        plan.problems.extend(stopped.told(cell, &plan.program_text));
         Ok(plan)
     }
 
@@ -133,8 +135,8 @@ impl Plan {
     ) -> Result<(), Interrupted> {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;
-        self.flaws = export::flaws(report);
         let Some(cell) = &self.cell else { return Ok(()) };
+        self.flaws = export::flaws(cell, report);
         let document = report::cell(cell, &self.program_text, &motion, report);
         go_on()?;
         let flaws = self.flaws.as_slice();
@@ -187,7 +189,7 @@ enum Stopped {
 
 impl Stopped {
     /// All that is wrong with the text, the same at one place once.
-    fn told(&self, text: &str) -> Vec<ProblemAt> {
+    fn told(&self, cell: &Cell, text: &str) -> Vec<ProblemAt> {
         let mut told: Vec<ProblemAt> = Vec::new();
         let mut tell = |problem: ProblemAt| {
             if !told.contains(&problem) {
@@ -196,12 +198,12 @@ impl Stopped {
         };
         match self {
             Self::Steps(errors) => errors.iter().for_each(|error| {
-                let error = program::explain(text, error);
+                let error = program::explain(&cell.robot, text, error);
                 tell(ProblemAt::new(Of::Program, &error.place, error.to_string()));
             }),
-            Self::Times(error) => error.problems.iter().for_each(|one| {
+            Self::Times(error) => error.steps.iter().for_each(|one| {
                 let Place { line, column } = one.place;
-                let message = one.message.clone();
+                let message = explain_step(&cell.robot, one);
                 tell(ProblemAt { of: Of::Program, line, column, width: 0, message });
             }),
         }
@@ -214,7 +216,7 @@ pub(crate) fn standing(cell: &Cell) -> Option<Trajectory> {
     let place = Place { line: 1, column: 1 };
     let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
     let program = Program { body: vec![wait], routines: Vec::new() };
-    let mut memory = Memory::default();
+    let mut memory = IncrementalPlanner::default();
     let steps = memory.expand(cell, &program).ok()?;
     memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).ok()
 }

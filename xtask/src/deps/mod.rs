@@ -12,7 +12,7 @@ use cargo_metadata::{DependencyKind, MetadataCommand};
 use rings::{Outside, Rule};
 use std::path::Path;
 
-/// A package of the workspace and the libraries that it imports, dev-dependencies left out.
+/// A package of the workspace and the libraries that it imports, without dev-dependencies.
 struct Package {
     name: String,
     /// Path of its manifest from the top folder.

@@ -4,7 +4,7 @@
 pub(super) struct Rule {
     /// The package's name.
     pub(super) name: &'static str,
-    /// Where it stands, as people say it.
+    /// Its ring, as shown in messages.
     pub(super) ring: &'static str,
     /// Crates of this workspace it may import.
     pub(super) ours: &'static [&'static str],
@@ -17,7 +17,7 @@ pub(super) struct Rule {
 pub(super) enum Outside {
     /// These and no other.
     Only(&'static [&'static str]),
-    /// Every one but these and their companions: `clap` stands for `clap_complete` too.
+    /// Every one but these and their companions: `clap` includes `clap_complete`.
     AllBut(&'static [&'static str]),
 }
 

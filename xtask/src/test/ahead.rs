@@ -25,12 +25,12 @@ pub(super) struct Ahead(Vec<Fetch>);
 struct Fetch {
     chore: &'static str,
     child: Child,
-    /// What it says.
+    /// Its output.
     log: PathBuf,
 }
 
 impl Ahead {
-    /// Starts to fetch; what cannot be started is told by the chore itself.
+    /// Starts to fetch; the chore itself reports what cannot be started.
     pub(super) fn start(&mut self, root: &Path) {
         let started = FETCHES.into_iter().filter_map(|(chore, script)| {
             let interpreter = if chore == "page" { page::find()? } else { python::find()? };
@@ -41,7 +41,7 @@ impl Ahead {
         self.0.extend(started);
     }
 
-    /// Waits for what a chore needs, and repeats what was said; false where it could not be fetched.
+    /// Waits for what a chore needs, and repeats its output; false where it could not be fetched.
     pub(super) fn wait(&mut self, chore: &str) -> bool {
         let place = self.0.iter().position(|fetch| fetch.chore == chore);
         place.is_none_or(|place| self.0.remove(place).wait())
@@ -76,7 +76,7 @@ impl Drop for Ahead {
 mod tests {
     use super::*;
 
-    /// Whether a fetch by cargo is done, and what it says.
+    /// Whether a fetch by cargo is done, and its output.
     fn fetched(word: &str) -> (bool, String) {
         let folder = std::env::temp_dir().join(format!("xtask-ahead-{}", std::process::id()));
         let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
@@ -86,17 +86,17 @@ mod tests {
         let mut ahead = Ahead(vec![fetch]);
         assert!(ahead.wait("page"), "nothing to wait for");
         let done = ahead.wait("cell");
-        let said = fs::read_to_string(log).unwrap();
+        let output = fs::read_to_string(log).unwrap();
         assert!(ahead.0.is_empty());
         fs::remove_dir_all(&folder).unwrap();
-        (done, said)
+        (done, output)
     }
 
     #[test]
-    fn what_fails_ahead_fails_the_step_and_is_told() {
-        let (done, said) = fetched("--version");
-        assert!(done && said.starts_with("cargo "), "{said}");
-        let (done, said) = fetched("no-such-chore");
-        assert!(!done && said.contains("no-such-chore"), "{said}");
+    fn a_failure_ahead_fails_the_step_and_is_reported() {
+        let (done, output) = fetched("--version");
+        assert!(done && output.starts_with("cargo "), "{output}");
+        let (done, output) = fetched("no-such-chore");
+        assert!(!done && output.contains("no-such-chore"), "{output}");
     }
 }

@@ -68,9 +68,9 @@ mod tests {
             "`crates/jointplay-core/src/linalg.rs`, `crates/jointplay-core/`, `linalg.rs`, `src/`",
             &[],
         );
-        check_text("ok\n`crates/gone/` and `gone.toml`", &[2, 2]);
+        check_text("ok\n`crates/absent/` and `absent.toml`", &[2, 2]);
         check_text("`jointplay-core/src`\n`linalg.rs/`", &[1]);
-        check_text("`jointplay-core` and `jointplay-gone`", &[1]);
+        check_text("`jointplay-core` and `jointplay-absent`", &[1]);
         check_text(
             "`constraint::System`, `cargo xtask test`, `∂X/∂P`, `/api/run`, `f(a/b)`, `v1.2`",
             &[],

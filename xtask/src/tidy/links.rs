@@ -57,7 +57,7 @@ mod tests {
         check_text("docs/theory/c.md", "[a](../a.md)\n\n<img src=\"../figures/b.svg\">\n", &[]);
         check_text(
             "README.md",
-            "[a](https://example.org/gone) `[b](gone.md)` ![b](docs/figures/b.svg)",
+            "[a](https://example.org/absent) `[b](absent.md)` ![b](docs/figures/b.svg)",
             &[],
         );
     }
@@ -66,7 +66,7 @@ mod tests {
     fn bad_links_and_figures_that_nothing_shows() {
         check_text(
             "README.md",
-            "[a](docs/gone.md)\n\n![b](docs/figures/b.svg)",
+            "[a](docs/absent.md)\n\n![b](docs/figures/b.svg)",
             &[("README.md", 1)],
         );
         check_text(

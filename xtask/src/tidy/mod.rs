@@ -3,7 +3,7 @@
 //! | file           | rule                                                             |
 //! | -------------- | ---------------------------------------------------------------- |
 //! | `architecture` | every path and crate named in ARCHITECTURE.md exists             |
-//! | `sources`      | `# Source` keys and REFERENCES.md agree, both ways               |
+//! | `sources`      | `# Source` keys and REFERENCES.md agree, in both directions               |
 //! | `length`       | Rust files, README.md and ARCHITECTURE.md stay short, no file is large |
 //! | `links`        | relative links and images in Markdown exist, every figure is shown |
 
@@ -40,8 +40,8 @@ mod tests {
     #[test]
     fn findings_of_all_rules_are_listed() {
         let tree = Tree::of(&[
-            ("ARCHITECTURE.md", "`gone/a.rs`\n"),
-            ("README.md", "[a](gone.md)\n"),
+            ("ARCHITECTURE.md", "`absent/a.rs`\n"),
+            ("README.md", "[a](absent.md)\n"),
             ("src/a.rs", "/// # Source\n/// [Nobody1900]\nfn b() {}\n"),
             ("src/b.rs", &"x();\n".repeat(501)),
             ("docs/figures/a.svg", ""),

@@ -1,4 +1,4 @@
-//! `# Source` keys in the code and REFERENCES.md agree, both ways.
+//! `# Source` keys in the code and REFERENCES.md agree, in both directions.
 //!
 //! REFERENCES.md defines a key on a line that starts with `- **[Key]**`, or with a heading
 //! `## [Key]` of any level. A key has at least three characters: a letter, then letters, digits
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn ways_to_write_a_key() {
+    fn forms_of_a_key() {
         let check = |line: &str, expect: &[&str]| {
             assert_eq!(keys(line).collect::<Vec<_>>(), expect, "{line}")
         };

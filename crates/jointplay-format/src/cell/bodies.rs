@@ -8,14 +8,14 @@ use jointplay_cell::station::Station;
 use jointplay_cell::station::teach::frame;
 use jointplay_cell::workcell::{Body, Carrier, Zone, ZoneRule};
 use jointplay_core::spatial::{Pose, Tilt};
-use nalgebra::Vector3;
 
-use super::Files;
-use super::file::{lean, points};
+use super::files::Files;
 use super::mesh;
+use super::pose::{lean, points};
 use super::problem::Fault;
-use super::stations::unique;
+use super::solid::is_solid;
 use super::tree::{Entry, Span, Table};
+use super::unique::unique;
 use crate::units::m_from_mm;
 
 /// Most bodies, and most zones: their pairs are what is checked.
@@ -212,17 +212,4 @@ fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     };
     inner.finish();
     shape
-}
-
-/// Whether points span a volume.
-pub(super) fn is_solid(points: &[Vector3<f64>]) -> bool {
-    let Some(first) = points.first() else { return false };
-    let far = points.iter().map(|point| point - first);
-    let Some(one) = far.clone().max_by(|a, b| a.norm().total_cmp(&b.norm())) else { return false };
-    let Some(two) = far.clone().map(|p| one.cross(&p)).max_by(|a, b| a.norm().total_cmp(&b.norm()))
-    else {
-        return false;
-    };
-    let deepest = far.map(|p| two.dot(&p).abs()).fold(0.0, f64::max);
-    deepest > 1e-6 * one.norm() * two.norm() && two.norm() > 0.0
 }

@@ -1,16 +1,15 @@
 //! From text to a cell.
 
-use std::collections::BTreeMap;
-
 use jointplay_cell::robot::{EffectorId, HybridRobot};
 use jointplay_cell::station::SlotId;
 use jointplay_cell::wafer::{Material, Wafer};
 use jointplay_cell::workcell::Cell;
-use nalgebra::Vector3;
 
+use super::effectors::{Effectors, effectors, named_effectors};
+use super::files::{Files, read_named_file};
 use super::problem::{Fault, Problem};
 use super::tree::{Entry, Reader, Span, Table};
-use super::{Files, bodies, robot, stations};
+use super::{bodies, robot, stations};
 use crate::catalogue;
 use crate::number::number;
 use crate::place::Error;
@@ -129,42 +128,6 @@ fn bare(
     })
 }
 
-/// Effectors by name, in the order of arms.
-pub(super) type Effectors = Vec<(String, EffectorId)>;
-
-fn effectors(robot: &HybridRobot) -> Effectors {
-    let of_arm = |(arm, one): (usize, &jointplay_cell::robot::Arm)| {
-        let id = move |(effector, named): (usize, &jointplay_cell::robot::Effector)| {
-            (named.name.clone(), EffectorId { arm, effector })
-        };
-        one.effectors.iter().enumerate().map(id).collect::<Vec<_>>()
-    };
-    robot.arms.iter().enumerate().flat_map(of_arm).collect()
-}
-
-/// The effectors of a list of names; all that are known, where the key is left out.
-pub(super) fn named_effectors(
-    entry: &Entry,
-    reader: &Reader,
-    known: &Effectors,
-) -> Vec<EffectorId> {
-    let names: Vec<String> = known.iter().map(|(name, _)| name.clone()).collect();
-    let mut seen = BTreeMap::new();
-    let of = |entry: Entry| {
-        let name = entry.text(reader)?;
-        let Some((_, id)) = known.iter().find(|(known, _)| known == name) else {
-            entry.unknown(reader, "effector", name, &names);
-            return None;
-        };
-        if let Some(first) = seen.insert(name.to_owned(), reader.line(entry.span())) {
-            let (what, found) = ("effector".to_owned(), name.to_owned());
-            entry.wrong(reader, Fault::Twice { what, found, first });
-        }
-        Some(*id)
-    };
-    entry.list(reader).unwrap_or_default().into_iter().filter_map(of).collect()
-}
-
 fn carried(top: &Table, effectors: Option<&Effectors>) -> Vec<EffectorId> {
     let (Some(entry), Some(known)) = (top.entry("carried"), effectors) else { return Vec::new() };
     named_effectors(&entry, top.reader, known)
@@ -197,7 +160,7 @@ fn read_robot(named: &Entry, reader: &Reader, files: &mut Files) -> Option<Hybri
             named.unknown(reader, "robot with arms", name, &known);
             return None;
         }
-        None => match super::mesh::named(name, files).map(String::from_utf8) {
+        None => match read_named_file(name, files).map(String::from_utf8) {
             Ok(Ok(text)) => text,
             Ok(Err(_)) => return cannot("it is not text in UTF-8".to_owned()),
             Err(why) => return cannot(why),
@@ -261,26 +224,4 @@ fn budgets(table: &Table) -> Option<[f64; 5]> {
     let gravity = table.number_or("gravity_m_s2", Span::NotNegative, GRAVITY);
     table.finish();
     Some([play?, clearance?, slot_clearance?, plane?, gravity])
-}
-
-/// The pose of `position_mm`, `yaw_deg` and `tilt`; the position may be left out only where there is a default.
-pub(super) fn lean(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>) {
-    let yaw = table.number_or("yaw_deg", Span::Within(-360.0, 360.0), 0.0).to_radians();
-    let tilt = table.table("tilt", "a tilt").map(|tilt| {
-        let toward = tilt.number("yaw_deg", Span::Within(-360.0, 360.0));
-        let pitch = tilt.number("pitch_deg", Span::Within(-89.0, 89.0));
-        tilt.finish();
-        jointplay_core::spatial::Tilt {
-            yaw: toward.unwrap_or(0.0).to_radians(),
-            pitch: pitch.unwrap_or(0.0).to_radians(),
-        }
-    });
-    (yaw, tilt)
-}
-
-/// The points of a list [m].
-pub(super) fn points(entry: &Entry, reader: &Reader) -> Option<Vec<Vector3<f64>>> {
-    // All are read before one that is wrong ends it, so that each is told of.
-    let points: Vec<_> = entry.list(reader)?.iter().map(|point| point.point(reader)).collect();
-    points.into_iter().collect()
 }

@@ -4,11 +4,10 @@ use std::io::Cursor;
 
 use jointplay_cell::geometry::Shape;
 
-use super::Files;
-use super::bodies::is_solid;
+use super::files::{Files, read_named_file};
 use super::problem::Fault;
+use super::solid::is_solid;
 use super::tree::Table;
-use crate::robot::stays_within;
 use crate::units::m_from_mm;
 
 /// Larger files of shapes are refused unread.
@@ -21,17 +20,6 @@ pub const MAX_TRIANGLES: usize = 500_000;
 const STL_HEAD: usize = 84;
 const STL_TRIANGLE: usize = 50;
 
-/// The file of a path within the cell's folder.
-pub(super) fn named(name: &str, files: &mut Files) -> Result<Vec<u8>, String> {
-    if !stays_within(name) {
-        return Err(
-            "it has to be a path within the cell file's folder, with / between names and without `..`"
-                .to_owned(),
-        );
-    }
-    files(name)
-}
-
 /// The shape of `{ file = …, unit = …, convex = … }`.
 pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let reader = table.reader;
@@ -43,7 +31,7 @@ pub(super) fn shape(table: &Table, files: &mut Files) -> Option<Shape> {
     let file = file?;
     let name = file.line(reader)?;
     let (is_mm, convex) = (unit?, convex?);
-    let mesh = named(name, files).and_then(|bytes| parse(name, &bytes));
+    let mesh = read_named_file(name, files).and_then(|bytes| parse(name, &bytes));
     let mesh =
         mesh.map_err(|why| file.wrong(reader, Fault::File { name: name.to_owned(), why })).ok()?;
     let length = |value: f32| if is_mm { m_from_mm(f64::from(value)) } else { f64::from(value) };

@@ -4,21 +4,25 @@
 
 mod bodies;
 mod edit;
+mod effectors;
 pub mod explain;
+pub mod explain_trajectory;
 mod file;
+mod files;
 mod mesh;
+mod pose;
 mod problem;
 pub mod robot;
+mod solid;
 mod stations;
 mod tree;
+mod unique;
 
 pub use edit::{Change, note_station, set_station};
 pub use file::{MAX_BYTES, read};
+pub use files::Files;
 pub use mesh::{MAX_MESH_BYTES, MAX_TRIANGLES};
 pub use problem::{Fault, Problem};
-
-/// The files that a cell names, by name: bytes, or why they cannot be had.
-pub type Files<'f> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'f;
 
 /// A cell that comes with the program: a robot with two arms between two load ports, an aligner and a process station.
 pub const EXAMPLE: &str = include_str!("../../../../cells/example.toml");

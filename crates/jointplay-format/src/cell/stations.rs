@@ -9,9 +9,11 @@ use jointplay_cell::workcell::Cell;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::Vector3;
 
-use super::file::{Effectors, lean, named_effectors, points};
+use super::effectors::{Effectors, named_effectors};
+use super::pose::{lean, points};
 use super::problem::Fault;
 use super::tree::{Reader, Span, Table};
+use super::unique::unique;
 use crate::number::number;
 use crate::units::{deg, m_from_mm, mm, shift, um};
 
@@ -49,19 +51,6 @@ pub(super) fn read(
         table.finish();
     }
     stations
-}
-
-/// Notes a name that was there before.
-pub(super) fn unique(table: &Table, what: &str, name: &str, names: &mut BTreeMap<String, usize>) {
-    let entry = table.entry("name");
-    let span = entry.map_or(table.span.clone(), |entry| entry.span());
-    let line = table.reader.line(span.clone());
-    if let Some(&first) = names.get(name) {
-        let (what, found) = (what.to_owned(), name.to_owned());
-        table.reader.wrong(span, Fault::Twice { what, found, first });
-    } else {
-        names.insert(name.to_owned(), line);
-    }
 }
 
 fn station(

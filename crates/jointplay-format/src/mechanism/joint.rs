@@ -9,9 +9,10 @@ use jointplay_core::mechanism::{
 use toml::Spanned;
 
 use super::file::{JointTable, Number, OneOrMany, PlayTable, VirtualJointTable};
+use super::frame;
+use super::names::{joint_name, printable_name};
 use super::problem::{Error, Problem};
 use super::values::{Values, choice, unknown};
-use super::{frame, read};
 
 const KINDS: [(&str, JointKind); 9] = [
     ("revolute", JointKind::Revolute),
@@ -62,7 +63,7 @@ pub(super) fn joint(
     table: &JointTable,
     links: &mut Links,
 ) -> Result<Joint, Error> {
-    let name = read::joint_name(values.text, &table.name)?;
+    let name = joint_name(values.text, &table.name)?;
     let [first, second] = table.links.get_ref().as_slice() else {
         let problem = Problem::Count {
             key: "links",
@@ -71,8 +72,8 @@ pub(super) fn joint(
         };
         return Err(values.wrong(table.links.span(), problem));
     };
-    let first = links.index(&read::name(values.text, "links", first)?);
-    let second = links.index(&read::name(values.text, "links", second)?);
+    let first = links.index(&printable_name(values.text, "links", first)?);
+    let second = links.index(&printable_name(values.text, "links", second)?);
     let kind = kind(values, table)?;
     Ok(Joint {
         name,
@@ -186,7 +187,7 @@ pub(super) fn virtual_joint(
     mechanism: &Mechanism,
     indices: &BTreeMap<&str, usize>,
 ) -> Result<VirtualJoint, Error> {
-    let name = read::joint_name(values.text, &table.name)?;
+    let name = joint_name(values.text, &table.name)?;
     let wanted = table.joint.get_ref().as_str();
     let Some(&index) = indices.get(wanted) else {
         let names = mechanism.joints().iter().map(|joint| joint.name.as_str());

@@ -5,10 +5,11 @@ use nalgebra::DVector;
 use toml::Spanned;
 
 use super::file::LoopsFile;
+use super::header::{check_kind, units};
 use super::joint::{Links, joint};
+use super::parameters;
 use super::problem::{Error, Problem};
 use super::values::{Values, choice, unknown};
-use super::{parameters, read};
 use crate::place;
 
 /// The kind that a file of loops says it is.
@@ -23,11 +24,16 @@ const KIND: &str = "loops";
 ///
 /// # Example
 /// ```
-/// # let chain = jointplay_format::import::parse(r#"<robot name="pair">
-/// #   <link name="base"/><link name="left"/><link name="right"/>
-/// #   <joint name="a" type="continuous"><parent link="base"/><child link="left"/></joint>
-/// #   <joint name="b" type="continuous"><parent link="base"/><child link="right"/></joint>
-/// # </robot>"#)?.mechanism;
+/// # let chain = jointplay_format::mechanism::parse(r#"
+/// #     kind = "mechanism"
+/// #     name = "pair"
+/// #     units = { length = "mm", angle = "deg" }
+/// #     base = "base"
+/// #     joint = [
+/// #         { name = "a", kind = "revolute", links = ["base", "left"], point = [0, 0, 0], axis = [0, 0, 1] },
+/// #         { name = "b", kind = "revolute", links = ["base", "right"], point = [0, 0, 0], axis = [0, 0, 1] },
+/// #     ]
+/// # "#)?.mechanism;
 /// let closed = jointplay_format::mechanism::with_loops(&chain, r#"
 ///     kind = "loops"
 ///     units = { length = "mm", angle = "deg" }
@@ -42,10 +48,10 @@ const KIND: &str = "loops";
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn with_loops(chain: &Mechanism, text: &str) -> Result<Mechanism, Error> {
-    read::check_kind(text, KIND)?;
+    check_kind(text, KIND)?;
     let file: LoopsFile = place::read(text)?;
     choice(text, "kind", &file.kind, &[(KIND, ())])?;
-    let units = read::units(text, &file.units)?;
+    let units = units(text, &file.units)?;
     let scope = parameters::resolve(text, &file.parameters, &[], units.angle)?;
     let values = Values { text, units, scope };
     if chain.loops() > 0 {

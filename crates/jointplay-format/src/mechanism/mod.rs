@@ -25,8 +25,11 @@
 mod expression;
 mod file;
 pub mod frame;
+mod header;
 mod joint;
+mod kind;
 mod loops;
+mod names;
 mod parameters;
 mod problem;
 mod read;
@@ -34,8 +37,10 @@ mod values;
 mod write;
 
 pub use expression::{AngleUnit, ExpressionProblem};
+pub use header::MAX_BYTES;
+pub use kind::kind_of;
 pub use loops::with_loops;
 pub use problem::{Error, Problem};
-pub use read::{Expected, MAX_BYTES, MechanismFile, kind_of, parse, parse_with};
+pub use read::{Expected, MechanismFile, parse, parse_with};
 pub use values::{LengthUnit, Units};
 pub use write::write;

@@ -4,19 +4,16 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use jointplay_core::mechanism::{Mechanism, MechanismError};
-use serde::Deserialize;
 use toml::Spanned;
 
-use super::expression::AngleUnit;
-use super::file::{File, UnitsTable};
+use super::file::File;
+use super::header::{check_kind, units};
 use super::joint::{Links, joint, virtual_joint};
+use super::names::{printable_name, prose};
 use super::parameters;
 use super::problem::{Error, Problem};
-use super::values::{LengthUnit, Units, Values, choice, unknown};
+use super::values::{Units, Values, choice, unknown};
 use crate::place;
-
-/// Longest text that is read in bytes, so that a wrong file ends in a message and not in hours of work.
-pub const MAX_BYTES: usize = 4_000_000;
 
 /// A mechanism as read.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,20 +47,6 @@ pub struct Expected {
     pub redundancy: Option<usize>,
     /// A remark.
     pub note: Option<String>,
-}
-
-/// The `kind` that a file says it is, such as `gpr` or `mechanism`; also where the rest of it is malformed.
-#[must_use]
-pub fn kind_of(text: &str) -> Option<String> {
-    #[derive(Deserialize)]
-    struct Kind {
-        kind: String,
-    }
-    let kind = |text: &str| toml::from_str(text).ok().map(|Kind { kind }| kind);
-    kind(text).or_else(|| {
-        let mut top = text.lines().take_while(|line| !line.trim_start().starts_with('['));
-        top.find_map(kind)
-    })
 }
 
 /// Reads a mechanism file.
@@ -110,37 +93,10 @@ pub fn parse_with(text: &str, replaced: &[(String, f64)]) -> Result<MechanismFil
     })
 }
 
-/// Refuses a text that is too long or says that it is of another kind.
-///
-/// Before all else, lest a file of another kind be blamed for its keys.
-pub(super) fn check_kind(text: &str, kind: &str) -> Result<(), Error> {
-    if text.len() > MAX_BYTES {
-        let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
-        return Err(Error::at(text, 0..0, problem));
-    }
-    let other = kind_of(text).filter(|found| found != kind);
-    if other.is_some() {
-        #[derive(Deserialize)]
-        struct Kind {
-            kind: Spanned<String>,
-        }
-        let Kind { kind: found } = place::read::<Kind, Problem>(text)?;
-        choice(text, "kind", &found, &[(kind, ())])?;
-    }
-    Ok(())
-}
-
-pub(super) fn units(text: &str, table: &UnitsTable) -> Result<Units, Error> {
-    Ok(Units {
-        length: choice(text, "unit of length", &table.length, &LengthUnit::ALL)?,
-        angle: choice(text, "unit of angle", &table.angle, &AngleUnit::ALL)?,
-    })
-}
-
 fn mechanism(values: &Values, file: &File) -> Result<Mechanism, Error> {
     let text = values.text;
-    let title = name(text, "name", &file.name)?;
-    let base = name(text, "base", &file.base)?;
+    let title = printable_name(text, "name", &file.name)?;
+    let base = printable_name(text, "base", &file.base)?;
     let mut links = Links::default();
     links.index(&base);
     let joints = file.joint.iter().map(|table| {
@@ -205,41 +161,11 @@ fn blame(file: &File, error: &MechanismError) -> Range<usize> {
     found.unwrap_or_else(|| file.name.span())
 }
 
-/// A name of a joint, by which commands find it.
-pub(super) fn joint_name(text: &str, found: &Spanned<String>) -> Result<String, Error> {
-    let read = name(text, "name", found)?;
-    if read.contains([',', '=', '[', ']']) {
-        return Err(Error::at(text, found.span(), Problem::JointName { found: read }));
-    }
-    Ok(read)
-}
-
-/// A name that can be printed.
-pub(super) fn name(text: &str, key: &'static str, name: &Spanned<String>) -> Result<String, Error> {
-    let found = name.get_ref().clone();
-    if found.trim().is_empty() || found.chars().any(char::is_control) {
-        return Err(Error::at(text, name.span(), Problem::Name { key, found }));
-    }
-    Ok(found)
-}
-
-/// Text that can be printed, of any number of lines.
-fn prose(
-    text: &str,
-    key: &'static str,
-    prose: Option<&Spanned<String>>,
-) -> Result<Option<String>, Error> {
-    let Some(prose) = prose else { return Ok(None) };
-    let found = prose.get_ref().clone();
-    if found.chars().any(|character| character.is_control() && !"\r\n\t".contains(character)) {
-        return Err(Error::at(text, prose.span(), Problem::Name { key, found }));
-    }
-    Ok(Some(found))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mechanism::header::MAX_BYTES;
+    use crate::mechanism::kind::kind_of;
     use jointplay_core::mechanism::{Carrier, JointKind, VirtualMotion};
     use nalgebra::Vector3;
     use proptest::prelude::*;

@@ -1,6 +1,9 @@
 //! A cell in motion for 3D viewers: glTF 2.0 in one binary file.
 
 mod buffer;
+mod document;
+mod material;
+mod numbers;
 mod parts;
 
 use jointplay_cell::program::{HandoverDeflection, handover_deflections};
@@ -8,24 +11,13 @@ use jointplay_cell::station::SlotId;
 use jointplay_cell::workcell::Cell;
 use serde_json::{Map, Value, json};
 
-use self::buffer::Buffer;
-use self::parts::{Material, Parts, slot_name};
+use self::document::Document;
+use self::numbers::single;
+use self::parts::{Parts, slot_name};
 use super::error::Error;
 use super::recording::Recording;
-use super::scene::{Lying, Scene, Track, is_key};
+use super::scene::{Lying, Scene, Track};
 use jointplay_format::units::um;
-
-/// Node, channel and sampler lists in the making.
-#[derive(Default)]
-struct Document {
-    nodes: Vec<Value>,
-    meshes: Vec<Value>,
-    /// Those that are used.
-    materials: Vec<Material>,
-    buffer: Buffer,
-    channels: Vec<Value>,
-    samplers: Vec<Value>,
-}
 
 /// The cell with its motion as binary glTF: rods, platform, links, wafers, stations, bodies and zones; one animation, as long as the motion.
 ///
@@ -65,7 +57,7 @@ pub fn gltf(recording: &Recording<'_>, rate: f64) -> Result<Vec<u8>, Error> {
             document.nodes[node]["children"] = json!(children);
         }
     }
-    document.finish(recording)
+    file_of(document, recording)
 }
 
 /// A node that stands where its track begins; that of a wafer tells in which slots it lies, as their nodes are called.
@@ -99,119 +91,59 @@ fn hand_overs(recording: &Recording<'_>) -> Vec<Value> {
     handover_deflections(cell, &motion.steps).iter().map(told).collect()
 }
 
-/// A value at a time, and how fast it changes there.
-#[derive(Clone, Copy, PartialEq)]
-struct Key<const N: usize> {
-    value: [f32; N],
-    rate: [f32; N],
-}
-
-impl<const N: usize> Key<N> {
-    fn new(value: &[f64; N], rate: &[f64; N]) -> Self {
-        Self { value: value.map(single), rate: rate.map(single) }
+/// The file: a header, the description, the numbers.
+fn file_of(document: Document, recording: &Recording<'_>) -> Result<Vec<u8>, Error> {
+    let mut told = Map::new();
+    told.insert("duration_s".to_owned(), json!(recording.motion.duration()));
+    if let Some(warning) = recording.warning() {
+        let all = recording
+            .flaws
+            .iter()
+            .map(|flaw| json!({ "from_s": flaw.from, "to_s": flaw.to, "message": flaw.message }));
+        told.insert("warning".to_owned(), json!(warning));
+        told.insert("violations".to_owned(), all.collect());
     }
-}
-
-/// A number as the file holds it.
-#[expect(clippy::cast_possible_truncation, reason = "glTF has single precision only")]
-fn single(value: f64) -> f32 {
-    value as f32
-}
-
-impl Document {
-    /// Moves a node along its track, in place and turn where either changes.
-    fn animate(&mut self, node: usize, track: &Track, times: &[f64]) {
-        let places = track.places.iter().zip(&track.rates);
-        let places: Vec<_> = places.map(|(at, rate)| Key::new(at, &rate.place)).collect();
-        let turns = track.turns.iter().zip(&track.rates);
-        let turns: Vec<_> = turns.map(|(turn, rate)| Key::new(turn, &rate.turn)).collect();
-        self.channel(node, "translation", "VEC3", times, &places);
-        self.channel(node, "rotation", "VEC4", times, &turns);
+    let handovers = hand_overs(recording);
+    if !handovers.is_empty() {
+        told.insert("hand_overs".to_owned(), json!(handovers));
     }
-
-    fn channel<const N: usize>(
-        &mut self,
-        node: usize,
-        path: &str,
-        kind: &str,
-        times: &[f64],
-        keys: &[Key<N>],
-    ) {
-        if keys.windows(2).all(|pair| pair[0] == pair[1]) {
-            return;
-        }
-        let (mut at, mut told): (Vec<f32>, Vec<[f32; N]>) = (Vec::new(), Vec::new());
-        for (k, (&time, key)) in times.iter().zip(keys).enumerate() {
-            let time = single(time);
-            // Late in a long motion neighbouring times may be one in single precision.
-            if is_key(keys, k) && at.last().is_none_or(|&last| last < time) {
-                at.push(time);
-                told.extend([key.rate, key.value, key.rate]);
-            }
-        }
-        let input = self.buffer.times(&at);
-        let output = self.buffer.floats(kind, &told);
-        let sampler = json!({ "input": input, "output": output, "interpolation": "CUBICSPLINE" });
-        self.samplers.push(sampler);
-        let target = json!({ "node": node, "path": path });
-        self.channels.push(json!({ "sampler": self.samplers.len() - 1, "target": target }));
+    let (views, accessors, bytes) = document.buffer.finish();
+    let mut root = json!({
+        "asset": {
+            "version": "2.0",
+            "generator": concat!("jointplay ", env!("CARGO_PKG_VERSION")),
+            "extras": told,
+        },
+        "scene": 0,
+        "scenes": [{ "name": recording.cell.name, "nodes": [0] }],
+        "nodes": document.nodes,
+        "meshes": document.meshes,
+        "materials": document.materials.iter().map(|one| one.describe()).collect::<Vec<_>>(),
+        "buffers": [{ "byteLength": bytes.len() }],
+        "bufferViews": views,
+        "accessors": accessors,
+    });
+    if !document.channels.is_empty() {
+        let name = if recording.flaws.is_empty() { "program" } else { "program, NOT SAFE TO RUN" };
+        root["animations"] =
+            json!([{ "name": name, "channels": document.channels, "samplers": document.samplers }]);
     }
-
-    /// The file: a header, the description, the numbers.
-    fn finish(self, recording: &Recording<'_>) -> Result<Vec<u8>, Error> {
-        let mut told = Map::new();
-        told.insert("duration_s".to_owned(), json!(recording.motion.duration()));
-        if let Some(warning) = recording.warning() {
-            let all = recording.flaws.iter().map(
-                |flaw| json!({ "from_s": flaw.from, "to_s": flaw.to, "message": flaw.message }),
-            );
-            told.insert("warning".to_owned(), json!(warning));
-            told.insert("violations".to_owned(), all.collect());
-        }
-        let handovers = hand_overs(recording);
-        if !handovers.is_empty() {
-            told.insert("hand_overs".to_owned(), json!(handovers));
-        }
-        let (views, accessors, bytes) = self.buffer.finish();
-        let mut root = json!({
-            "asset": {
-                "version": "2.0",
-                "generator": concat!("jointplay ", env!("CARGO_PKG_VERSION")),
-                "extras": told,
-            },
-            "scene": 0,
-            "scenes": [{ "name": recording.cell.name, "nodes": [0] }],
-            "nodes": self.nodes,
-            "meshes": self.meshes,
-            "materials": self.materials.iter().map(|one| one.describe()).collect::<Vec<_>>(),
-            "buffers": [{ "byteLength": bytes.len() }],
-            "bufferViews": views,
-            "accessors": accessors,
-        });
-        if !self.channels.is_empty() {
-            let name =
-                if recording.flaws.is_empty() { "program" } else { "program, NOT SAFE TO RUN" };
-            root["animations"] =
-                json!([{ "name": name, "channels": self.channels, "samplers": self.samplers }]);
-        }
-        let mut text = serde_json::to_vec(&root).expect("all keys are strings");
-        while !text.len().is_multiple_of(4) {
-            text.push(b' ');
-        }
-        let total = 12 + 8 + text.len() + 8 + bytes.len();
-        let length = u32::try_from(total).map_err(|_| Error::TooLarge { bytes: total })?;
-        let part =
-            |length: usize| u32::try_from(length).expect("less than all of it").to_le_bytes();
-        let mut file = Vec::with_capacity(total);
-        file.extend(b"glTF");
-        file.extend(2_u32.to_le_bytes());
-        file.extend(length.to_le_bytes());
-        file.extend(part(text.len()));
-        file.extend(b"JSON");
-        file.extend(text);
-        file.extend(part(bytes.len()));
-        file.extend(b"BIN\0");
-        file.extend(bytes);
-        Ok(file)
+    let mut text = serde_json::to_vec(&root).expect("all keys are strings");
+    while !text.len().is_multiple_of(4) {
+        text.push(b' ');
     }
+    let total = 12 + 8 + text.len() + 8 + bytes.len();
+    let length = u32::try_from(total).map_err(|_| Error::TooLarge { bytes: total })?;
+    let part = |length: usize| u32::try_from(length).expect("less than all of it").to_le_bytes();
+    let mut file = Vec::with_capacity(total);
+    file.extend(b"glTF");
+    file.extend(2_u32.to_le_bytes());
+    file.extend(length.to_le_bytes());
+    file.extend(part(text.len()));
+    file.extend(b"JSON");
+    file.extend(text);
+    file.extend(part(bytes.len()));
+    file.extend(b"BIN\0");
+    file.extend(bytes);
+    Ok(file)
 }

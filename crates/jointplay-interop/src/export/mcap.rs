@@ -216,7 +216,7 @@ fn joint_trajectory(
 ) -> Vec<u8> {
     let within =
         from_here.iter().skip_while(|one| one.time <= start).take_while(|one| one.time < end);
-    let ends = [recording.motion.at(start), recording.motion.at(end)];
+    let ends = [recording.motion.sample_at(start), recording.motion.sample_at(end)];
     let points: Vec<&Sample> =
         std::iter::once(&ends[0]).chain(within).chain(std::iter::once(&ends[1])).collect();
     let mut message = Cdr::new();

@@ -55,7 +55,7 @@ pub fn samples_in_parts<E: From<Error>>(
 pub fn samples_with_peaks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
     recording.check_rate(rate)?;
     let times = peaks::times(recording, rate, [0.0, recording.motion.duration()]);
-    table(recording, times.into_iter().map(|time| recording.motion.at(time)))
+    table(recording, times.into_iter().map(|time| recording.motion.sample_at(time)))
 }
 
 /// [`samples`], or [`samples_with_peaks`], of a stretch of time.
@@ -77,10 +77,10 @@ pub fn samples_within(
     let motion = recording.motion;
     if peaks {
         let times = peaks::times(recording, rate, [from, to]);
-        return table(recording, times.into_iter().map(|time| motion.at(time)));
+        return table(recording, times.into_iter().map(|time| motion.sample_at(time)));
     }
-    let times = motion.sample_times(rate).filter(|time| (from..=to).contains(time));
-    table(recording, times.map(|time| motion.at(time)))
+    let times = motion.sample_times(rate).iter().filter(|time| (from..=to).contains(time));
+    table(recording, times.map(|time| motion.sample_at(time)))
 }
 
 fn table(

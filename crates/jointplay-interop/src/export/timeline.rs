@@ -2,31 +2,36 @@
 
 mod cut;
 mod encode;
+mod envelope;
+mod held_at;
+mod phase;
+mod relative_time;
 
 use std::collections::BTreeMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use jointplay_cell::program::Phase;
 use jointplay_cell::robot::EffectorId;
-use jointplay_cell::station::SlotId;
-use jointplay_cell::trajectory::{Sample, Trajectory};
+use jointplay_cell::trajectory::Trajectory;
 use jointplay_cell::workcell::Cell;
-use jointplay_core::spatial::Pose;
 
+use self::envelope::of_step;
+use self::phase::phase;
+use self::relative_time::since;
 use super::error::Error;
 use super::recording::Recording;
-use super::scene::{Held, Wafers, rounded};
-use super::segment::{POSE_NUMBERS, Segment, numbers_of};
+use super::scene::Wafers;
+use super::segment::Segment;
 use jointplay_report::ViolationReport;
+
+pub use envelope::Envelope;
+pub use held_at::{HeldAt, wafers_at_start};
 
 /// Steps of a window, unless a motion has so many that there would be more than [`MOST_WINDOWS`].
 const STEPS: usize = 96;
 /// Most windows of a motion, about.
 const MOST_WINDOWS: usize = 2048;
-/// Where a wafer lies is noted to this fraction of a metre, and of the vector part of its quaternion.
-const PLACES: f64 = 1e9;
 
 /// A motion in windows of steps.
 ///
@@ -74,41 +79,6 @@ struct Change {
     step: usize,
     wafer: usize,
     to: HeldAt,
-}
-
-/// What holds a wafer, and its frame there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct HeldAt {
-    /// The effector; `None` where it lies in a slot.
-    pub effector: Option<EffectorId>,
-    /// The slot; `None` where an effector carries it.
-    pub slot: Option<SlotId>,
-    /// Origin x, y, z [m] and vector part x, y, z of its unit quaternion, whose scalar part is positive: in the wafer frame of the effector, or in the base frame.
-    pub pose: [f64; POSE_NUMBERS],
-}
-
-/// Least and largest values of an axis over a window.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Envelope {
-    /// Of position, velocity and acceleration: least, then largest [m or rad, and these by s and s²].
-    pub bounds: [[f64; 2]; 3],
-    /// How long it moves [s].
-    pub moving: f64,
-}
-
-/// Where all wafers are before a program starts, in the order of a cell's wafers.
-#[must_use]
-pub fn wafers_at_start(cell: &Cell) -> Vec<HeldAt> {
-    let in_slots = cell.occupied.iter().map(|&slot| {
-        let at = cell.stations[slot.station].slot_frame(slot.slot);
-        HeldAt { effector: None, slot: Some(slot), pose: numbers_of(&at) }
-    });
-    let carried = cell.carried.iter().map(|&id| HeldAt {
-        effector: Some(id),
-        slot: None,
-        pose: numbers_of(&Pose::identity()),
-    });
-    in_slots.chain(carried).collect()
 }
 
 impl Timeline {
@@ -222,7 +192,7 @@ impl Timeline {
             for one in self.violations(motion, violations, window) {
                 (&one.kind, &one.names, &one.message).hash(&mut hasher);
                 for time in [one.start_s, one.end_s] {
-                    encode::since(time, window.start).to_bits().hash(&mut hasher);
+                    since(time, window.start).to_bits().hash(&mut hasher);
                 }
                 one.line.wrapping_sub(window.line).hash(&mut hasher);
             }
@@ -262,39 +232,6 @@ impl Timeline {
     }
 }
 
-impl Envelope {
-    const NOTHING: Self = Self { bounds: [[f64::INFINITY, f64::NEG_INFINITY]; 3], moving: 0.0 };
-
-    fn add(&mut self, other: &Self) {
-        for (all, one) in self.bounds.iter_mut().zip(&other.bounds) {
-            *all = [all[0].min(one[0]), all[1].max(one[1])];
-        }
-        self.moving += other.moving;
-    }
-
-    fn reach(&mut self, values: [f64; 3]) {
-        for (bounds, value) in self.bounds.iter_mut().zip(values) {
-            *bounds = [bounds[0].min(value), bounds[1].max(value)];
-        }
-    }
-}
-
-impl HeldAt {
-    fn hash_into(&self, hasher: &mut impl Hasher) {
-        (self.effector, self.slot.map(|slot| (slot.station, slot.slot))).hash(hasher);
-        self.pose.map(f64::to_bits).hash(hasher);
-    }
-
-    fn new(held: &Held, slot: Option<SlotId>) -> Self {
-        let (effector, pose) = match held {
-            Held::Lying(at) => (None, at),
-            Held::On(id, at) => (Some(*id), at),
-        };
-        // The same place after any number of moves.
-        Self { effector, slot, pose: numbers_of(pose).map(|number| rounded(number, PLACES)) }
-    }
-}
-
 /// All wafers that change hands.
 fn changes(recording: &Recording<'_>) -> Result<Vec<Change>, Error> {
     let mut wafers = Wafers::new(recording);
@@ -325,53 +262,4 @@ fn mark(motion: &Trajectory, axes: u64, index: usize) -> u64 {
     let begins = index == 0 || motion.steps[index - 1].instruction != step.instruction;
     begins.hash(&mut hasher);
     hasher.finish()
-}
-
-/// What a part of an instruction is called.
-pub(crate) fn phase(phase: Phase) -> &'static str {
-    match phase {
-        Phase::Move => "move",
-        Phase::TuckIn => "tuck in",
-        Phase::Turn => "turn",
-        Phase::Enter => "enter",
-        Phase::Extend => "extend",
-        Phase::Lift => "lift",
-        Phase::Lower => "lower",
-        Phase::Retract => "retract",
-        Phase::Level => "level",
-        Phase::Wait => "wait",
-    }
-}
-
-/// Least and largest values in a step: where jerks jump, between, and where speeds and accelerations turn back.
-fn of_step(motion: &Trajectory, step: usize, axes: usize) -> Vec<Envelope> {
-    let mut found = vec![Envelope::NOTHING; axes];
-    for axis in motion.moving_axes(step) {
-        found[axis].moving = motion.intrinsic_step_duration(step);
-    }
-    let mut last: Option<Sample> = None;
-    for time in motion.jerk_discontinuities(step) {
-        let now = motion.sample_in_step(step, time);
-        let mut looks = Vec::new();
-        if let Some(last) = &last {
-            let width = now.time - last.time;
-            looks.extend([0.25, 0.5, 0.75].map(|share| last.time + share * width));
-            let zero = |before: f64, after: f64| {
-                (before * after < 0.0).then(|| last.time + width * before / (before - after))
-            };
-            for axis in 0..axes {
-                looks.extend(zero(last.accelerations[axis], now.accelerations[axis]));
-                looks.extend(zero(last.velocities[axis], now.velocities[axis]));
-            }
-        }
-        let between = looks.into_iter().map(|time| motion.sample_in_step(step, time));
-        for sample in between.chain([now.clone()]) {
-            for (axis, envelope) in found.iter_mut().enumerate() {
-                let rates = (sample.velocities[axis], sample.accelerations[axis]);
-                envelope.reach([sample.positions[axis], rates.0, rates.1]);
-            }
-        }
-        last = Some(now);
-    }
-    found
 }

@@ -7,9 +7,9 @@ use jointplay_core::mechanism::{Joint, JointKind, LinearAndAngular, Mechanism, M
 use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
+use super::model::{Dialect, Imported};
 use super::problem::Error;
 use super::xml::{Xml, place};
-use super::{Dialect, Imported};
 
 pub(super) struct Draft<'a> {
     pub(super) xml: Xml<'a>,

@@ -11,9 +11,9 @@ use nalgebra::{Rotation3, Translation3, Vector3};
 use roxmltree::Node;
 
 use super::draft::{Draft, bare};
+use super::model::{Dialect, Imported};
 use super::problem::Error;
 use super::xml::{Advice, Value, attribute, children, content, elements, is_foreign, place};
-use super::{Dialect, Imported};
 use jointplay_format::mechanism::frame::{pose, some_perpendicular};
 
 pub(super) fn read<'a>(mut draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {

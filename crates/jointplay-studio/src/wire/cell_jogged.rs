@@ -1,6 +1,6 @@
 //! Where a robot with arms has come to that was moved by hand.
 
-use jointplay::cell::jog::{FromSlot, Stopped};
+use jointplay::cell::jog::{SlotRelativePose, Stopped};
 use jointplay::cell::robot::{
     self, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
 };
@@ -144,7 +144,7 @@ pub(crate) struct BranchDocument {
     /// How the arm is bent.
     pub(crate) name: String,
     /// Whether the robot is in it, and why not.
-    pub(crate) standing: StandingName,
+    pub(crate) selection: SelectionName,
     /// The same in words and numbers.
     pub(crate) says: String,
     /// Positions of all axes, rods first [m or rad].
@@ -154,7 +154,7 @@ pub(crate) struct BranchDocument {
 /// Why a way is taken, or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum StandingName {
+pub(crate) enum SelectionName {
     /// The robot is in it.
     Chosen,
     /// It breaks limits.
@@ -218,11 +218,11 @@ impl BranchDocument {
     pub(crate) fn new(cell: &Cell, branch: &Branch) -> Self {
         Self {
             name: branch.configuration.to_string(),
-            standing: match branch.standing {
-                BranchSelection::Chosen => StandingName::Chosen,
-                BranchSelection::BreaksLimits => StandingName::BreaksLimits,
-                BranchSelection::OtherElbow => StandingName::OtherElbow,
-                BranchSelection::NotNearest => StandingName::NotNearest,
+            selection: match branch.selection {
+                BranchSelection::Chosen => SelectionName::Chosen,
+                BranchSelection::BreaksLimits => SelectionName::BreaksLimits,
+                BranchSelection::OtherElbow => SelectionName::OtherElbow,
+                BranchSelection::NotNearest => SelectionName::NotNearest,
             },
             says: explain_branch(&cell.robot, branch),
             positions: branch.positions.to_vec(),
@@ -239,7 +239,7 @@ impl StoppedDocument {
                 None
             }
             Stopped::Place(Unreachable::Limits(ways)) => {
-                limits.extend(ways.iter().flat_map(|way| way.broken.iter().map(|(_, one)| one)));
+                limits.extend(ways.iter().flat_map(|way| &way.violations));
                 None
             }
             Stopped::Place(Unreachable::Tilt { .. }) => Some(StoppedKind::TiltLimit),
@@ -262,10 +262,10 @@ impl StoppedDocument {
         let of_limits =
             if axes.is_empty() { StoppedKind::TiltLimit } else { StoppedKind::AxisLimit };
         let touching = match stopped {
-            Stopped::Contact(pair) => pair.to_vec(),
+            Stopped::Contact(pair) => pair.map(|one| cell.entity_name(one)).to_vec(),
             _ => Vec::new(),
         };
-        let says = explain_stopped(&cell.robot, stopped);
+        let says = explain_stopped(cell, stopped);
         Self { kind: other.unwrap_or(of_limits), axes, says, touching }
     }
 }
@@ -327,7 +327,7 @@ pub(crate) fn effector(
 pub(crate) fn from_slot(
     cell: &Cell,
     slot: SlotId,
-    seen: &FromSlot,
+    seen: &SlotRelativePose,
     pose: &Pose,
 ) -> FromSlotDocument {
     let station = &cell.stations[slot.station];

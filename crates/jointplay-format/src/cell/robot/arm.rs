@@ -5,7 +5,7 @@ use jointplay_cell::wafer::{Droop, DroopRow, Support};
 
 use super::super::problem::Fault;
 use super::super::tree::{Entry, Reader, Span, Table};
-use super::MOTIONS;
+use super::words::MOTIONS;
 use crate::units::m_from_mm;
 
 /// Largest coefficient of friction: rubber on dry glass is below 4, and more is a mistake of the unit.

@@ -5,7 +5,7 @@ use jointplay_core::gpr::Gpr;
 
 use super::super::problem::Fault;
 use super::super::tree::{Span, Table};
-use super::{MOTIONS, ROD_NAMES};
+use super::words::{MOTIONS, ROD_NAMES};
 use crate::units::m_from_mm;
 
 pub(super) fn rod_axes(table: &Table, gpr: &Gpr) -> Option<[Axis; RODS]> {

@@ -5,9 +5,11 @@ use jointplay_cell::station::Station;
 use jointplay_cell::workcell::{Body, Carrier, Cell, ZoneRule};
 use jointplay_core::spatial::Pose;
 use nalgebra::UnitQuaternion;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use super::{Document, single};
+use super::document::Document;
+use super::material::Material;
+use super::numbers::single;
 use crate::export::scene::Part;
 
 /// Radius of what stands for a rod or a link without a body [m].
@@ -16,47 +18,6 @@ const BAR: f64 = 0.008;
 const PLATE: f64 = 0.004;
 /// Half the thickness of what marks a slot, and how much wider than a wafer it is [m].
 const SLOT: [f64; 2] = [0.000_2, 0.004];
-
-/// How things look.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Material {
-    Robot,
-    Arm,
-    OtherArm,
-    Wafer,
-    Station,
-    Body,
-    KeepOut,
-    Safe,
-}
-
-impl Material {
-    pub(super) fn describe(self) -> Value {
-        let (name, [red, green, blue, alpha]) = match self {
-            Self::Robot => ("robot", [0.55, 0.57, 0.6, 1.0]),
-            Self::Arm => ("arm", [0.0, 0.3, 0.6, 1.0]),
-            Self::OtherArm => ("other arm", [0.75, 0.3, 0.05, 1.0]),
-            Self::Wafer => ("wafer", [0.25, 0.2, 0.35, 1.0]),
-            Self::Station => ("station", [0.3, 0.6, 0.3, 0.25]),
-            Self::Body => ("body", [0.6, 0.6, 0.55, 0.6]),
-            Self::KeepOut => ("keep out", [0.8, 0.1, 0.1, 0.2]),
-            Self::Safe => ("safe", [0.1, 0.6, 0.2, 0.12]),
-        };
-        let mut material = json!({
-            "name": name,
-            "doubleSided": true,
-            "pbrMetallicRoughness": {
-                "baseColorFactor": [red, green, blue, alpha],
-                "metallicFactor": 0.1,
-                "roughnessFactor": 0.7,
-            },
-        });
-        if alpha < 1.0 {
-            material["alphaMode"] = json!("BLEND");
-        }
-        material
-    }
-}
 
 /// Meshes that are used more than once.
 #[derive(Default)]

@@ -5,20 +5,14 @@ use std::collections::BTreeMap;
 use jointplay_cell::robot::EffectorId;
 use serde_json::{Value, json};
 
-use super::{HeldAt, Timeline, phase};
+use super::Timeline;
+use super::held_at::HeldAt;
+use super::phase::phase;
+use super::relative_time::since;
 use crate::export::channel::Channel;
 use crate::export::error::Error;
 use crate::export::recording::Recording;
-use crate::export::scene::rounded;
 use jointplay_report::ViolationReport;
-
-/// Times of violations are told to this fraction of a second.
-const TIMES: f64 = 1e6;
-
-/// A time since another; the same for the same violation wherever it is in a program [s].
-pub(super) fn since(time: f64, start: f64) -> f64 {
-    rounded(time - start, TIMES)
-}
 
 /// Channels, each once.
 #[derive(Default)]

@@ -5,7 +5,8 @@ use jointplay_core::spatial::Pose;
 use nalgebra::Translation3;
 use roxmltree::Node;
 
-use super::{Reader, shift};
+use super::placing::shift;
+use super::reader::Reader;
 use crate::import::draft::bare;
 use crate::import::problem::Error;
 use crate::import::xml::{Advice, Value, attribute, place};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use roxmltree::Node;
 
-use super::PLACING;
+use super::placing::PLACING;
 use crate::import::draft::Draft;
 use crate::import::problem::Error;
 use crate::import::xml::{Value, Xml, attribute, children, elements};

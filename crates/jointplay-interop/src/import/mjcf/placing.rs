@@ -7,6 +7,9 @@ use roxmltree::Node;
 use crate::import::problem::Error;
 use crate::import::xml::{Value, Xml, attribute};
 
+/// Attributes that place a body, frame or site.
+pub(super) const PLACING: [&str; 6] = ["pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"];
+
 /// Ways to write an orientation.
 const ORIENTATIONS: [&str; 5] = ["quat", "axisangle", "euler", "xyaxes", "zaxis"];
 
@@ -106,4 +109,9 @@ impl Angles {
             if turns_along { rotation * turn } else { turn * rotation }
         })
     }
+}
+
+/// A displacement without a turn.
+pub(super) fn shift(by: Vector3<f64>) -> Pose {
+    Pose::from_parts(Translation3::from(by), nalgebra::Rotation3::identity())
 }

@@ -6,7 +6,7 @@ use jointplay_core::mechanism::MechanismError;
 use jointplay_core::spatial::Pose;
 use roxmltree::Node;
 
-use super::pose;
+use super::pose::pose;
 use crate::import::problem::{Error, Problem};
 use crate::import::xml::{LONGEST_NAME, Value, Xml, attribute, child, elements, place};
 

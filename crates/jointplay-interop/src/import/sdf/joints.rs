@@ -7,7 +7,7 @@ use jointplay_core::spatial::Pose;
 use nalgebra::{Unit, Vector3};
 use roxmltree::Node;
 
-use super::Reader;
+use super::reader::Reader;
 use crate::import::draft::bare;
 use crate::import::problem::Error;
 use crate::import::xml::{

@@ -1,7 +1,6 @@
 //! The robot and mechanism files that come with the program.
 
-use crate::mechanism::{self, Expected};
-use crate::{cell, robot};
+use crate::mechanism;
 
 /// A file of the catalogue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,7 +14,7 @@ pub struct Entry {
 /// One line of the table: the name and the file of that name.
 macro_rules! entry {
     ($name:literal) => {
-        Entry { name: $name, text: include_str!(concat!("../../../robots/", $name, ".toml")) }
+        Entry { name: $name, text: include_str!(concat!("../../../../robots/", $name, ".toml")) }
     };
 }
 
@@ -72,23 +71,6 @@ impl Entry {
     pub fn kind(&self) -> Option<String> {
         mechanism::kind_of(self.text)
     }
-
-    /// What it is: the name that it gives itself.
-    #[must_use]
-    pub fn title(&self) -> String {
-        let name = match self.kind().as_deref() {
-            Some("gpr") => robot::parse(self.text).ok().map(|robot| robot.name),
-            Some(cell::robot::KIND) => cell::robot::parse(self.text).ok().map(|robot| robot.name),
-            _ => mechanism::parse(self.text).ok().map(|file| file.mechanism.name().to_owned()),
-        };
-        name.unwrap_or_default()
-    }
-
-    /// What an analysis should find; nothing for a file that is not of the kind `mechanism`.
-    #[must_use]
-    pub fn expected(&self) -> Expected {
-        mechanism::parse(self.text).map(|file| file.expected).unwrap_or_default()
-    }
 }
 
 #[cfg(test)]
@@ -106,14 +88,5 @@ mod tests {
         names.sort();
         let known: Vec<&str> = entries().iter().map(|entry| entry.name).collect();
         assert_eq!(known, names, "every file of robots/ has a line in ENTRIES, in order");
-    }
-
-    #[test]
-    fn every_file_can_be_read() {
-        for entry in entries() {
-            assert_ne!(entry.title(), "", "{}", entry.name);
-        }
-        let hybrid: Vec<&str> = cell::robot::names().collect();
-        assert_eq!(hybrid, ["dual-arm", "radial-arm", "scara-3r", "scara-4r"]);
     }
 }

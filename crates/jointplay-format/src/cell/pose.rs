@@ -1,0 +1,27 @@
+//! Tilts and points.
+
+use nalgebra::Vector3;
+
+use super::tree::{Entry, Reader, Span, Table};
+
+/// The pose of `position_mm`, `yaw_deg` and `tilt`; the position may be left out only where there is a default.
+pub(super) fn lean(table: &Table) -> (f64, Option<jointplay_core::spatial::Tilt>) {
+    let yaw = table.number_or("yaw_deg", Span::Within(-360.0, 360.0), 0.0).to_radians();
+    let tilt = table.table("tilt", "a tilt").map(|tilt| {
+        let toward = tilt.number("yaw_deg", Span::Within(-360.0, 360.0));
+        let pitch = tilt.number("pitch_deg", Span::Within(-89.0, 89.0));
+        tilt.finish();
+        jointplay_core::spatial::Tilt {
+            yaw: toward.unwrap_or(0.0).to_radians(),
+            pitch: pitch.unwrap_or(0.0).to_radians(),
+        }
+    });
+    (yaw, tilt)
+}
+
+/// The points of a list [m].
+pub(super) fn points(entry: &Entry, reader: &Reader) -> Option<Vec<Vector3<f64>>> {
+    // All are read before one that is wrong ends it, so that each is told of.
+    let points: Vec<_> = entry.list(reader)?.iter().map(|point| point.point(reader)).collect();
+    points.into_iter().collect()
+}

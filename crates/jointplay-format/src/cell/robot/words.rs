@@ -1,0 +1,13 @@
+//! Words of robot files.
+
+use jointplay_cell::robot::{AxisKind, RODS};
+
+/// The `kind` of these files.
+pub const KIND: &str = "hybrid";
+
+/// Names of the rods, as axes.
+pub(super) const ROD_NAMES: [&str; RODS] = ["q1", "q2", "q3"];
+
+/// Kinds of axes.
+pub(super) const MOTIONS: [(&str, AxisKind); 2] =
+    [("turn", AxisKind::Rotary), ("slide", AxisKind::Linear)];

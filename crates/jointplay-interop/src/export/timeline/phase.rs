@@ -1,0 +1,19 @@
+//! Names of the parts of an instruction.
+
+use jointplay_cell::program::Phase;
+
+/// What a part of an instruction is called.
+pub(crate) fn phase(phase: Phase) -> &'static str {
+    match phase {
+        Phase::Move => "move",
+        Phase::TuckIn => "tuck in",
+        Phase::Turn => "turn",
+        Phase::Enter => "enter",
+        Phase::Extend => "extend",
+        Phase::Lift => "lift",
+        Phase::Lower => "lower",
+        Phase::Retract => "retract",
+        Phase::Level => "level",
+        Phase::Wait => "wait",
+    }
+}

@@ -1,0 +1,52 @@
+//! An imported model.
+
+use jointplay_core::mechanism::Mechanism;
+use jointplay_format::mechanism::{AngleUnit, Expected, LengthUnit, MechanismFile, Units};
+
+/// A model as taken over.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Imported {
+    /// The mechanism [m, rad].
+    pub mechanism: Mechanism,
+    /// Which kind of file it was.
+    pub dialect: Dialect,
+    /// What has no place in a mechanism, with how often it was there.
+    pub ignored: Vec<String>,
+}
+
+/// Kinds of model files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dialect {
+    /// Models of MuJoCo.
+    Mjcf,
+    /// The Simulation Description Format of Gazebo.
+    Sdf,
+    /// The Unified Robot Description Format of ROS.
+    Urdf,
+}
+
+impl Dialect {
+    /// Its name, as people write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mjcf => "MJCF",
+            Self::Sdf => "SDF",
+            Self::Urdf => "URDF",
+        }
+    }
+}
+
+impl Imported {
+    /// The same as a mechanism file, in m and rad.
+    #[must_use]
+    pub fn into_file(self) -> MechanismFile {
+        MechanismFile {
+            mechanism: self.mechanism,
+            source: None,
+            units: Units { length: LengthUnit::Meter, angle: AngleUnit::Radian },
+            parameters: Vec::new(),
+            expected: Expected::default(),
+        }
+    }
+}

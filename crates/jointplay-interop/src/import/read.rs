@@ -1,0 +1,148 @@
+//! From the text of a model to a mechanism.
+
+use jointplay_format::mechanism::MAX_BYTES;
+
+use super::draft::Draft;
+use super::model::Imported;
+use super::problem::{Error, Problem};
+use super::xml::{Advice, Xml};
+use super::{mjcf, sdf, urdf, xml};
+
+/// Whether a text is XML, as every model file is, and no mechanism file.
+#[must_use]
+pub fn is_model(text: &str) -> bool {
+    text.trim_start_matches('\u{feff}').trim_start().starts_with('<')
+}
+
+/// Takes over a model; which kind it is, its root element tells.
+///
+/// # Errors
+/// [`Error`] with the place: text that is no XML, unusable values, or what would change the mechanism if it were ignored.
+///
+/// # Source
+/// [MJCF], [SDFormat], [URDF]
+pub fn parse(text: &str) -> Result<Imported, Error> {
+    if text.len() > MAX_BYTES {
+        let problem = Problem::TooLong { found: text.len(), allowed: MAX_BYTES };
+        return Err(Error::at(text, 0..0, problem));
+    }
+    let document = xml::document(text)?;
+    let root = document.root_element();
+    let draft = Draft::new(Xml { text }, root);
+    match root.tag_name().name() {
+        "mujoco" => mjcf::read(draft, root),
+        "sdf" => sdf::read(draft, root),
+        "robot" => urdf::read(draft, root),
+        other => Err(draft.xml.unsupported(
+            root,
+            format!("a file of <{other}>"),
+            Advice("models are <mujoco> (MJCF), <sdf> (SDF) and <robot> (URDF)"),
+        )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::model::Dialect;
+    use super::super::testing;
+    use super::*;
+    use proptest::prelude::*;
+
+    const MODELS: [&str; 4] = [
+        include_str!("../../../../validation/golden/models/frames.sdf"),
+        include_str!("../../../../validation/golden/models/defaults.mjcf.xml"),
+        include_str!("../../../../validation/golden/models/orientations.mjcf.xml"),
+        include_str!("../../../../validation/golden/models/tree.urdf"),
+    ];
+
+    #[test]
+    fn the_root_element_tells_the_dialect() {
+        let dialects = MODELS.map(|model| testing::read(model).dialect);
+        assert_eq!(dialects.map(Dialect::name), ["SDF", "MJCF", "MJCF", "URDF"]);
+        testing::refuse("<robots/>", "<robots/>", "<svg/>", "<svg/>", "<robot> (URDF)");
+        testing::refuse("<sdf><a></sdf>", "", "", "", "not well-formed XML: expected 'a' tag");
+        assert!(is_model("\u{feff}\n <robot/>") && !is_model("kind = \"mechanism\""));
+    }
+
+    #[test]
+    fn deep_trees_do_not_overflow_the_stack() {
+        let deep = |open: &str, close: &str, count: usize| {
+            format!("{}{}", open.repeat(count), close.repeat(count))
+        };
+        let mjcf = |inner: String| format!("<mujoco><worldbody>{inner}</worldbody></mujoco>");
+        let tree = parse(&mjcf(deep("<body>", "</body>", 900))).unwrap();
+        assert_eq!(tree.mechanism.joints().len(), 900);
+        let refuse = |text: String, message: &str| {
+            let error = parse(&text).unwrap_err();
+            assert!(error.to_string().contains(message), "{error}");
+        };
+        for (open, close) in [("<body>", "</body>"), ("<frame>", "</frame>")] {
+            refuse(mjcf(deep(open, close, 100_000)), "more than 1000 deep");
+        }
+        let models = |count| deep("<model name=\"m\">", "</model>", count);
+        let sdf = |inner: String| format!("<sdf version=\"1.9\">{inner}</sdf>");
+        refuse(sdf(models(100_000)), "more than 1000 deep");
+        refuse(sdf(models(900)), "at most 1000 bytes long, together");
+    }
+
+    #[test]
+    fn places_are_right_beside_entities_and_other_line_ends() {
+        let sdf = "<sdf version=\"1.9\"><model name=\"m\">\r\n<link name=\"l\"><pose>&#32;\u{2003}\u{2003}1 &lt; 3\r\n</pose></link></model></sdf>";
+        testing::refuse(sdf, "", "", "&#32;\u{2003}\u{2003}1 &lt; 3", "`pose` is \"1 < 3\"");
+    }
+
+    #[test]
+    fn endless_names_are_refused() {
+        let name = "n".repeat(1001);
+        let text = format!("<robot name=\"{name}\"><link name=\"a\"/></robot>");
+        assert!(parse(&text).unwrap_err().to_string().contains("at most 1000 bytes"));
+    }
+
+    #[test]
+    fn endless_models_are_refused() {
+        let text = format!("<robot name=\"r\">{}</robot>", " ".repeat(MAX_BYTES));
+        assert!(parse(&text).unwrap_err().to_string().contains("at most 4000000 are allowed"));
+    }
+
+    #[test]
+    fn no_cut_text_panics() {
+        for model in MODELS {
+            for cut in (0..model.len()).filter(|cut| model.is_char_boundary(*cut)) {
+                for text in [&model[..cut], &model[cut..]] {
+                    if let Err(error) = parse(text) {
+                        let _ = error.with_excerpt("x");
+                    }
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn no_mutated_text_panics(
+            model in 0..MODELS.len(),
+            cuts in prop::collection::vec(
+                (0.0..1.0, 0..30_usize, "[-<>/\"=.0-9a-z\n ]{0,4}|nan|1e999|world|::"), 1..4
+            ),
+        ) {
+            let mut text = MODELS[model].to_owned();
+            for (part, length, replacement) in cuts {
+                let start = (part * text.len() as f64) as usize;
+                let end = (start + length).min(text.len());
+                if text.is_char_boundary(start) && text.is_char_boundary(end) {
+                    text.replace_range(start..end, &replacement);
+                }
+            }
+            match parse(&text) {
+                Ok(model) => {
+                    let written = jointplay_format::mechanism::write(&model.mechanism, None);
+                    let read = jointplay_format::mechanism::parse(&written);
+                    prop_assert!(read.is_ok(), "{}", read.unwrap_err().with_excerpt("written"));
+                }
+                Err(error) => {
+                    let _ = error.with_excerpt("x");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,492 @@
+//! Models of Gazebo (SDF): links and joints in any graph, placed by frames.
+//!
+//! The world is the base; a model that nothing holds to the world stands on its canonical link.
+//! Links of static models are fixed to the world.
+
+use jointplay_core::mechanism::JointKind;
+use jointplay_core::spatial::Pose;
+use roxmltree::Node;
+
+use super::frames::{Frames, Kind, WORLD};
+use crate::import::draft::{Draft, bare};
+use crate::import::model::{Dialect, Imported};
+use crate::import::problem::Error;
+use crate::import::xml::{
+    Advice, Xml, attribute, child, children, content, elements, is_foreign, place,
+};
+
+const EXPAND: Advice = Advice(
+    "it stands for a model of another file; `gz sdf -p FILE` prints the whole model with it",
+);
+
+/// Elements of a world that are no part of its mechanism.
+const WORLD_ASIDE: [&str; 15] = [
+    "actor",
+    "atmosphere",
+    "audio",
+    "gravity",
+    "gui",
+    "light",
+    "magnetic_field",
+    "physics",
+    "plugin",
+    "road",
+    "scene",
+    "spherical_coordinates",
+    "state",
+    "wind",
+    "particle_emitter",
+];
+
+/// Elements of a model that are no part of its mechanism.
+const MODEL_ASIDE: [&str; 5] =
+    ["allow_auto_disable", "enable_wind", "gripper", "plugin", "self_collide"];
+
+pub(super) struct Reader<'a> {
+    pub(super) draft: Draft<'a>,
+    pub(super) frames: Frames<'a>,
+    /// Joints that are to be read, by their frames.
+    pub(super) joints: Vec<usize>,
+    /// Which link of the mechanism a frame is, for frames that are links.
+    pub(super) link_of_frame: Vec<Option<usize>>,
+    /// The model of a file that has no other, with `::`: its links need not be told from those of others.
+    pub(super) only_model: Option<String>,
+}
+
+pub(in crate::import) fn read<'a>(draft: Draft<'a>, root: Node<'a, 'a>) -> Result<Imported, Error> {
+    let version = version(draft.xml, root)?;
+    let frames = Frames::new(draft.xml, version);
+    let mut reader =
+        Reader { draft, frames, joints: Vec::new(), link_of_frame: Vec::new(), only_model: None };
+    let mut top = None;
+    for node in children(root) {
+        match node.tag_name().name() {
+            "world" | "model" if top.is_none() => top = Some(node),
+            name @ ("world" | "model") => {
+                let advice = Advice("a file is one mechanism; keep one world or one model");
+                let what = format!("a second <{name}>");
+                return Err(reader.draft.xml.unsupported(node, what, advice));
+            }
+            "include" => return Err(reader.draft.xml.unsupported(node, "<include>", EXPAND)),
+            name => reader.draft.ignore(name),
+        }
+    }
+    let top = top.ok_or_else(|| reader.draft.xml.missing(root, "world` or `model"))?;
+    let name = reader.draft.xml.needed_name(top)?;
+    let is_world = top.tag_name().name() == "world";
+    reader.only_model = (!is_world).then(|| format!("{name}::"));
+    reader.register(top, is_world)?;
+    reader.frames.resolve()?;
+    reader.links(top, is_world)?;
+    for index in 0..reader.joints.len() {
+        reader.joint(reader.joints[index])?;
+    }
+    reader.let_float()?;
+    reader.draft.finish(name, Dialect::Sdf)
+}
+
+/// The version of the format: its two numbers.
+fn version<'a>(xml: Xml<'a>, root: Node<'a, 'a>) -> Result<(u32, u32), Error> {
+    let value = attribute(root, "version").ok_or_else(|| xml.missing(root, "version"))?;
+    let numbers = value.text.split_once('.');
+    let numbers = numbers.and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    let known = numbers.filter(|version| ((1, 5)..=(1, 12)).contains(version));
+    known.ok_or_else(|| xml.unusable(&value, "a version from 1.5 to 1.12"))
+}
+
+impl<'a> Reader<'a> {
+    /// Enters all frames of a world or model: links, joints, models and frames proper.
+    fn register(&mut self, top: Node<'a, 'a>, is_world: bool) -> Result<(), Error> {
+        let xml = self.draft.xml;
+        let mut open = Vec::new();
+        if is_world {
+            open.push((top, WORLD, false));
+        } else {
+            let model = self.frames.add(WORLD, Kind::Model, top)?;
+            open.push((top, model, self.is_static(top, false)?));
+        }
+        while let Some((node, scope, is_static)) = open.pop() {
+            let (mut models, mut joints) = (Vec::new(), Vec::new());
+            for inner in children(node) {
+                let name = inner.tag_name().name();
+                let in_world = scope == WORLD;
+                match name {
+                    "joint" if is_foreign(inner) => {
+                        let advice = Advice("only SDF's own joints are known");
+                        return Err(xml.unsupported(inner, "a joint of a dialect", advice));
+                    }
+                    _ if is_foreign(inner) => self.draft.ignore(name),
+                    "model" => {
+                        let is_static = self.is_static(inner, is_static)?;
+                        models.push((
+                            inner,
+                            self.frames.add(scope, Kind::Model, inner)?,
+                            is_static,
+                        ));
+                    }
+                    "link" if !in_world => {
+                        self.frames.add(scope, Kind::Link { is_static }, inner)?;
+                        self.ignore_parts(inner);
+                    }
+                    "frame" => {
+                        self.frames.add(scope, Kind::Frame, inner)?;
+                    }
+                    "joint" => joints.push(inner),
+                    "pose" | "static" if !in_world => {}
+                    "include" => return Err(xml.unsupported(inner, "<include>", EXPAND)),
+                    _ if in_world && WORLD_ASIDE.contains(&name) => self.draft.ignore(name),
+                    _ if !in_world && MODEL_ASIDE.contains(&name) => self.draft.ignore(name),
+                    _ => {
+                        let advice = Advice("what it would do to the mechanism is not known");
+                        let what = format!("<{name}> in {}", node.tag_name().name());
+                        return Err(xml.unsupported(inner, what, advice));
+                    }
+                }
+            }
+            for joint in joints {
+                let frame = self.frames.add(scope, Kind::Joint, joint)?;
+                if is_static {
+                    self.draft.ignore("joint of a static model");
+                } else {
+                    self.joints.push(frame);
+                }
+            }
+            open.extend(models.into_iter().rev());
+        }
+        Ok(())
+    }
+
+    fn is_static(&self, model: Node<'a, 'a>, around: bool) -> Result<bool, Error> {
+        let value = child(model, "static");
+        let own = value.map(|value| self.draft.xml.truth(&value)).transpose()?;
+        Ok(around || own.unwrap_or(false))
+    }
+
+    /// Lists what a link has beside its place.
+    fn ignore_parts(&mut self, link: Node<'a, 'a>) {
+        for part in children(link).filter(|part| part.tag_name().name() != "pose") {
+            self.draft.ignore(part.tag_name().name());
+        }
+    }
+
+    /// The base, then all links in the order of the file.
+    fn links(&mut self, top: Node<'a, 'a>, is_world: bool) -> Result<(), Error> {
+        let frames: Vec<usize> = self.frames.links().collect();
+        let Some(&first) = frames.first() else {
+            let advice = Advice("a mechanism has links and joints");
+            return Err(self.draft.xml.unsupported(top, "a file without links", advice));
+        };
+        self.link_of_frame = vec![None; self.frames.len()];
+        let names_world = |&joint: &usize| {
+            let node = self.frames.node(joint);
+            ["parent", "child"]
+                .iter()
+                .any(|end| elements(node, end).any(|end| content(end).text == "world"))
+        };
+        let has_static = frames.iter().any(|&frame| self.frames.is_static(frame));
+        let has_world = is_world || has_static || self.joints.iter().any(names_world);
+        let mut order = frames.clone();
+        if has_world {
+            self.draft.add_link("world", place(top))?;
+            self.link_of_frame[WORLD] = Some(0);
+        } else {
+            let base = self.frames.canonical_link().unwrap_or(first);
+            order.retain(|&frame| frame != base);
+            order.insert(0, base);
+            let name = self.shown(base).to_owned();
+            self.draft.remark(format!(
+                "nothing holds the model to the world: its link {name:?} is the base"
+            ));
+        }
+        for frame in order {
+            let span = place(self.frames.node(frame));
+            let link = self.draft.add_link(self.shown(frame).to_owned(), span.clone())?;
+            self.link_of_frame[frame] = Some(link);
+            if self.frames.is_static(frame) {
+                let name = self.draft.fresh(format!("{} is static", self.draft.link_name(link)));
+                let frames = [self.frames.world_from(frame), Pose::identity()];
+                self.draft.add_joint(bare(name, JointKind::Fixed, [0, link], frames), span)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The name of a frame, as the mechanism has it.
+    pub(super) fn shown(&self, frame: usize) -> &str {
+        let name = self.frames.name(frame);
+        self.only_model.as_deref().and_then(|model| name.strip_prefix(model)).unwrap_or(name)
+    }
+
+    /// Joins what nothing holds to the base by floating joints.
+    fn let_float(&mut self) -> Result<(), Error> {
+        let frame_of_link = |link: usize| {
+            let found = self.link_of_frame.iter().position(|&found| found == Some(link));
+            found.expect("every link is a frame")
+        };
+        let world_from_base = self.frames.world_from(frame_of_link(0));
+        let mut group: Vec<usize> = (0..self.draft.links()).collect();
+        for joint in &self.draft.descriptions {
+            let [a, b] = joint.links.map(|link| root_of(&mut group, link));
+            group[a.max(b)] = a.min(b);
+        }
+        let mut free = Vec::new();
+        for (frame, link) in self.link_of_frame.iter().enumerate() {
+            let Some(link) = *link else { continue };
+            // The first link of each group stands for it.
+            if link != 0 && root_of(&mut group, link) == link {
+                free.push((link, frame));
+            }
+        }
+        for (link, frame) in free {
+            let of = self.draft.link_name(link).to_owned();
+            self.draft.remark(format!("nothing holds link {of:?}: it floats"));
+            let name = self.draft.fresh(format!("{of} floats"));
+            let frames =
+                [world_from_base.inverse() * self.frames.world_from(frame), Pose::identity()];
+            let joint = bare(name, JointKind::Floating, [0, link], frames);
+            self.draft.add_joint(joint, self.draft.link_place(link))?;
+        }
+        Ok(())
+    }
+}
+
+/// The least link of a group, with the way there shortened.
+fn root_of(group: &mut [usize], mut link: usize) -> usize {
+    while group[link] != link {
+        group[link] = group[group[link]];
+        link = group[link];
+    }
+    link
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::import::testing;
+    use nalgebra::Vector3;
+    use std::f64::consts::TAU;
+
+    const ARM: &str = r#"<sdf version="1.9">
+  <model name="arm">
+    <plugin name="p" filename="f"/>
+    <link name="foot"/>
+    <frame name="hip" attached_to="foot"><pose>0 0 1 0 0 0</pose></frame>
+    <link name="leg">
+      <pose relative_to="hip">0 0 0 0 0 0</pose>
+      <collision name="c"/>
+    </link>
+    <joint name="knee" type="revolute">
+      <parent>foot</parent>
+      <child>leg</child>
+      <axis><xyz>0 1 0</xyz><limit><lower>-1</lower><upper>1</upper></limit></axis>
+    </joint>
+  </model>
+</sdf>"#;
+
+    #[test]
+    fn a_model_that_nothing_holds_stands_on_its_canonical_link() {
+        let model = testing::read(ARM);
+        assert_eq!(model.mechanism.links(), ["foot", "leg"]);
+        let [knee] = model.mechanism.joints() else { panic!() };
+        assert_eq!(knee.limits, [[-1.0, 1.0]]);
+        assert_eq!(knee.frames[0].translation.vector, Vector3::z());
+        assert_eq!(knee.frames[1].rotation * Vector3::z(), Vector3::y());
+        let base = "nothing holds the model to the world: its link \"foot\" is the base";
+        assert_eq!(model.ignored, [base, "1 × collision", "1 × plugin"]);
+        let other = ARM.replace("name=\"arm\"", "name=\"arm\" canonical_link=\"leg\"");
+        assert_eq!(testing::read(&other).mechanism.links(), ["leg", "foot"]);
+    }
+
+    #[test]
+    fn in_a_world_it_floats() {
+        let text =
+            ARM.replace("<model", "<world name=\"w\"><gravity>0 0 1</gravity><model").replace(
+                "</model>",
+                "</model><model name=\"t\"><static>1</static><link name=\"l\"/></model></world>",
+            );
+        let model = testing::read(&text);
+        assert_eq!(model.mechanism.links(), ["world", "arm::foot", "arm::leg", "t::l"]);
+        let kinds: Vec<_> = model
+            .mechanism
+            .joints()
+            .iter()
+            .map(|joint| (joint.name.as_str(), joint.kind.name(), joint.links))
+            .collect();
+        let expected = [
+            ("t::l is static", "fixed", [0, 3]),
+            ("arm::knee", "revolute", [1, 2]),
+            ("arm::foot floats", "floating", [0, 1]),
+        ];
+        assert_eq!(kinds, expected);
+        let floats = "nothing holds link \"arm::foot\": it floats";
+        assert_eq!(model.ignored, [floats, "1 × collision", "1 × gravity", "1 × plugin"]);
+    }
+
+    /// The joint of the arm, its type and elements replaced.
+    #[track_caller]
+    fn knee(kind: &str, elements: &str) -> Imported {
+        let start = ARM.find("<axis>").unwrap();
+        let end = ARM.find("</axis>").unwrap() + "</axis>".len();
+        let text = format!("{}{elements}{}", &ARM[..start], &ARM[end..]);
+        testing::read(&text.replace("\"revolute\"", &format!("{kind:?}")))
+    }
+
+    #[test]
+    fn every_kind_of_joint_is_taken_over() {
+        let (x, y) = ("<axis><xyz>1 0 0</xyz></axis>", "<axis2><xyz>0 1 0</xyz></axis2>");
+        let helical = |lead| JointKind::Helical { lead };
+        for (kind, elements, expected) in [
+            ("revolute", x.to_owned(), JointKind::Revolute),
+            ("continuous", x.to_owned(), JointKind::Revolute),
+            ("prismatic", x.to_owned(), JointKind::Prismatic),
+            ("ball", String::new(), JointKind::Spherical),
+            ("fixed", String::new(), JointKind::Fixed),
+            ("universal", format!("{x}{y}"), JointKind::Universal),
+            ("revolute2", format!("{x}{y}"), JointKind::Universal),
+            (
+                "screw",
+                format!("{x}<screw_thread_pitch>0.3</screw_thread_pitch>"),
+                helical(0.3 / TAU),
+            ),
+            ("screw", format!("{x}<thread_pitch>4</thread_pitch>"), helical(-0.25)),
+        ] {
+            let joint = knee(kind, &elements).mechanism.joints()[0].clone();
+            assert_eq!(joint.kind, expected, "{elements}");
+            let z = joint.frames[0].rotation * Vector3::z();
+            let axis = if elements.is_empty() { Vector3::z() } else { Vector3::x() };
+            assert_eq!(z, axis, "{kind}");
+        }
+    }
+
+    #[test]
+    fn limits_are_taken_where_both_sides_are_said() {
+        let limit = |kind: &str, lower: &str, upper: &str| {
+            let limit = format!("<limit><lower>{lower}</lower><upper>{upper}</upper></limit>");
+            let model = knee(
+                kind,
+                &format!("<axis>{limit}</axis><screw_thread_pitch>1</screw_thread_pitch>"),
+            );
+            let listed = model.ignored.into_iter().find(|what| what.contains("limit"));
+            (model.mechanism.joints()[0].limits.clone(), listed.unwrap_or_default())
+        };
+        assert_eq!(limit("prismatic", "-2", "3"), (vec![[-2.0, 3.0]], String::new()));
+        assert_eq!(limit("revolute", "-inf", "inf"), (vec![], String::new()));
+        assert_eq!(limit("revolute", "-1e16", "1e16"), (vec![], String::new()));
+        assert_eq!(limit("revolute", "-1e16", "1"), (vec![], "1 × limit on one side".to_owned()));
+        let reversed = "1 × limit whose lower is not below its upper";
+        assert_eq!(limit("revolute", "0", "0"), (vec![], reversed.to_owned()));
+        assert_eq!(limit("screw", "0", "1"), (vec![], "1 × limit of a screw joint".to_owned()));
+    }
+
+    #[test]
+    fn older_versions_let_a_joint_have_the_name_of_a_link_and_its_axis_that_of_the_model() {
+        let old = ARM.replace("\"1.9\"", "\"1.6\"").replace("\"knee\"", "\"leg\"");
+        let old = old.replace(
+            "<pose relative_to=\"hip\">0 0 0 0 0 0<",
+            "<pose>0 0 0 0 0 1.57079632679489662<",
+        );
+        let axis = |text: &str| {
+            let joint = testing::read(text).mechanism.joints()[0].clone();
+            (joint.frames[0].rotation * Vector3::z()).map(|entry| (entry * 1e9).round() / 1e9)
+        };
+        assert_eq!(axis(&old), -Vector3::x());
+        let in_model = "<use_parent_model_frame>true</use_parent_model_frame></axis>";
+        assert_eq!(axis(&old.replace("</axis>", in_model)), Vector3::y());
+    }
+
+    #[test]
+    fn what_would_change_the_mechanism_is_refused() {
+        let refuse = |from, to, blamed, message| testing::refuse(ARM, from, to, blamed, message);
+        let plugin = "<plugin name=\"p\" filename=\"f\"/>";
+        refuse("\"1.9\"", "\"1.4\"", "1.4", "a version from 1.5 to 1.12");
+        refuse(" version=\"1.9\"", "", "<sdf>", "`sdf` needs `version`");
+        refuse(
+            "</model>",
+            "</model><model name=\"b\"/>",
+            "<model name=\"b\"/>",
+            "a second <model>",
+        );
+        refuse(
+            plugin,
+            "<include><uri>u</uri></include>",
+            "<include><uri>u</uri></include>",
+            "gz sdf -p",
+        );
+        refuse(plugin, "<plugins/>", "<plugins/>", "<plugins> in model cannot be taken over");
+        refuse("\"revolute\"", "\"gearbox\"", "gearbox", "revolute, continuous");
+        refuse(
+            "\"revolute\"",
+            "\"universal\"",
+            "<joint name=\"knee\" type=\"universal\">",
+            "needs `axis2`",
+        );
+        refuse(
+            "\"revolute\"",
+            "\"screw\"",
+            "<joint name=\"knee\" type=\"screw\">",
+            "needs `screw_thread_pitch`",
+        );
+        refuse("</axis>", "<mimic joint=\"x\"/></axis>", "<mimic joint=\"x\"/>", "couples joints");
+        refuse(
+            "</axis>",
+            "</axis><gearbox_ratio>2</gearbox_ratio>",
+            "<gearbox_ratio>2</gearbox_ratio>",
+            "of a joint cannot",
+        );
+        refuse("<xyz>0 1 0", "<xyz>0 0 0", "0 0 0", "a direction that is not 0");
+        refuse("<xyz>", "<xyz expressed_in=\"hp\">", "hp", "frame \"hp\" is not known");
+        refuse("<parent>foot", "<parent>food", "food", "did you mean `foot`?");
+        refuse(
+            "<parent>foot</parent>",
+            "",
+            "<joint name=\"knee\" type=\"revolute\">",
+            "needs `parent`",
+        );
+        refuse(
+            "<parent>foot",
+            "<parent>leg",
+            "<joint name=\"knee\" type=\"revolute\">",
+            "to itself",
+        );
+        refuse("\"knee\"", "\"leg\"", "<joint name=\"leg\" type=\"revolute\">", "used twice");
+        refuse("0 0 1 0 0 0", "0 0 1 0 0", "0 0 1 0 0", "6 numbers: x y z roll pitch yaw");
+        refuse("<pose>", "<pose frame=\"a\">", "a", "say relative_to instead");
+        refuse("<pose>", "<pose rotation_format=\"q\">", "q", "euler_rpy or quat_xyzw");
+        refuse(
+            "<pose>",
+            "<pose relative_to=\"leg\">",
+            "<frame name=\"hip\" attached_to=\"foot\"><pose relative_to=\"leg\">0 0 1 0 0 0</pose></frame>",
+            "in a circle",
+        );
+        let foreign = "<d:joint xmlns:d=\"drake\"/>";
+        refuse(plugin, foreign, foreign, "a joint of a dialect");
+        let circle = "<frame name=\"a\" attached_to=\"b\"><pose relative_to=\"foot\"/></frame><frame name=\"b\" attached_to=\"a\"><pose relative_to=\"foot\"/></frame>";
+        let text = ARM.replace(plugin, circle);
+        testing::refuse(
+            &text,
+            "<parent>foot",
+            "<parent>a",
+            &circle[..circle.find("<frame name=\"b\"").unwrap()],
+            "the link of \"arm::a\" depends on itself",
+        );
+        refuse(
+            " relative_to=\"hip\">0 0",
+            " relative_to=\"hip\" degrees=\"no\">0 0",
+            "no",
+            "true or false",
+        );
+    }
+
+    #[test]
+    fn axes_of_a_universal_joint_are_at_a_right_angle() {
+        let text = ARM.replace("\"revolute\"", "\"universal\"");
+        let axis2 = "</axis><axis2><xyz>0 1 1</xyz></axis2>";
+        testing::refuse(
+            &text,
+            "</axis>",
+            axis2,
+            "<joint name=\"knee\" type=\"universal\">",
+            "two revolute joints",
+        );
+    }
+}
