@@ -112,7 +112,7 @@ fn a_wait_that_takes_no_time_is_no_step() {
 fn a_program_is_planned_shown_and_told() {
     let server = server(CellFiles::example());
     let found = plan(&server, &json!({ "program": SHORT }));
-    assert_eq!(found["problems"], json!([]));
+    assert_eq!(found["diagnostics"], json!([]));
     assert_eq!(found["report"]["verdict"], "sound", "{}", found["report"]["violations"]);
     let (report, steps) = (&found["report"], steps(&server, &found));
     assert_eq!(report["steps"], steps.len());
@@ -164,16 +164,16 @@ fn all_mistakes_are_told_with_their_places() {
     assert_eq!(found["report"], Value::Null);
     // A line that cannot be read does not hide a name that is not known.
     for (problem, [line, column]) in
-        found["problems"].as_array().unwrap().iter().zip([[2, 5], [3, 1]])
+        found["diagnostics"].as_array().unwrap().iter().zip([[2, 5], [3, 1]])
     {
         assert_eq!(
-            (&problem["of"], &problem["line"], &problem["column"]),
+            (&problem["source"], &problem["line"], &problem["column"]),
             (&"program".into(), &line.into(), &column.into())
         );
     }
-    assert_eq!(found["problems"].as_array().unwrap().len(), 2);
+    assert_eq!(found["diagnostics"].as_array().unwrap().len(), 2);
     let found = plan(&server, &json!({ "program": wrong.replace("FLY\n", "") }));
-    let first = &found["problems"][0];
+    let first = &found["diagnostics"][0];
     assert_eq!(
         (&first["line"], &first["column"], &first["width"]),
         (&2.into(), &5.into(), &3.into())
@@ -186,11 +186,11 @@ fn all_mistakes_are_told_with_their_places() {
     assert_eq!(told.status, StatusCode::CONFLICT);
     let found = plan(&server, &json!({ "cell": "kind = \"cell\"\nsize = 3\n" }));
     assert!(
-        found["problems"]
+        found["diagnostics"]
             .as_array()
             .unwrap()
             .iter()
-            .any(|one| one["of"] == "cell" && one["line"] == 2)
+            .any(|one| one["source"] == "cell" && one["line"] == 2)
     );
     assert_eq!((&found["stations"], &found["report"]), (&json!([]), &Value::Null));
 }
@@ -337,10 +337,10 @@ fn the_parts_of_the_cell_are_told() {
     let robot = &found["robot"];
     assert_eq!(robot["axes"].as_array().unwrap().len(), 6);
     assert_eq!(robot["arms"][1]["links"][3], "lower link 4");
-    assert_eq!(found["wafers"][24]["starts"], "LP1, slot 25");
+    assert_eq!(found["wafers"][24]["initial_location"], "LP1, slot 25");
     let bodies = found["bodies"].as_array().unwrap();
     let blade = bodies.iter().find(|body| body["name"] == "blade-A").unwrap();
-    assert_eq!(blade["moves_with"], "upper link 4");
+    assert_eq!(blade["attached_to"], "upper link 4");
     assert_eq!(blade["shape"], json!({ "kind": "box", "half_m": [0.15, 0.11, 0.0015] }));
     assert_eq!(found["zones"][0]["rule"], "keep-out");
 }
@@ -355,8 +355,8 @@ fn a_cell_that_cannot_be_read_is_opened_to_be_mended_and_told_with_its_line() {
     assert!(wrong.iter().any(|one| one.contains("wrong.toml:2:1")), "{wrong:?}");
     let server = server(files);
     let found = plan(&server, &json!({}));
-    let first = &found["problems"][0];
-    assert_eq!((&first["of"], &found["robot"]), (&"cell".into(), &Value::Null), "{found}");
+    let first = &found["diagnostics"][0];
+    assert_eq!((&first["source"], &found["robot"]), (&"cell".into(), &Value::Null), "{found}");
     let mended =
         plan(&server, &json!({ "cell": jointplay::format::cell::EXAMPLE, "program": SHORT }));
     assert_eq!(mended["report"]["verdict"], "sound");

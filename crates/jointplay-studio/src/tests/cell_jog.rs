@@ -64,14 +64,14 @@ fn limits_stop_it_and_say_so() {
         (&found["stopped"]["kind"], &found["stopped"]["axes"]),
         (&"axis_limit".into(), &json!(["RA"]))
     );
-    let why = found["stopped"]["says"][0].as_str().unwrap();
+    let why = found["stopped"]["reasons"][0].as_str().unwrap();
     assert!(why.contains("axis RA") && why.contains("80.0000°"), "{why}");
     let lean =
         json!({ "kind": "platform", "height_m": 0.5, "about_x_rad": 0.05, "about_y_rad": 0.0 });
     let found = jog(&server, json!({ "to": lean }));
     let platform = &found["platform"];
     let (lean, most) =
-        (platform["lean_rad"].as_f64().unwrap(), platform["lean_max_rad"].as_f64().unwrap());
+        (platform["tilt_rad"].as_f64().unwrap(), platform["tilt_max_rad"].as_f64().unwrap());
     assert!((lean - most).abs() < 1e-9, "{platform}");
     assert_eq!(found["stopped"]["kind"], "tilt_limit");
     let far = json!({ "kind": "slot", "radial_m": 1.0, "turn_rad": 0.0, "height_m": 0.0, "yaw_rad": 0.0 });
@@ -220,9 +220,9 @@ fn every_pose_is_checked_and_a_contact_stops_it() {
     before["stop_at_contact"] = true.into();
     let stopped = jog(&server, before);
     assert_eq!(stopped["stopped"]["kind"], "contact", "{}", stopped["stopped"]);
-    let names = &stopped["stopped"]["touching"];
+    let names = &stopped["stopped"]["contact"];
     assert_eq!(names.as_array().unwrap().len(), 2);
-    let says = stopped["stopped"]["says"][0].as_str().unwrap();
+    let says = stopped["stopped"]["reasons"][0].as_str().unwrap();
     assert!(says.contains(names[0].as_str().unwrap()) && says.ends_with("would touch"), "{says}");
     assert_eq!(stopped["check"]["in_contact"], json!([]));
     let nearest = stopped["check"]["distances"][0]["distance_m"].as_f64().unwrap();
@@ -269,11 +269,11 @@ fn teaching_in_contact_needs_a_confirmation_and_is_noted() {
     let (above, _) = text.split_once("name = \"LP2\"").unwrap();
     let note = above.lines().rev().find(|line| line.starts_with('#')).unwrap();
     assert!(note.starts_with("# Taught in contact: ") && note.contains("wall"), "{note}");
-    assert!(!taught["touching"].as_array().unwrap().is_empty());
+    assert!(!taught["contacts"].as_array().unwrap().is_empty());
     assert!(text.contains("[-495.0, -495.0, 501.0]"), "{text}");
     // Taught again without a contact, the note goes; no other line has changed.
     let again = teach(positions(&home), false, Some(text)).json();
     let clean = again["cell"].as_str().unwrap();
-    assert_eq!((clean.contains("Taught in contact"), &again["touching"]), (false, &json!([])));
+    assert_eq!((clean.contains("Taught in contact"), &again["contacts"]), (false, &json!([])));
     assert_eq!(clean.lines().count() + 1, text.lines().count());
 }

@@ -38,7 +38,7 @@ fn an_edit_of_one_line_names_the_windows_that_there_were() {
     let server = server(CellFiles::example());
     let text = long(200);
     let first = plan(&server, &json!({ "cell": cell(), "program": text }));
-    assert_eq!(first["problems"], json!([]));
+    assert_eq!(first["diagnostics"], json!([]));
     let known: BTreeSet<String> = keys(&first).iter().map(Value::to_string).collect();
     assert!(keys(&first).len() >= 15, "{}", keys(&first).len());
     let mut lines: Vec<&str> = text.lines().collect();
@@ -78,7 +78,7 @@ fn a_long_plan_is_told_in_little_and_its_lists_in_pages() {
         fetch(&server, &format!("cell/plans/{key}/{list}/{number}"))
     };
     let last = page("instructions", "3").json();
-    assert_eq!(last["of"], 400);
+    assert_eq!(last["total"], 400);
     assert_eq!(last["instructions"].as_array().unwrap().len(), 100);
     assert_eq!(last["instructions"][99]["number"], 401);
     assert_eq!(page("instructions", "9").json()["instructions"], json!([]));

@@ -86,6 +86,6 @@ fn what_is_not_there() {
 
 #[test]
 fn a_body_that_is_too_long() {
-    let long = format!("{{\"command\": \"{}\"}}", "x".repeat(crate::body::LARGEST_BODY));
+    let long = format!("{{\"command\": \"{}\"}}", "x".repeat(crate::body::MAX_BODY_BYTES));
     refused("/api/v1/pose", &long, 413, None, "longer than 1000000 bytes");
 }
