@@ -1,4 +1,4 @@
-// Long programs: the page's kinematics against the server's poses, what is sent, and what is shown while it is not there yet.
+// Long programs: kinematics of the page compared with the server, transferred data, and display while loading.
 
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -49,7 +49,7 @@ const ROBOTS: [string, (text: string) => string, string][] = [
 ];
 
 for (const [name, change, program] of ROBOTS)
-  test(`the page places every frame where the server does: ${name}`, async () => {
+  test(`the kinematics of the page equals that of the server: ${name}`, async () => {
     const plan = (await (await ask('cell/plan', { cell: change(CELL), program })).json()) as never as {
       key: string;
       windows: { key: string; start_s: number }[];
@@ -86,7 +86,7 @@ for (const [name, change, program] of ROBOTS)
 const planned = async (page: Page) => (await page.getByTestId('planned').textContent())!.startsWith('Planned');
 const sound = async (page: Page) => (await page.getByTestId('check-result').getAttribute('data-state')) === 'sound';
 
-test('a long program is shown with its result; typing one line sends what changed', async () => {
+test('an edit of a long program transfers only changed data', async () => {
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' })).newPage();
   const heard = complaints(page);
   let bytes = 0;
@@ -125,7 +125,7 @@ test('a long program is shown with its result; typing one line sends what change
   await page.close();
 });
 
-test('while a part of the motion is fetched, the page says so', async () => {
+test('the page shows that a part of the motion is loading', async () => {
   const page = await (await browser.newContext({ viewport: { width: 1280, height: 720 }, reducedMotion: 'reduce' })).newPage();
   await page.goto(server.address);
   await until('it is sound', () => sound(page));

@@ -15,6 +15,7 @@ import {
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import type { StationDocument } from '../api/client';
 import type { Frame } from '../lib/kinematics';
+import { slotNames } from '../lib/slots';
 import { disposeGeometries, disposeMaterials } from '../scene/dispose';
 import { Handles, type Freedom } from '../scene/handles';
 import { SceneRenderer, type Overlay, type RendererEvents } from '../scene/sceneRenderer';
@@ -221,8 +222,7 @@ export class CellRenderer extends SceneRenderer {
       this.clearPreview();
       const group = new Group();
       this.#baseFrame?.add(group);
-      const slots = Array.from({ length: from.slots }, (_, k) => `${from.name} ${k + 1}`);
-      this.#preview = { station: from.name, slots: new Set(slots), group };
+      this.#preview = { station: from.name, slots: new Set(slotNames(from)), group };
       for (const part of this.#stationParts.get(from.name) ?? []) this.#attach(part, true);
       this.#attachWafers();
     }

@@ -15,20 +15,22 @@ export interface EditorDiagnostic {
   severity: 'error' | 'warning';
 }
 
-const WORDS = /^(HOME|MOVE|LINE|GET|PUT|TRANSFER|SWAP|GOTO|WAIT|SPEED|BLEND|OFF|TILT|CALL|ROUTINE|REPEAT|END|WITH|SLOT|TO|FROM|AT|BY|AS|LEVEL)\b/i;
-
-const programs = StreamLanguage.define({
-  token(stream) {
-    if (stream.eatSpace()) return null;
-    if (stream.match(/^#.*/)) return 'comment';
-    if (stream.match(/^"(?:[^"]|"")*"/)) return 'string';
-    if (stream.match(/^-?\d+(\.\d+)?/)) return 'number';
-    if (stream.match(WORDS)) return 'keyword';
-    if (stream.match(/^[A-Za-z_][\w-]*/)) return 'variableName';
-    stream.next();
-    return null;
-  },
-});
+/** Highlighting of programs with the given reserved words. */
+const programLanguage = (keywords: readonly string[]) => {
+  const keyword = new RegExp(`^(${keywords.join('|')})\\b`, 'i');
+  return StreamLanguage.define({
+    token(stream) {
+      if (stream.eatSpace()) return null;
+      if (stream.match(/^#.*/)) return 'comment';
+      if (stream.match(/^"(?:[^"]|"")*"/)) return 'string';
+      if (stream.match(/^-?\d+(\.\d+)?/)) return 'number';
+      if (stream.match(keyword)) return 'keyword';
+      if (stream.match(/^[A-Za-z_][\w-]*/)) return 'variableName';
+      stream.next();
+      return null;
+    },
+  });
+};
 
 const toml = StreamLanguage.define({
   token(stream) {
@@ -97,7 +99,7 @@ export class Editor {
   /** Whether the current change is not caused by typing. */
   #given = false;
 
-  constructor(host: HTMLElement, kind: 'program' | 'cell', label: string, text: string, { typed, save, undone, redone }: EditorEvents) {
+  constructor(host: HTMLElement, language: 'toml' | { keywords: readonly string[] }, label: string, text: string, { typed, save, undone, redone }: EditorEvents) {
     const extensions: Extension[] = [
       lineNumbers(),
       highlightActiveLineGutter(),
@@ -106,7 +108,7 @@ export class Editor {
       lintGutter(),
       running,
       look,
-      kind === 'program' ? programs : toml,
+      language === 'toml' ? toml : programLanguage(language.keywords),
       syntaxHighlighting(colours),
       keymap.of([
         { key: 'Mod-s', run: done(save), preventDefault: true },

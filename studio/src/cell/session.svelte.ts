@@ -5,6 +5,7 @@ import { ConnectionError, ApiError, type PlanDocument, type StationDocument } fr
 import { connection } from '../api/connection.svelte';
 import { readDrafts, removeDraft, removeOlderDraft, storeDraft, type Draft } from '../lib/draft';
 import { History } from '../lib/history';
+import { slotNames, stationOf } from '../lib/slots';
 import { CONTACT_FIELD, contactNoteLine, type ContactRequest } from './contactNote';
 import { JogController } from './jogController.svelte';
 import { UnknownPlan, Timeline } from './timeline.svelte';
@@ -35,6 +36,8 @@ export class WorkcellSession {
   texts = $state.raw<Texts>({ cell: '', program: '' });
   saved = $state.raw<Texts>({ cell: '', program: '' });
   plan = $state.raw<PlanDocument | null>(null);
+  /** Reserved words of the program language. */
+  keywords: readonly string[] = [];
   /** The stations of the last valid cell; errors in their values can be fixed in the panel. */
   stations = $state.raw<StationDocument[]>([]);
   /** The cell with the robot at home, as glTF. */
@@ -78,13 +81,13 @@ export class WorkcellSession {
   /** Name of the selected part or station. */
   selected = $state<string | null>(null);
   /** The selected station, or the station of the selected slot. */
-  station = $derived(this.stations.find(({ name }) => this.selected === name || (this.selected?.startsWith(`${name} `) ?? false)) ?? null);
+  station = $derived(stationOf(this.stations, this.selected));
   /** Names of all parts of the selection. */
   highlighted = $derived.by((): ReadonlySet<string> => {
     const { selected } = this;
     if (selected === null) return new Set();
-    const slots = this.stations.find(({ name }) => name === selected)?.slots ?? 0;
-    const named = Array.from({ length: slots }, (_, k) => `${selected} ${k + 1}`);
+    const station = this.stations.find(({ name }) => name === selected);
+    const named = station ? slotNames(station) : [];
     const robot = this.plan?.robot;
     const whole = robot?.name === selected;
     for (const { name, links, effectors } of robot?.arms ?? []) {
@@ -149,12 +152,13 @@ export class WorkcellSession {
   async start(): Promise<void> {
     if (this.state !== 'starting') return;
     try {
-      const { file, identity, cell, program, version } = await api.cell();
+      const { file, identity, cell, program, version, keywords } = await api.cell();
       if (this.state !== 'starting') return;
       this.state = 'planning';
       this.file = file;
       this.#identity = identity;
       this.#version = version;
+      this.keywords = keywords;
       this.texts = this.saved = { cell, program };
       this.points = {};
       this.#history = new History({ texts: this.texts, points: this.points });
@@ -329,19 +333,19 @@ export class WorkcellSession {
     try {
       let before: string;
       let after: string;
-      let touching: string[][];
+      let contacts: string[][];
       // If the text was edited in the meantime, the change is applied to the new text.
       do {
         before = this.texts.cell;
-        ({ cell: after, touching } = await api.setStation(before, station, change));
+        ({ cell: after, contacts } = await api.setStation(before, station, change));
         // The comment of an earlier point is preserved.
         const { taught_by, ...values } = change;
-        if (taught_by && touching.length === 0 && !change.position_m) after = (await api.setStation(before, station, values)).cell;
+        if (taught_by && contacts.length === 0 && !change.position_m) after = (await api.setStation(before, station, values)).cell;
       } while (this.texts.cell !== before);
       this.texts = { ...this.texts, cell: after };
       taken();
       this.commit();
-      if (touching.length > 0) this.showLine(contactNoteLine(after, station), 'cell');
+      if (contacts.length > 0) this.showLine(contactNoteLine(after, station), 'cell');
     } catch (error) {
       this.draggedStation = null;
       const by = change.taught_by;

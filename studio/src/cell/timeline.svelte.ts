@@ -3,6 +3,7 @@
 import * as api from '../api/client';
 import { ApiError, type PlanDocument } from '../api/client';
 import { frames, type Frame, type Names } from '../lib/kinematics';
+import { slotName } from '../lib/slots';
 import { MotionWindow, type WaferPlacement, type Step } from '../lib/motion';
 
 /** State of the motion at one time. */
@@ -143,7 +144,7 @@ export class Timeline {
     const held = moment.window.held(plan.wafers.map(({ held }, wafer) => ({ wafer, ...held }) as WaferPlacement), moment.index);
     const restingWafers = new Map<string, string>();
     held.forEach(({ slot }, k) => {
-      if (slot) restingWafers.set(names.wafers[k]!, `${plan.stations[slot[0]]!.name} ${slot[1]}`);
+      if (slot) restingWafers.set(names.wafers[k]!, slotName(plan.stations[slot[0]]!.name, slot[1]));
     });
     return { frames: frames(plan.chain, names, moment.window.values(moment.index, moment.since), held), restingWafers };
   }

@@ -7,7 +7,7 @@ test('values have a margin of eight hundredths above and below', () => {
   expect(high).toBeCloseTo(108, 12);
 });
 
-test('rounding of the calculation is a flat line, motion is not', () => {
+test('rounding errors are a flat line, motion is not', () => {
   for (const { unit, id } of PLOTS) {
     // Noise as it was seen: some 1e-11 rad and 1e-15 m about a value.
     const noise = { mm: 1e-15, µm: 1e-15, mrad: 1e-11, '°': 1e-11 }[unit] * FACTORS[unit];
@@ -20,7 +20,7 @@ test('rounding of the calculation is a flat line, motion is not', () => {
   }
 });
 
-test('nothing, and one value, have a range too', () => {
+test('no values and one value have a range', () => {
   expect(verticalRange(null, null, 2)).toEqual([-1, 1]);
   expect(verticalRange(5, 5, 2)).toEqual([4, 6]);
 });

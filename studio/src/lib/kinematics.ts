@@ -5,7 +5,7 @@ export interface Chain {
   base_points_m: number[][];
   arms: {
     mount_m: number[];
-    joints: { kind: 'turn' | 'slide'; zero: number; drives: { axis: number; ratio: number }[]; next_m: number[]; rise_m: number }[];
+    joints: { kind: 'revolute' | 'prismatic'; zero: number; drives: { axis: number; ratio: number }[]; next_m: number[]; rise_m: number }[];
     effectors: { name: string; center_m: number[]; heading_rad: number }[];
   }[];
 }
@@ -82,7 +82,7 @@ export function frames(chain: Chain, names: Names, values: ArrayLike<number>, he
     let base = platform;
     joints.forEach(({ kind, zero, drives, next_m, rise_m }, k) => {
       const value = drives.reduce((sum, { axis, ratio }) => sum + ratio * values[axis]!, zero);
-      const local = compose(compose(at, moved(0, 0, rise_m)), kind === 'turn' ? turned(value) : moved(value, 0, 0));
+      const local = compose(compose(at, moved(0, 0, rise_m)), kind === 'revolute' ? turned(value) : moved(value, 0, 0));
       base = compose(base, local);
       found.push(frame(names.links[arm]![k]!, k + 1 === joints.length ? compose(local, poseOf(values, link)) : local));
       at = moved(next_m[0]!, next_m[1]!, 0);
