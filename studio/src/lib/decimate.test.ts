@@ -1,12 +1,12 @@
 import { expect, test } from 'vitest';
 import { decimate } from './decimate';
 
-test('short series are drawn whole', () => {
+test('short series are kept completely', () => {
   expect(decimate([[1, 2, 3, 4]], 1, 4, 2)).toEqual([1, 2, 3]);
   expect(decimate([[]], 0, 0, 10)).toEqual([]);
 });
 
-test('every peak of every series is kept, in order, and few others', () => {
+test('decimation keeps every peak of every series in order', () => {
   const count = 100_000;
   const wave = Float64Array.from({ length: count }, (_, i) => Math.sin(i / 500));
   const spikes = new Float64Array(count);
@@ -23,7 +23,7 @@ test('every peak of every series is kept, in order, and few others', () => {
   expect(largest).toBe(wave.reduce((a, b) => Math.max(a, b)));
 });
 
-test('a stretch of the series is decimated by itself', () => {
+test('decimation of a range does not depend on the rest', () => {
   const ramp = Float64Array.from({ length: 10_000 }, (_, i) => i);
   const kept = decimate([ramp], 2000, 9000, 10);
   expect(kept[0]).toBe(2000);

@@ -1,7 +1,7 @@
 /**
- * Which samples of long series to draw: in each of `buckets` equal stretches of `from..to` (whole numbers, `to` left out)
- * the first, the last, and every series' smallest and largest, so that no peak is lost.
- * Short series are drawn whole.
+ * Selects samples of long series for display: in each of `buckets` equal intervals of `from..to` (integers, `to` excluded)
+ * the first, the last, and the minimum and maximum of each series, so that no peak is lost.
+ * Short series are kept completely.
  */
 export function decimate(series: ArrayLike<number>[], from: number, to: number, buckets: number): number[] {
   const count = to - from;

@@ -30,6 +30,7 @@ pub use explain::{Explained, explain};
 pub use layout::format;
 pub use parser::{MAX_BYTES, MAX_DEPTH, parse, parse_what_can_be};
 pub use problem::{Error, Problem};
+pub use words::keywords;
 pub use write::write;
 
 /// The program of the cell that comes along: a lot of 25 wafers, processed, and brought back.

@@ -8,7 +8,7 @@ use jointplay::mobility::{RANK_THRESHOLD, augmented_mobility, finite_mobility};
 use jointplay::spatial::Tilt;
 use jointplay::virtualization::{Planar, SolveOptions, Virtualization};
 
-use super::reached;
+use super::solve_command;
 use crate::body::Body;
 use crate::problem::Problem;
 use crate::state::AppState;
@@ -29,8 +29,8 @@ use crate::wire::{self, ModelChoice, Rods};
     responses(
         (status = 200, description = "The pose", body = PoseDocument),
         (status = 409, description = "There is no such pose", body = Problem, content_type = "application/problem+json"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn pose(
@@ -61,7 +61,7 @@ fn compute(gpr: &Gpr, request: PoseRequest) -> Result<PoseDocument, Problem> {
         .collect::<Result<_, Problem>>()?;
     let (first, options) = &models[0];
     let target = command.read(gpr, "command")?;
-    let (rods, tilt) = reached(gpr, target, first.model(), options)?;
+    let (rods, tilt) = solve_command(gpr, target, first.model(), options)?;
     let broken: Vec<BrokenLimit> = gpr.limits().broken(&rods, tilt).iter().collect();
     let from = from.map(|Rods(from)| wire::rods(from, "from_rods_m")).transpose()?;
     let within = |from: &[f64; 3]| gpr.limits().broken(from, gpr.plane_tilt(from)).is_empty();

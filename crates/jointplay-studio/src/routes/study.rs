@@ -24,8 +24,8 @@ use crate::wire::study::StudyRequest;
     request_body = StudyRequest,
     responses(
         (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.arrow.stream"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn study(
@@ -47,8 +47,8 @@ pub(crate) async fn study(
     request_body = StudyRequest,
     responses(
         (status = 200, description = "The samples", body = String, content_type = "text/csv"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn study_csv(
@@ -73,8 +73,8 @@ pub(crate) async fn study_csv(
     request_body = StudyRequest,
     responses(
         (status = 200, description = "The samples", body = Binary, content_type = "application/vnd.apache.parquet"),
-        (status = "4XX", description = "The request is wrong", body = Problem, content_type = "application/problem+json"),
-        (status = "5XX", description = "The server cannot", body = Problem, content_type = "application/problem+json"),
+        (status = "4XX", description = "The request is invalid", body = Problem, content_type = "application/problem+json"),
+        (status = "5XX", description = "The server cannot process the request", body = Problem, content_type = "application/problem+json"),
     )
 )]
 pub(crate) async fn study_parquet(
