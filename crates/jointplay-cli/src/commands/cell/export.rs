@@ -7,6 +7,8 @@ use jointplay::format::number::number;
 use jointplay::format::place;
 use jointplay::interop::export::dialect::{DIALECTS, Dialect, MAX_BYTES};
 use jointplay::interop::export::{self, Recording};
+#[cfg(feature = "parquet")]
+use jointplay::report::TableError;
 use jointplay::report::table;
 use serde::Serialize;
 
@@ -220,12 +222,8 @@ fn parquet(
     recording: &Recording<'_>,
     rate: f64,
 ) -> Result<(), Failure> {
-    let failed = |error: table::ParquetError| match error {
-        // The disk is told as such.
-        table::ParquetError::External(source) => match source.downcast::<std::io::Error>() {
-            Ok(source) => Contents::Write(*source),
-            Err(_) => Contents::Other(Failure::Parquet),
-        },
+    let failed = |error: TableError| match error {
+        TableError::Write(source) => Contents::Write(source),
         _ => Contents::Other(Failure::Parquet),
     };
     staged.add(name, |writer| {
