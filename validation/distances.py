@@ -135,7 +135,7 @@ def cell(draw: random.Random, folder: Path) -> dict[str, tuple[coal.CollisionGeo
     disc = np.eye(4)
     disc[2, 3] = WAFER[1] / 2
     for name in carried:
-        bodies[f"wafer from {name}"] = coal.Cylinder(WAFER[0] / 2, WAFER[1]), disc
+        bodies[f"wafer of {name}"] = coal.Cylinder(WAFER[0] / 2, WAFER[1]), disc
     return bodies
 
 
@@ -232,8 +232,7 @@ def compare(command: str, seed: int) -> tuple[int, int, float]:
 
     def at(time: float) -> dict[str, np.ndarray]:
         known: dict[int, np.ndarray] = {}
-        names = {name: name.replace("wafer from", "wafer of") for name in bodies}
-        return {name: gltf.pose(nodes[node], time, known) @ bodies[name][1] for name, node in names.items()}
+        return {name: gltf.pose(nodes[name], time, known) @ bodies[name][1] for name in bodies}
 
     def between(pair: list[str], poses: dict[str, np.ndarray]) -> float:
         one, other = pair

@@ -4,18 +4,18 @@ use jointplay_core::gpr::AxisHeight;
 use jointplay_core::spatial::{Pose, Tilt, tilt_rotation};
 use nalgebra::{Rotation3, Unit, Vector3};
 
-use crate::CellError;
 use crate::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use crate::station::SlotId;
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
+use crate::{CellError, EntityId};
 
 /// How often the way to a place that cannot be reached is halved: what is left of it is a trillionth.
 const HALVINGS: usize = 40;
 
 /// Where the robot has come to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Jogged {
+pub struct JogOutcome {
     /// Of all axes, rods first ([m], [rad]).
     pub positions: Vec<f64>,
     /// Why it is not where it was told to go.
@@ -29,8 +29,8 @@ pub enum Stopped {
     Limits(Vec<LimitViolation>),
     /// No positions bring the wafer there.
     Place(Unreachable),
-    /// These two, by name, would touch farther on.
-    Contact([String; 2]),
+    /// These two collision objects would touch farther on.
+    Contact([EntityId; 2]),
 }
 
 /// A wafer as seen from a slot, in cylinder coordinates about the axis that the arm turns about.
@@ -39,7 +39,7 @@ pub enum Stopped {
 ///    the wafer is in the slot where all are zero, its x axis then pointing inward
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FromSlot {
+pub struct SlotRelativePose {
     /// How much farther from the axis than the slot its centre is, negative before the slot [m].
     pub radial: f64,
     /// Angle about the axis from the slot to its centre [rad].
@@ -61,14 +61,14 @@ struct View {
 }
 
 impl View {
-    fn seen(&self, wafer: &Pose) -> FromSlot {
+    fn seen(&self, wafer: &Pose) -> SlotRelativePose {
         let Self { frame, normal, axis, out } = self;
         let beside = wafer.translation.vector - axis;
         let height = normal.dot(&beside);
         let within = beside - normal * height;
         let ahead = wafer.rotation * Vector3::x();
         let (inward, across) = (frame.rotation * Vector3::y(), -(frame.rotation * Vector3::x()));
-        FromSlot {
+        SlotRelativePose {
             radial: within.norm() - out.norm(),
             turn: normal.dot(&out.cross(&within)).atan2(out.dot(&within)),
             height,
@@ -76,8 +76,8 @@ impl View {
         }
     }
 
-    fn target(&self, from_slot: &FromSlot, normal: Vector3<f64>) -> WaferTarget {
-        let FromSlot { radial, turn, height, yaw } = *from_slot;
+    fn target(&self, from_slot: &SlotRelativePose, normal: Vector3<f64>) -> WaferTarget {
+        let SlotRelativePose { radial, turn, height, yaw } = *from_slot;
         let about = |angle| Rotation3::from_axis_angle(&Unit::new_unchecked(self.normal), angle);
         let out = self.out.try_normalize(f64::MIN_POSITIVE);
         let out = out.unwrap_or_else(|| self.frame.rotation * Vector3::y());
@@ -100,7 +100,7 @@ impl Cell {
     ///
     /// # Errors
     /// [`CellError::WrongLength`], [`CellError::NotFinite`]
-    pub fn jog_axes(&self, from: &[f64], to: &[f64]) -> Result<Jogged, CellError> {
+    pub fn jog_axes(&self, from: &[f64], to: &[f64]) -> Result<JogOutcome, CellError> {
         let robot = &self.robot;
         robot.limit_violations(from)?;
         let broken = robot.limit_violations(to)?;
@@ -111,7 +111,7 @@ impl Cell {
         let rods = |all: &[f64]| [all[0], all[1], all[2]];
         positions[..RODS].copy_from_slice(&robot.gpr.clamp_to_limits(&rods(from), &rods(to)));
         let stopped = (!broken.is_empty()).then_some(Stopped::Limits(broken));
-        Ok(Jogged { positions, stopped })
+        Ok(JogOutcome { positions, stopped })
     }
 
     /// The platform toward a tilt and a height, the motors staying as they are.
@@ -123,7 +123,7 @@ impl Cell {
         from: &[f64],
         tilt: Tilt,
         height: AxisHeight,
-    ) -> Result<Jogged, CellError> {
+    ) -> Result<JogOutcome, CellError> {
         let mut to = from.to_vec();
         self.robot.limit_violations(from)?;
         to[..RODS].copy_from_slice(&self.robot.gpr.inverse(tilt, height)?);
@@ -146,7 +146,7 @@ impl Cell {
         effector: EffectorId,
         loaded: bool,
         to: &WaferTarget,
-    ) -> Result<Jogged, Unreachable> {
+    ) -> Result<JogOutcome, Unreachable> {
         let (pose, _) = self.wafer_pose_as_known(effector, from, loaded)?;
         let start = WaferTarget::of(&pose);
         let way = |share: f64| WaferTarget {
@@ -167,14 +167,14 @@ impl Cell {
     ///
     /// # Panics
     /// If the cell has no such station.
-    pub fn jog_from_slot(
+    pub fn jog_slot_relative(
         &self,
         from: &[f64],
         effector: EffectorId,
         loaded: bool,
         slot: SlotId,
-        to: &FromSlot,
-    ) -> Result<Jogged, Unreachable> {
+        to: &SlotRelativePose,
+    ) -> Result<JogOutcome, Unreachable> {
         let (pose, _) = self.wafer_pose_as_known(effector, from, loaded)?;
         let view = self.view(effector, slot);
         let (start, normal) = (view.seen(&pose), pose.rotation * Vector3::z());
@@ -182,7 +182,7 @@ impl Cell {
         let turned = |from: f64, to: f64, share: f64| from + share * shortest(to - from);
         let free = self.robot.heading_is_free(effector)?;
         let way = |share: f64| {
-            let part = FromSlot {
+            let part = SlotRelativePose {
                 radial: between(start.radial, to.radial, share),
                 turn: turned(start.turn, to.turn, share),
                 height: between(start.height, to.height, share),
@@ -203,7 +203,12 @@ impl Cell {
     /// # Panics
     /// If the cell has no such station.
     #[must_use]
-    pub fn seen_from_slot(&self, wafer: &Pose, effector: EffectorId, slot: SlotId) -> FromSlot {
+    pub fn slot_relative_pose(
+        &self,
+        wafer: &Pose,
+        effector: EffectorId,
+        slot: SlotId,
+    ) -> SlotRelativePose {
         self.view(effector, slot).seen(wafer)
     }
 
@@ -225,9 +230,9 @@ impl Cell {
         effector: EffectorId,
         loaded: bool,
         way: impl Fn(f64) -> WaferTarget,
-    ) -> Result<Jogged, Unreachable> {
+    ) -> Result<JogOutcome, Unreachable> {
         let why = match self.reach(effector, &way(1.0), loaded, from) {
-            Ok(reached) => return Ok(Jogged { positions: reached.positions, stopped: None }),
+            Ok(reached) => return Ok(JogOutcome { positions: reached.positions, stopped: None }),
             Err(Unreachable::Robot(error)) => return Err(Unreachable::Robot(error)),
             Err(why) => why,
         };
@@ -240,7 +245,7 @@ impl Cell {
                 Err(_) => far = share,
             }
         }
-        Ok(Jogged { positions, stopped: Some(Stopped::Place(why)) })
+        Ok(JogOutcome { positions, stopped: Some(Stopped::Place(why)) })
     }
 }
 

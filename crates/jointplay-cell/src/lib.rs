@@ -16,7 +16,7 @@
 //! | [`trajectory`] | steps in time: jerk-limited, synchronised, straight where asked for |
 //! | [`check`] | what is wrong with a motion, by sample and by instruction |
 //! | [`jog`] | the robot moved by hand: as far as its limits let it go, and what stops it there |
-//! | [`Memory`] | both for a plan that changes, at the cost of what changes |
+//! | [`IncrementalPlanner`] | both for a plan that changes, at the cost of what changes |
 //! | [`geometry`] | shapes, and shapes as triangles |
 //!
 //! Pure mathematics in SI: no files, no clock, no threads.
@@ -27,6 +27,7 @@ extern crate self as jointplay_cell;
 mod arm_placement;
 pub mod check;
 mod collision;
+mod entity;
 mod error;
 pub mod geometry;
 mod incremental;
@@ -40,6 +41,7 @@ mod violation;
 pub mod wafer;
 pub mod workcell;
 
+pub use entity::EntityId;
 pub use error::CellError;
-pub use incremental::{Interrupted, Job, Reuse, Stop};
-pub use planner::{Memory, Unplanned};
+pub use incremental::{CacheStats, Interrupted, Job, Stop};
+pub use planner::{IncrementalPlanner, PlanError};

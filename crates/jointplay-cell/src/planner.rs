@@ -1,7 +1,7 @@
 //! What was found of the last plan, so that a change costs what it changes.
 
 use crate::check::{CheckOptions, Checks, Report};
-use crate::incremental::{Interrupted, Job, Reuse, Run, Stop, never, whole};
+use crate::incremental::{CacheStats, Interrupted, Job, Run, Stop, never, whole};
 use crate::program::{IkCache, Program, ProgramError, Step, expand_by};
 use crate::trajectory::{SegmentCache, Trajectory, TrajectoryError, TrajectoryOptions};
 use crate::workcell::Cell;
@@ -13,16 +13,16 @@ use crate::workcell::Cell;
 /// What comes out is the same as without a memory, to the bit: [`expand`](crate::program::expand), [`plan_trajectory`](crate::trajectory::plan_trajectory) and [`check`](crate::check::check) are these functions of an empty one.
 ///
 /// It holds what the last plan came to, and no more.
-pub struct Memory {
+pub struct IncrementalPlanner {
     places: IkCache,
     ways: SegmentCache,
     checks: Checks,
     run: Box<dyn Fn(usize, Job<'_>) + Send>,
 }
 
-/// Why [`Memory::plan`] returns no motion.
+/// Why [`IncrementalPlanner::plan`] returns no motion.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Unplanned {
+pub enum PlanError {
     /// It was stopped.
     #[error(transparent)]
     Interrupted(#[from] Interrupted),
@@ -34,13 +34,13 @@ pub enum Unplanned {
     Trajectory(#[from] TrajectoryError),
 }
 
-impl Default for Memory {
+impl Default for IncrementalPlanner {
     fn default() -> Self {
         Self::run_by(|count, job| (0..count).for_each(job))
     }
 }
 
-impl Memory {
+impl IncrementalPlanner {
     /// An empty one, whose moves somebody runs who may have threads for it.
     ///
     /// # Arguments
@@ -48,16 +48,16 @@ impl Memory {
     ///
     /// # Example
     /// ```
-    /// use jointplay_cell::Memory;
+    /// use jointplay_cell::IncrementalPlanner;
     ///
-    /// let memory = Memory::run_by(|count, job| {
+    /// let memory = IncrementalPlanner::run_by(|count, job| {
     ///     std::thread::scope(|scope| {
     ///         for first in 0..2 {
     ///             scope.spawn(move || (first..count).step_by(2).for_each(job));
     ///         }
     ///     });
     /// });
-    /// assert_eq!(memory.reuse_of_moves().anew, 0);
+    /// assert_eq!(memory.limit_cache_stats().misses, 0);
     /// ```
     #[must_use]
     pub fn run_by(run: impl Fn(usize, Job<'_>) + Send + 'static) -> Self {
@@ -106,17 +106,17 @@ impl Memory {
     /// * `stop` – called between instructions and between moves; true stops the computation
     ///
     /// # Errors
-    /// [`Unplanned`]
+    /// [`PlanError`]
     pub fn plan(
         &mut self,
         cell: &Cell,
         program: &Program,
         (motion, check): (&TrajectoryOptions, &CheckOptions),
         stop: Stop<'_>,
-    ) -> Result<(Trajectory, Report), Unplanned> {
+    ) -> Result<(Trajectory, Report), PlanError> {
         let run = Run { jobs: &*self.run, stop };
         let steps = expand_by(cell, program, &mut self.places, stop)?;
-        let steps = steps.map_err(Unplanned::Program)?;
+        let steps = steps.map_err(PlanError::Program)?;
         let motion = self.ways.plan_trajectory(cell, steps, motion, run)??;
         let report = self.checks.check(cell, &motion, check, run)?;
         Ok((motion, report))
@@ -124,25 +124,25 @@ impl Memory {
 
     /// Of the places in the last program.
     #[must_use]
-    pub fn reuse_of_places(&self) -> Reuse {
+    pub fn ik_cache_stats(&self) -> CacheStats {
         self.places.reuse()
     }
 
     /// Of the ways of the axes in the last motion.
     #[must_use]
-    pub fn reuse_of_ways(&self) -> Reuse {
+    pub fn segment_cache_stats(&self) -> CacheStats {
         self.ways.reuse()
     }
 
     /// Of the moves by themselves in the last check: axes, tilt, play and slip.
     #[must_use]
-    pub fn reuse_of_moves(&self) -> Reuse {
-        self.checks.reuse_of_moves()
+    pub fn limit_cache_stats(&self) -> CacheStats {
+        self.checks.limit_cache_stats()
     }
 
     /// Of the moves among all bodies in the last check.
     #[must_use]
-    pub fn reuse_of_distances(&self) -> Reuse {
-        self.checks.reuse_of_distances()
+    pub fn distance_cache_stats(&self) -> CacheStats {
+        self.checks.distance_cache_stats()
     }
 }

@@ -8,6 +8,7 @@ mod common;
 use std::collections::BTreeSet;
 
 use common::{A, GRAVITY};
+use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, check};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step};
@@ -60,6 +61,11 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose::from_parts(Translation3::new(x, y, z), Rotation3::identity())
 }
 
+/// Names of entities.
+fn names(cell: &Cell, entities: &[EntityId]) -> Vec<String> {
+    entities.iter().map(|&entity| cell.entity_name(entity)).collect()
+}
+
 fn kinds(report: &Report) -> BTreeSet<Kind> {
     report.violations.iter().map(|violation| violation.kind).collect()
 }
@@ -73,7 +79,7 @@ fn breaks(change: impl FnOnce(&mut Cell), kind: Kind, says: &str) -> Report {
     let report = check(&cell, &motion, &CheckOptions::default());
     assert_eq!(kinds(&report), BTreeSet::from([kind]), "{:#?}", report.violations);
     assert_eq!(report.verdict, Verdict::Broken);
-    let said = report.violations[0].to_string();
+    let said = report.violations[0].describe(&cell);
     assert!(said.contains(says) && said.starts_with("line 10,"), "{said}");
     assert!(report.violations.windows(2).all(|pair| pair[0].start <= pair[1].start));
     let counted: usize = report.by_instruction.iter().map(|row| row.violations).sum();
@@ -197,7 +203,7 @@ fn a_wafer_slips_where_the_hand_computation_says() {
     let found = report.violations.iter().map(|one| one.worst).fold(0.0, f64::max);
     assert!((found - worst).abs() < 1e-5 * worst, "{found} {worst}");
     assert!((report.violations[0].limit - 0.9 * worst).abs() < 1e-9);
-    assert!(report.violations[0].to_string().contains("the wafer on A slips"));
+    assert!(report.violations[0].describe(&cell).contains("the wafer on A slips"));
     // It starts where the hand computation passes the limit, to a sample.
     let start = report.violations[0].start;
     assert!(push(start) > 0.9 * worst && push(start - 1e-3) <= 0.9 * worst);
@@ -275,11 +281,12 @@ fn a_wall_between_two_samples_is_seen() {
     let report = check(&cell, &motion, &CheckOptions { rate: 100.0, near: 0.05 });
     let hit = &report.violations[0];
     assert_eq!(
-        (hit.kind, &*hit.names),
-        (Kind::Collision, &["pin".to_string(), "sheet".to_string()][..])
+        (hit.kind, names(&cell, &hit.entities)),
+        (Kind::Collision, vec!["pin".to_string(), "sheet".to_string()])
     );
     assert!(hit.start > 0.4 && hit.start < 0.41, "{}", hit.start);
-    assert!(hit.to_string().contains("pin and sheet touch"), "{hit}");
+    let text = hit.describe(&cell);
+    assert!(text.contains("pin and sheet touch"), "{text}");
     assert_eq!(
         kinds(&report),
         BTreeSet::from([Kind::Collision]),
@@ -385,7 +392,10 @@ fn least_distances_are_those_of_all_samples() {
         };
         let least = balls.iter().zip(&frames).map(apart).fold(f64::INFINITY, f64::min);
         let report = check(&cell, &motion, &CheckOptions::default());
-        let found = report.distances.iter().find(|row| row.names.contains(&"wall".to_string()));
+        let found = report
+            .distances
+            .iter()
+            .find(|row| names(&cell, &row.entities).contains(&"wall".to_string()));
         let Some(found) = found else {
             assert!(least >= CheckOptions::default().near - 1e-9, "{round}: {least} is not told");
             continue;
@@ -478,7 +488,7 @@ fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
 fn bodies_too_near_touching_allowed_and_zones() {
     let standing = cell();
     let thick = |cell: &mut Cell| cell.bodies.push(wall("wall", &standing, 0.9, 0.6, 0.01));
-    let report = breaks(thick, Kind::Collision, "wafer from A and wall collide");
+    let report = breaks(thick, Kind::Collision, "wafer of A and wall collide");
     assert!(report.violations[0].worst < 0.0);
     assert!(report.by_instruction[0].nearest.as_ref().unwrap().distance == 0.0);
     // Above the wafer by half of the clearance.
@@ -594,8 +604,8 @@ fn a_slot_is_reached_into_with_the_clearance_of_slots() {
     let motion = get(&mut cell, 0.01);
     let report = check(&cell, &motion, &CheckOptions::default());
     assert_eq!(report.verdict, Verdict::Sound, "{:#?}", report.violations);
-    let distance = |names: [&str; 2]| {
-        let row = report.distances.iter().find(|row| row.names == names.map(String::from));
+    let distance = |pair: [&str; 2]| {
+        let row = report.distances.iter().find(|row| names(&cell, &row.entities) == pair);
         row.map(|row| row.distance).unwrap()
     };
     // Up by the stroke, the wafer is its own thickness nearer to the one above.
@@ -607,10 +617,10 @@ fn a_slot_is_reached_into_with_the_clearance_of_slots() {
     let motion = get(&mut cell, 0.0037);
     let report = check(&cell, &motion, &CheckOptions::default());
     assert_eq!(kinds(&report), BTreeSet::from([Kind::SlotClearance]), "{:#?}", report.violations);
-    let names: BTreeSet<&str> =
-        report.violations.iter().flat_map(|one| one.names.iter().map(String::as_str)).collect();
+    let concerned = report.violations.iter().flat_map(|one| names(&cell, &one.entities));
+    let names: BTreeSet<String> = concerned.collect();
     assert!(names.contains("wafer of port 2") && names.contains("blade"), "{names:?}");
-    assert!(report.violations[0].to_string().contains("the slots ask for 0.001000 m"));
+    assert!(report.violations[0].describe(&cell).contains("the slots ask for 0.001000 m"));
 }
 
 /// A blade on the last link, and a bar under it that reaches so deep into it where the loaded arm deflects [m].
@@ -664,7 +674,10 @@ fn a_body_on_the_last_link_deflects_with_its_arm() {
         let motion = plan_trajectory(&cell, vec![wait], &TrajectoryOptions::default()).unwrap();
         let report = check(&cell, &motion, &CheckOptions::default());
         assert_eq!(kinds(&report), kind.into_iter().collect(), "{:#?}", report.violations);
-        let found = report.distances.iter().find(|row| row.names.contains(&"blade".to_owned()));
+        let found = report
+            .distances
+            .iter()
+            .find(|row| names(&cell, &row.entities).contains(&"blade".to_owned()));
         let expected = (-deep).max(0.0);
         assert!((found.unwrap().distance - expected).abs() < 1e-6, "{found:?}");
     }
@@ -716,8 +729,8 @@ fn windows_of_samples_change_nothing() {
     let closely = |a: f64, b: f64, by: f64| assert!((a - b).abs() <= by, "{a} {b}");
     for (one, other) in fine.violations.iter().zip(&coarse.violations) {
         assert_eq!(
-            (one.kind, &one.names, one.instruction),
-            (other.kind, &other.names, other.instruction)
+            (one.kind, &one.entities, one.instruction),
+            (other.kind, &other.entities, other.instruction)
         );
         closely(one.start, other.start, 0.011);
         closely(one.end, other.end, 0.011);
@@ -755,18 +768,19 @@ fn a_distance_is_compared_with_a_resolution() {
         let mut wait = step(0, &positions, &positions);
         wait.path = Path::Dwell(0.1);
         let motion = plan_trajectory(&cell, vec![wait], &TrajectoryOptions::default()).unwrap();
-        check(&cell, &motion, &CheckOptions::default())
+        let report = check(&cell, &motion, &CheckOptions::default());
+        (cell, report)
     };
     for missing in [-1e-7, 0.0, 1e-10, 5e-9] {
-        let report = of(missing);
+        let (_, report) = of(missing);
         assert_eq!(report.verdict, Verdict::Sound, "{missing}: {:#?}", report.violations);
     }
     for missing in [2e-8, 1e-7, 1e-5] {
-        let report = of(missing);
+        let (cell, report) = of(missing);
         let [violation] = &report.violations[..] else { panic!("{missing}: {report:#?}") };
         assert_eq!(violation.kind, Kind::Clearance);
         // The two numbers of the message differ.
-        let message = violation.message();
+        let message = violation.message(&cell);
         let numbers: Vec<&str> =
             message.split(' ').filter(|word| word.starts_with("0.00")).collect();
         assert!(numbers.len() == 2 && numbers[0] != numbers[1], "{message}");
@@ -824,7 +838,7 @@ fn a_pose_that_is_lost_between_two_samples_is_reported() {
     cell.robot.arms[0].droop = Droop::Table { rows: vec![row(0.0), row(known)] };
     let report = check(&cell, &motion, &options);
     assert_eq!(kinds(&report), BTreeSet::from([Kind::Droop]), "{:#?}", report.violations);
-    assert!(report.violations[0].to_string().contains("droop at a reach of"));
+    assert!(report.violations[0].describe(&cell).contains("droop at a reach of"));
 }
 
 #[test]
@@ -847,7 +861,7 @@ fn a_keep_out_zone_tells_how_deep() {
     let found = report.violations.iter().find(|one| one.kind == Kind::KeepOut).unwrap();
     // Its thickness adds to the way down, its tilt is none.
     assert!((found.worst + 3e-3).abs() < 2e-5, "{found:?}");
-    assert!(found.message().ends_with("m deep"), "{}", found.message());
+    assert!(found.message(&cell).ends_with("m deep"), "{}", found.message(&cell));
 }
 
 #[test]
@@ -879,8 +893,9 @@ fn the_far_end_of_a_long_body_changes_no_distance() {
     };
     let [long, short] = [100.0, 3.0].map(bar);
     assert!(!short.violations.is_empty() && !short.distances.is_empty());
-    let told = |report: &Report| -> Vec<(Kind, Vec<String>, usize)> {
-        let one = |v: &jointplay_cell::check::Violation| (v.kind, v.names.clone(), v.instruction);
+    let told = |report: &Report| -> Vec<(Kind, Vec<EntityId>, usize)> {
+        let one =
+            |v: &jointplay_cell::check::Violation| (v.kind, v.entities.clone(), v.instruction);
         report.violations.iter().map(one).collect()
     };
     assert_eq!(told(&long), told(&short));
@@ -889,7 +904,7 @@ fn the_far_end_of_a_long_body_changes_no_distance() {
         assert!((one.worst - other.worst).abs() < 1e-4, "{one:?} {other:?}");
     }
     for one in &short.distances {
-        let other = long.distances.iter().find(|other| other.names == one.names).unwrap();
+        let other = long.distances.iter().find(|other| other.entities == one.entities).unwrap();
         assert!((one.distance - other.distance).abs() <= one.within + other.within + 1e-9);
     }
 }

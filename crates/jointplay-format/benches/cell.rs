@@ -4,7 +4,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use jointplay_cell::Memory;
+use jointplay_cell::IncrementalPlanner;
 use jointplay_cell::check::{CheckOptions, check};
 use jointplay_cell::program::expand;
 use jointplay_cell::trajectory::{TrajectoryOptions, plan_trajectory};
@@ -43,7 +43,7 @@ fn lot(criterion: &mut Criterion) {
         assert_ne!(moved, cell::EXAMPLE);
         let cells = [cell::EXAMPLE, &moved]
             .map(|text| cell::read(text, &mut |_| Err(String::new())).unwrap());
-        let mut memory = Memory::default();
+        let mut memory = IncrementalPlanner::default();
         let mut plan = |cell: &Cell| {
             let steps = memory.expand(cell, &read).unwrap();
             let motion = memory.plan_trajectory(cell, steps, &options).unwrap();

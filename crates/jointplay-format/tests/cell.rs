@@ -99,8 +99,9 @@ fn the_example_is_sound_and_a_wall_in_the_way_is_named() {
     let from = "position_mm = [100.0, -600.0, 500.0]";
     assert!(EXAMPLE.contains(from));
     let text = EXAMPLE.replacen(from, "position_mm = [100.0, -300.0, 500.0]", 1);
-    let report = checked(&read(&text, &mut no_files).unwrap());
-    let hit = |name: &str| report.violations.iter().any(|one| one.to_string().contains(name));
+    let cell = read(&text, &mut no_files).unwrap();
+    let report = checked(&cell);
+    let hit = |name: &str| report.violations.iter().any(|one| one.describe(&cell).contains(name));
     assert!(hit("wall") && !hit("slit-above"), "{:#?}", report.violations);
 }
 

@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use jointplay_cell::jog::{FromSlot, Stopped};
+use jointplay_cell::jog::{SlotRelativePose, Stopped};
 use jointplay_cell::robot::{EffectorId, LimitViolation, RODS, WaferTarget};
 use jointplay_cell::station::{SlotId, teach};
 use jointplay_cell::wafer::Unreachable;
@@ -17,7 +17,7 @@ use nalgebra::Vector3;
 
 const A: EffectorId = EffectorId { arm: 0, effector: 0 };
 const LP2: SlotId = SlotId { station: 1, slot: 7 };
-const IN: FromSlot = FromSlot { radial: 0.0, turn: 0.0, height: 0.0, yaw: 0.0 };
+const IN: SlotRelativePose = SlotRelativePose { radial: 0.0, turn: 0.0, height: 0.0, yaw: 0.0 };
 
 fn example() -> Cell {
     read(EXAMPLE, &mut |_| Err("no files".to_owned())).unwrap()
@@ -57,7 +57,7 @@ fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
         matches!(&stopped, Stopped::Limits(broken) if matches!(broken[..], [LimitViolation::Axis { axis: 4, .. }]))
     );
     assert_eq!(
-        explain_stopped(&cell.robot, &stopped),
+        explain_stopped(&cell, &stopped),
         ["axis RA would stand at 286.4789°, allowed are -45.0000° to 80.0000°"]
     );
     to = from.clone();
@@ -65,7 +65,7 @@ fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
     let jogged = cell.jog_axes(&from, &to).unwrap();
     let tilt = cell.robot.gpr.plane_tilt(&[jogged.positions[0], from[1], from[2]]);
     near(tilt.pitch, cell.robot.gpr.limits().tilt_max, 1e-9);
-    assert!(explain_stopped(&cell.robot, &jogged.stopped.unwrap())[0].starts_with("the tilt is"));
+    assert!(explain_stopped(&cell, &jogged.stopped.unwrap())[0].starts_with("the tilt is"));
     assert_eq!(cell.jog_axes(&from, &from).unwrap().stopped, None);
     assert!(cell.jog_axes(&from, &from[1..]).is_err());
 }
@@ -92,15 +92,15 @@ fn a_wafer_comes_to_where_the_slot_sees_it() {
         for loaded in [false, true] {
             let mut positions = home(&cell);
             for to in [
-                FromSlot { radial: -0.3, ..IN },
+                SlotRelativePose { radial: -0.3, ..IN },
                 IN,
-                FromSlot { radial: -0.05, turn: 0.02, height: 0.004, yaw: 0.1 },
+                SlotRelativePose { radial: -0.05, turn: 0.02, height: 0.004, yaw: 0.1 },
             ] {
-                let jogged = cell.jog_from_slot(&positions, A, loaded, LP2, &to).unwrap();
+                let jogged = cell.jog_slot_relative(&positions, A, loaded, LP2, &to).unwrap();
                 assert_eq!(jogged.stopped, None, "{to:?}");
                 positions = jogged.positions;
                 let pose = cell.wafer_pose(A, &positions, loaded).unwrap();
-                let seen = cell.seen_from_slot(&pose, A, LP2);
+                let seen = cell.slot_relative_pose(&pose, A, LP2);
                 near(seen.radial, to.radial, 1e-11);
                 near(seen.turn, to.turn, 1e-10);
                 near(seen.height, to.height, 1e-11);
@@ -115,7 +115,7 @@ fn a_wafer_comes_to_where_the_slot_sees_it() {
 #[test]
 fn in_the_slot_it_lies_as_a_program_puts_it() {
     let cell = example();
-    let jogged = cell.jog_from_slot(&home(&cell), A, true, LP2, &IN).unwrap();
+    let jogged = cell.jog_slot_relative(&home(&cell), A, true, LP2, &IN).unwrap();
     let pose = cell.wafer_pose(A, &jogged.positions, true).unwrap();
     let slot = cell.stations[1].slot_frame(7);
     near((pose.translation.vector - slot.translation.vector).norm(), 0.0, 1e-12);
@@ -135,24 +135,36 @@ fn in_the_slot_it_lies_as_a_program_puts_it() {
 #[test]
 fn out_of_reach_it_goes_as_far_as_it_comes() {
     let cell = example();
-    let jogged = cell.jog_from_slot(&home(&cell), A, false, LP2, &FromSlot { radial: 0.4, ..IN });
+    let jogged = cell.jog_slot_relative(
+        &home(&cell),
+        A,
+        false,
+        LP2,
+        &SlotRelativePose { radial: 0.4, ..IN },
+    );
     let jogged = jogged.unwrap();
     let Some(Stopped::Place(why)) = &jogged.stopped else { panic!("{:?}", jogged.stopped) };
     assert!(matches!(why, Unreachable::OutOfReach(_) | Unreachable::Limits(_)), "{why:?}");
     assert!(cell.robot.limit_violations(&jogged.positions).unwrap().is_empty());
     let pose = cell.wafer_pose(A, &jogged.positions, false).unwrap();
-    let seen = cell.seen_from_slot(&pose, A, LP2);
+    let seen = cell.slot_relative_pose(&pose, A, LP2);
     assert!(seen.radial > 0.0 && seen.radial < 0.4, "{seen:?}");
     // A hair farther there is no way.
-    let farther = FromSlot { radial: seen.radial + 1e-6, ..seen };
-    let more = cell.jog_from_slot(&jogged.positions, A, false, LP2, &farther).unwrap();
+    let farther = SlotRelativePose { radial: seen.radial + 1e-6, ..seen };
+    let more = cell.jog_slot_relative(&jogged.positions, A, false, LP2, &farther).unwrap();
     assert!(more.stopped.is_some());
 }
 
 #[test]
 fn straight_in_the_world_its_heading_kept() {
     let cell = with_scara();
-    let start = cell.jog_from_slot(&home(&cell), A, false, LP2, &FromSlot { radial: -0.2, ..IN });
+    let start = cell.jog_slot_relative(
+        &home(&cell),
+        A,
+        false,
+        LP2,
+        &SlotRelativePose { radial: -0.2, ..IN },
+    );
     let start = start.unwrap().positions;
     let before = WaferTarget::of(&cell.wafer_pose(A, &start, false).unwrap());
     let by = Vector3::new(0.01, -0.02, 0.03);

@@ -5,6 +5,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use jointplay_cell::EntityId;
 use jointplay_cell::check::{CheckOptions, Kind, Report, Verdict, Violation, check};
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::program::{Handover, Path, Phase, Step, expand};
@@ -13,7 +14,7 @@ use jointplay_cell::station::SlotId;
 use jointplay_cell::trajectory::{Trajectory, TrajectoryOptions, plan_trajectory};
 use jointplay_cell::wafer::Droop;
 use jointplay_cell::workcell::Cell;
-use jointplay_cell::{Memory, Reuse, Unplanned};
+use jointplay_cell::{CacheStats, IncrementalPlanner, PlanError};
 use jointplay_format::{cell, program};
 use proptest::prelude::*;
 
@@ -31,6 +32,10 @@ fn steps(cell: &Cell, text: &str) -> Vec<Step> {
     expand(cell, &program::parse(text).unwrap()).unwrap()
 }
 
+fn names_of(cell: &Cell, entities: &[EntityId]) -> BTreeSet<String> {
+    entities.iter().map(|&entity| cell.entity_name(entity)).collect()
+}
+
 fn distances(kind: Kind) -> bool {
     matches!(kind, Kind::Collision | Kind::Clearance | Kind::SlotClearance | Kind::KeepOut)
 }
@@ -43,15 +48,11 @@ struct Labels<'c> {
 
 impl Labels<'_> {
     fn slot(&self, slot: SlotId) -> String {
-        let station = &self.cell.stations[slot.station];
-        match station.slots {
-            1 => format!("wafer of {}", station.name),
-            _ => format!("wafer of {} {}", station.name, slot.slot),
-        }
+        self.cell.entity_name(EntityId::Wafer(slot))
     }
 
     fn effector(&self, id: EffectorId) -> String {
-        format!("wafer from {}", self.cell.robot.arms[id.arm].effectors[id.effector].name)
+        self.cell.entity_name(EntityId::HeldWafer(id))
     }
 
     fn hand_over(&mut self, from: String, to: String) {
@@ -93,16 +94,19 @@ fn sample_by_sample(
             let found =
                 plan_trajectory(&standing, vec![still], &TrajectoryOptions::default()).unwrap();
             let report = check(&standing, &found, options);
-            let named = |names: &[String]| -> BTreeSet<String> {
-                let first = |name: &String| labels.came_from.get(name).unwrap_or(name).clone();
-                names.iter().map(first).collect()
+            let named = |entities: &[EntityId]| -> BTreeSet<String> {
+                let first = |&entity: &EntityId| {
+                    let name = standing.entity_name(entity);
+                    labels.came_from.get(&name).cloned().unwrap_or(name)
+                };
+                entities.iter().map(first).collect()
             };
             for row in &report.distances {
-                let known = least.entry(named(&row.names)).or_insert(f64::INFINITY);
+                let known = least.entry(named(&row.entities)).or_insert(f64::INFINITY);
                 *known = row.distance.min(*known);
             }
             for one in report.violations.iter().filter(|one| distances(one.kind)) {
-                broken.push((named(&one.names), one.kind, time, one.worst));
+                broken.push((named(&one.entities), one.kind, time, one.worst));
             }
         }
         match step.handover {
@@ -136,7 +140,7 @@ fn nothing_is_passed_over_that_a_sample_shows() {
         assert_eq!(broken.is_empty(), verdict == Verdict::Sound);
         let mut found: BTreeMap<BTreeSet<String>, f64> = BTreeMap::new();
         for row in &report.distances {
-            let names: BTreeSet<String> = row.names.iter().cloned().collect();
+            let names = names_of(&cell, &row.entities);
             let truth = least.get(&names).copied().unwrap_or(options.near);
             assert!(row.distance >= truth - 1e-6, "{names:?}: {} {truth}", row.distance);
             assert!(row.distance <= truth + row.within + 1e-6, "{names:?}: {row:?} {truth}");
@@ -149,11 +153,11 @@ fn nothing_is_passed_over_that_a_sample_shows() {
         }
         for (names, kind, time, value) in &broken {
             let told = report.violations.iter().any(|one| {
-                one.names.iter().cloned().collect::<BTreeSet<_>>() == *names
+                names_of(&cell, &one.entities) == *names
                     && (one.start - 1e-9..one.end + 1e-9).contains(time)
                     && one.worst <= value + 1e-6
             });
-            let of_pair = |one: &&Violation| names.iter().all(|name| one.names.contains(name));
+            let of_pair = |one: &&Violation| names_of(&cell, &one.entities).is_superset(names);
             let others: Vec<&Violation> = report.violations.iter().filter(of_pair).collect();
             assert!(told, "{kind} of {names:?} at {time}: {value}, not in {others:#?}");
         }
@@ -282,8 +286,8 @@ fn running_into_each_other_takes_no_wafer_out_of_a_safe_zone() {
 }
 
 /// A memory whose moves run at the same time, from both ends.
-fn by_two_threads() -> Memory {
-    Memory::run_by(|count, job| {
+fn by_two_threads() -> IncrementalPlanner {
+    IncrementalPlanner::run_by(|count, job| {
         std::thread::scope(|scope| {
             scope.spawn(|| (0..count).step_by(2).for_each(job));
             (0..count).rev().filter(|number| number % 2 == 1).for_each(job);
@@ -338,7 +342,7 @@ impl Change {
     }
 }
 
-fn planned(memory: &mut Memory, cell: &Cell, text: &str) -> (Trajectory, Report) {
+fn planned(memory: &mut IncrementalPlanner, cell: &Cell, text: &str) -> (Trajectory, Report) {
     let steps = memory.expand(cell, &program::parse(text).unwrap()).unwrap();
     let motion = memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).unwrap();
     let report = memory.check(cell, &motion, &CheckOptions { rate: 100.0, near: 0.05 });
@@ -360,7 +364,7 @@ proptest! {
             let text = lines.join("\n");
             // Numbers are printed in full: no two of them look alike.
             let (motion, report) = planned(&mut memory, &cell, &text);
-            let (same_motion, same_report) = planned(&mut Memory::default(), &cell, &text);
+            let (same_motion, same_report) = planned(&mut IncrementalPlanner::default(), &cell, &text);
             prop_assert!(format!("{motion:?}") == format!("{same_motion:?}"), "{change:?}");
             prop_assert_eq!(format!("{report:?}"), format!("{same_report:?}"), "{:?}", change);
         }
@@ -372,13 +376,13 @@ fn a_plan_is_stopped_anywhere_and_planned_again_to_the_bit() {
     let cell = example();
     let program = program::parse(SHORT).unwrap();
     let options = (&TrajectoryOptions::default(), &CheckOptions { rate: 100.0, near: 0.05 });
-    let whole = Memory::default().plan(&cell, &program, options, &|| false).unwrap();
+    let whole = IncrementalPlanner::default().plan(&cell, &program, options, &|| false).unwrap();
     let (mut memory, mut stopped) = (by_two_threads(), 0);
     for most in [0, 1, 3, 10, 20, 30, 40, 60, 80, 100, 10_000] {
         let polls = AtomicUsize::new(0);
         let stop = || polls.fetch_add(1, Ordering::Relaxed) >= most;
         match memory.plan(&cell, &program, options, &stop) {
-            Err(Unplanned::Interrupted(_)) => stopped += 1,
+            Err(PlanError::Interrupted(_)) => stopped += 1,
             found => assert_eq!(format!("{:?}", found.unwrap()), format!("{whole:?}")),
         }
     }
@@ -390,34 +394,37 @@ fn a_plan_is_stopped_anywhere_and_planned_again_to_the_bit() {
 #[test]
 fn only_what_a_change_touches_is_made_anew() {
     let mut cell = example();
-    let mut memory = Memory::default();
-    let none = |reuse: Reuse| reuse.known == 0 && reuse.anew > 0;
+    let mut memory = IncrementalPlanner::default();
+    let none = |reuse: CacheStats| reuse.hits == 0 && reuse.misses > 0;
     planned(&mut memory, &cell, SHORT);
-    assert!(none(memory.reuse_of_ways()) && none(memory.reuse_of_distances()));
+    assert!(none(memory.segment_cache_stats()) && none(memory.distance_cache_stats()));
     planned(&mut memory, &cell, SHORT);
-    let all = |memory: &Memory| {
+    let all = |memory: &IncrementalPlanner| {
         [
-            memory.reuse_of_places(),
-            memory.reuse_of_ways(),
-            memory.reuse_of_moves(),
-            memory.reuse_of_distances(),
+            memory.ik_cache_stats(),
+            memory.segment_cache_stats(),
+            memory.limit_cache_stats(),
+            memory.distance_cache_stats(),
         ]
     };
     for reuse in all(&memory) {
-        assert!(reuse.anew == 0 && reuse.known > 20, "{reuse:?}");
+        assert!(reuse.misses == 0 && reuse.hits > 20, "{reuse:?}");
     }
     // Another place of the last station: what leads to it and from it.
     let port = cell.stations.iter().position(|station| station.name == "LP2").unwrap();
     cell.stations[port].base_from_station.translation.vector.z += 1e-4;
     planned(&mut memory, &cell, SHORT);
     for reuse in all(&memory) {
-        assert!(reuse.known > 2 * reuse.anew && reuse.anew > 0, "{reuse:?}");
+        assert!(reuse.hits > 2 * reuse.misses && reuse.misses > 0, "{reuse:?}");
     }
     // A body that stands in nobody's reach: nothing.
     cell.bodies[0].carrier_from_shape.translation.vector.z -= 5.0;
     planned(&mut memory, &cell, SHORT);
-    assert_eq!([memory.reuse_of_places(), memory.reuse_of_ways()].map(|reuse| reuse.anew), [0; 2]);
-    assert_eq!(memory.reuse_of_moves().anew, 0);
+    assert_eq!(
+        [memory.ik_cache_stats(), memory.segment_cache_stats()].map(|reuse| reuse.misses),
+        [0; 2]
+    );
+    assert_eq!(memory.limit_cache_stats().misses, 0);
     // A limit: everything.
     cell.robot.axes[3].empty.velocity *= 0.5;
     planned(&mut memory, &cell, SHORT);
@@ -429,7 +436,7 @@ fn an_arm_waits_at_one_place_whatever_slot_it_was_in() {
     let mut cell = example();
     let text = "HOME\nTRANSFER LP1 SLOT 3 TO LP2 SLOT 7 WITH A\nTRANSFER LP2 SLOT 7 TO ALIGN WITH A\n\
         TRANSFER PM1 TO LP2 SLOT 9 WITH B\nTRANSFER LP2 SLOT 9 TO LP1 SLOT 3 WITH B\nGET ALIGN WITH A\n";
-    let mut memory = Memory::default();
+    let mut memory = IncrementalPlanner::default();
     let (motion, _) = planned(&mut memory, &cell, text);
     let axis = |name: &str| cell.robot.axes.iter().position(|axis| axis.name == name).unwrap();
     // What reaches out, of each arm from its first GET on.

@@ -659,7 +659,8 @@ fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
                 let expected = (shown - marker).norm() - 2e-3;
                 let pair = [name.clone(), format!("marker-{k}")];
                 let row = report.distances.iter().find(|row| {
-                    row.names == pair || row.names == [pair[1].clone(), pair[0].clone()]
+                    let names = row.entities.map(|one| cell.entity_name(one));
+                    names == pair || names == [pair[1].clone(), pair[0].clone()]
                 });
                 let found = row.unwrap().distance;
                 assert!(

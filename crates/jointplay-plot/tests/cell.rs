@@ -1,6 +1,7 @@
 //! Pictures of cells: what they hold, and that nothing is cut off.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
+use jointplay_cell::EntityId;
 use jointplay_cell::geometry::Shape;
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
@@ -163,7 +164,7 @@ fn a_cell_from_above() {
     view.tracks.push(Track { effector: ID, reach: [0.3, 0.6], points: points.collect() });
     assert!(!view.to_svg().unwrap().contains(">wall</text>"));
     view.wrong.push([0.3, 0.4]);
-    view.broken.extend(["wall", "door", "hand"].map(str::to_owned));
+    view.broken.extend([EntityId::Body(0), EntityId::Zone(0), EntityId::Body(1)]);
     let svg = view.to_svg().unwrap();
     let expected = [
         "wall",

@@ -250,7 +250,7 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         tilt: row.tilt,
         play: row.play,
         slip: share(&row.slip, &effectors),
-        nearest: row.nearest.as_ref().map(distance),
+        nearest: row.nearest.as_ref().map(|pair| distance(cell, pair)),
         violations: row.violations,
     });
     let moving = robot.axes.iter().zip(&report.moving).map(|(axis, &moving_s)| AxisReport {
@@ -265,7 +265,8 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         }
         BuiltIn::Radial | BuiltIn::Planar => None,
     };
-    let distances: Vec<DistanceReport> = report.distances.iter().map(distance).collect();
+    let distances: Vec<DistanceReport> =
+        report.distances.iter().map(|pair| distance(cell, pair)).collect();
     CellReport {
         cell: cell.name.clone(),
         robot: robot.name.clone(),
@@ -287,8 +288,8 @@ pub fn cell(cell: &Cell, program: &str, motion: &Trajectory, report: &Report) ->
         samples: report.samples,
         axes: moving.collect(),
         instructions: instructions.collect(),
-        violations: report.violations.iter().map(violation).collect(),
-        nearest: nearest(&distances),
+        violations: report.violations.iter().map(|one| violation(cell, one)).collect(),
+        nearest: nearest(cell, &report.distances),
         distances,
     }
 }
@@ -370,12 +371,12 @@ pub fn excerpt(program: &str, at: Place, message: &str, file: &str) -> String {
     place::Error { place, problem: Box::new(message) }.with_excerpt(file)
 }
 
-fn violation(one: &Violation) -> ViolationReport {
+fn violation(cell: &Cell, one: &Violation) -> ViolationReport {
     let (unit, worst) = told(one, one.worst);
     let counts = !unit.is_empty() && one.worst.is_finite();
     ViolationReport {
         kind: one.kind.to_string(),
-        names: one.names.clone(),
+        names: one.entities.iter().map(|&one| cell.entity_name(one)).collect(),
         instruction: one.instruction + 1,
         line: one.place.line,
         column: one.place.column,
@@ -385,6 +386,6 @@ fn violation(one: &Violation) -> ViolationReport {
         worst: counts.then_some(worst),
         limit: counts.then(|| told(one, one.limit).1),
         unit,
-        message: explain_violation(one),
+        message: explain_violation(cell, one),
     }
 }

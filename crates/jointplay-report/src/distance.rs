@@ -1,6 +1,7 @@
 //! Minimum distances of pairs of bodies.
 
-use jointplay_cell::check::PairDistance;
+use jointplay_cell::check::MinimumDistance;
+use jointplay_cell::workcell::Cell;
 use jointplay_format::units::mm;
 use serde::Serialize;
 
@@ -19,9 +20,9 @@ pub struct DistanceReport {
 }
 
 /// The minimum distance of a pair in mm.
-pub(crate) fn distance(pair: &PairDistance) -> DistanceReport {
+pub(crate) fn distance(cell: &Cell, pair: &MinimumDistance) -> DistanceReport {
     DistanceReport {
-        bodies: pair.names.clone(),
+        bodies: pair.entities.map(|one| cell.entity_name(one)),
         distance_mm: mm(pair.distance),
         within_mm: mm(pair.within),
         time_s: pair.time,

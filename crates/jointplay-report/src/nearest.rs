@@ -1,13 +1,12 @@
 //! Which bodies come nearest, in a few lines.
 
+use jointplay_cell::check::MinimumDistance;
+use jointplay_cell::workcell::Cell;
+use jointplay_format::units::mm;
 use serde::Serialize;
-
-use crate::distance::DistanceReport;
 
 /// So many pairs are told.
 const PAIRS: usize = 6;
-/// How names of wafers begin.
-const WAFER: &str = "wafer of ";
 
 /// Two bodies that come near, all wafers taken for one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -23,59 +22,66 @@ pub struct NearestReport {
     pub others: usize,
 }
 
-/// The pairs that come nearest, of a list that begins with them.
-pub(crate) fn nearest(distances: &[DistanceReport]) -> Vec<NearestReport> {
-    let alike = |bodies: &[String; 2]| {
-        let kind =
-            |name: &String| if name.starts_with(WAFER) { WAFER.to_owned() } else { name.clone() };
-        let mut kinds = bodies.each_ref().map(kind);
-        kinds.sort();
-        kinds
+/// The pairs of least distance, from a list sorted by distance; pairs that differ only by their wafers are listed once.
+pub(crate) fn nearest(cell: &Cell, distances: &[MinimumDistance]) -> Vec<NearestReport> {
+    let report = |(pair, others): (&MinimumDistance, usize)| NearestReport {
+        bodies: pair.entities.map(|one| cell.entity_name(one)),
+        distance_mm: mm(pair.distance),
+        time_s: pair.time,
+        others,
     };
-    let mut found: Vec<([String; 2], NearestReport)> = Vec::new();
-    for DistanceReport { bodies, distance_mm, time_s, .. } in distances {
-        let kinds = alike(bodies);
-        if let Some((_, known)) = found.iter_mut().find(|(known, _)| *known == kinds) {
-            known.others += 1;
-        } else {
-            let (bodies, distance_mm, time_s) = (bodies.clone(), *distance_mm, *time_s);
-            found.push((kinds, NearestReport { bodies, distance_mm, time_s, others: 0 }));
+    grouped(distances).into_iter().take(PAIRS).map(report).collect()
+}
+
+/// Groups of pairs that differ only by their wafers: the first pair of each, and the number of the others.
+fn grouped(distances: &[MinimumDistance]) -> Vec<(&MinimumDistance, usize)> {
+    // All wafers count as one.
+    let alike = |pair: &MinimumDistance| {
+        let mut entities = pair.entities.map(|one| (!one.is_wafer()).then_some(one));
+        entities.sort();
+        entities
+    };
+    let mut found: Vec<(&MinimumDistance, usize)> = Vec::new();
+    for pair in distances {
+        match found.iter_mut().find(|(known, _)| alike(known) == alike(pair)) {
+            Some((_, others)) => *others += 1,
+            None => found.push((pair, 0)),
         }
     }
-    found.into_iter().map(|(_, pair)| pair).take(PAIRS).collect()
+    found
 }
 
 #[cfg(test)]
 mod tests {
+    use jointplay_cell::EntityId;
+    use jointplay_cell::station::SlotId;
+
     use super::*;
 
     #[test]
-    fn pairs_that_differ_by_their_wafers_are_told_once() {
-        let pair = |one: &str, other: &str, distance_mm: f64| DistanceReport {
-            bodies: [one.to_owned(), other.to_owned()],
-            distance_mm,
-            within_mm: 0.0,
-            time_s: distance_mm,
+    fn pairs_that_differ_only_by_their_wafers_are_listed_once() {
+        let wafer = |slot| EntityId::Wafer(SlotId { station: 0, slot });
+        let (ledge, hand, wall) = (EntityId::Body(0), EntityId::Body(1), EntityId::Body(2));
+        let pair = |one: EntityId, other: EntityId, distance: f64| MinimumDistance {
+            entities: [one, other],
+            distance,
+            within: 0.0,
+            time: distance,
+            step: 0,
         };
         let all = [
-            pair("ledge", "wafer of LP1 1", 1.0),
-            pair("ledge", "wafer of LP1 2", 1.5),
-            pair("wafer of LP1 1", "wafer of LP1 2", 2.0),
-            pair("wafer of LP1 7", "ledge", 3.0),
-            pair("hand", "wall", 4.0),
+            pair(ledge, wafer(1), 1.0),
+            pair(ledge, wafer(2), 1.5),
+            pair(wafer(1), wafer(2), 2.0),
+            pair(wafer(7), ledge, 3.0),
+            pair(hand, wall, 4.0),
         ];
-        let told: Vec<(String, f64, usize)> = nearest(&all)
+        let found: Vec<_> = grouped(&all)
             .into_iter()
-            .map(|one| (one.bodies.join(", "), one.distance_mm, one.others))
+            .map(|(pair, others)| (pair.entities, pair.distance, others))
             .collect();
-        let wanted = [
-            ("ledge, wafer of LP1 1", 1.0, 2),
-            ("wafer of LP1 1, wafer of LP1 2", 2.0, 0),
-            ("hand, wall", 4.0, 0),
-        ];
-        assert_eq!(
-            told,
-            wanted.map(|(names, distance, others)| (names.to_owned(), distance, others))
-        );
+        let expected =
+            [([ledge, wafer(1)], 1.0, 2), ([wafer(1), wafer(2)], 2.0, 0), ([hand, wall], 4.0, 0)];
+        assert_eq!(found, expected);
     }
 }

@@ -1,6 +1,7 @@
 //! Violations in words, in mm and degrees.
 
 use jointplay_cell::check::{Kind, Unit, Violation};
+use jointplay_cell::workcell::Cell;
 
 use jointplay_format::units::{deg, mm};
 
@@ -22,8 +23,9 @@ pub(crate) fn told(one: &Violation, value: f64) -> (&'static str, f64) {
 
 /// What is wrong, in mm and degrees, without its time and line.
 #[must_use]
-pub fn explain_violation(one: &Violation) -> String {
-    let name = |k: usize| one.names.get(k).map_or("", String::as_str);
+pub fn explain_violation(cell: &Cell, one: &Violation) -> String {
+    let name =
+        |k: usize| one.entities.get(k).map_or_else(String::new, |&one| cell.entity_name(one));
     let number = |value: f64| {
         let (unit, value) = told(one, value);
         let gap = if unit.starts_with('°') { "" } else { " " };

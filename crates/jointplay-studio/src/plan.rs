@@ -8,7 +8,7 @@ use jointplay::cell::check::Report;
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, name_errors};
 use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{Interrupted, Memory, Stop, Unplanned};
+use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, Stop};
 use jointplay::format::program;
 use jointplay::interop::export::{self, Flaw, Recording, Timeline};
 use jointplay::report;
@@ -70,7 +70,7 @@ impl Plan {
     pub(crate) fn new(
         files: &CellFiles,
         (cell_text, program_text): (String, String),
-        memory: &mut Memory,
+        memory: &mut IncrementalPlanner,
         last: Option<&Self>,
         stop: Stop<'_>,
     ) -> Result<Self, Interrupted> {
@@ -116,9 +116,9 @@ impl Plan {
                 plan.take(motion, &report, last, stop)?;
                 return Ok(plan);
             }
-            Err(Unplanned::Interrupted(interrupted)) => return Err(interrupted),
-            Err(Unplanned::Program(errors)) => Stopped::Steps(errors),
-            Err(Unplanned::Trajectory(error)) => Stopped::Times(error),
+            Err(PlanError::Interrupted(interrupted)) => return Err(interrupted),
+            Err(PlanError::Program(errors)) => Stopped::Steps(errors),
+            Err(PlanError::Trajectory(error)) => Stopped::Times(error),
         };
         plan.problems.extend(stopped.told(&plan.program_text));
         Ok(plan)
@@ -133,8 +133,8 @@ impl Plan {
     ) -> Result<(), Interrupted> {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;
-        self.flaws = export::flaws(report);
         let Some(cell) = &self.cell else { return Ok(()) };
+        self.flaws = export::flaws(cell, report);
         let document = report::cell(cell, &self.program_text, &motion, report);
         go_on()?;
         let flaws = self.flaws.as_slice();
@@ -214,7 +214,7 @@ pub(crate) fn standing(cell: &Cell) -> Option<Trajectory> {
     let place = Place { line: 1, column: 1 };
     let wait = Instruction { place, command: Command::Wait { seconds: 1.0 } };
     let program = Program { body: vec![wait], routines: Vec::new() };
-    let mut memory = Memory::default();
+    let mut memory = IncrementalPlanner::default();
     let steps = memory.expand(cell, &program).ok()?;
     memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).ok()
 }

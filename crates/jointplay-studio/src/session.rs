@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use jointplay::cell::{Interrupted, Job, Memory, Stop};
+use jointplay::cell::{IncrementalPlanner, Interrupted, Job, Stop};
 use rayon::prelude::*;
 
 use crate::cell_files::{CellFiles, SaveError};
@@ -21,7 +21,7 @@ struct Inner {
     /// The last plans, the newest at the end.
     plans: Mutex<VecDeque<Arc<Plan>>>,
     /// Cached results of planning, reused by the next plan.
-    memory: Mutex<Memory>,
+    memory: Mutex<IncrementalPlanner>,
 }
 
 impl WorkcellSession {
@@ -30,7 +30,11 @@ impl WorkcellSession {
         // One job per task: no core has a queue of jobs while another is idle.
         let all_cores =
             |count, job: Job<'_>| (0..count).into_par_iter().with_max_len(1).for_each(job);
-        Self(Arc::new(Inner { files, plans, memory: Mutex::new(Memory::run_by(all_cores)) }))
+        Self(Arc::new(Inner {
+            files,
+            plans,
+            memory: Mutex::new(IncrementalPlanner::run_by(all_cores)),
+        }))
     }
 
     /// The files as last read or saved.
@@ -109,8 +113,8 @@ impl WorkcellSession {
 
     /// Cache statistics of the minimum distances of the last plan.
     #[cfg(test)]
-    pub(crate) fn reuse(&self) -> jointplay::cell::Reuse {
-        self.0.memory.lock().unwrap_or_else(PoisonError::into_inner).reuse_of_distances()
+    pub(crate) fn reuse(&self) -> jointplay::cell::CacheStats {
+        self.0.memory.lock().unwrap_or_else(PoisonError::into_inner).distance_cache_stats()
     }
 
     /// Reads the files from disk.

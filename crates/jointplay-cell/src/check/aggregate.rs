@@ -2,9 +2,10 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::report::{InstructionRow, PairDistance, Report, Share, Verdict};
+use super::report::{InstructionResult, MinimumDistance, Report, Share, Verdict};
 use super::segment_findings::{Alone, raise};
-use crate::collision::{Near, Role, Scene, effector_name, passed};
+use crate::EntityId;
+use crate::collision::{Near, Role, Scene, passed};
 use crate::trajectory::Trajectory;
 use crate::violation::{About, Kind, Stretch, Violation};
 use crate::workcell::Cell;
@@ -13,7 +14,7 @@ use crate::workcell::Cell;
 pub(super) struct Summary<'a> {
     cell: &'a Cell,
     motion: &'a Trajectory,
-    rows: Vec<InstructionRow>,
+    rows: Vec<InstructionResult>,
     violations: Vec<Violation>,
     /// What may go on in the next step: the violation, its severity, and the step at whose end it was broken.
     open: BTreeMap<About, Open>,
@@ -86,14 +87,14 @@ impl<'a> Summary<'a> {
         for stretch in &alone.found {
             let (kind, first, second) = stretch.hit.about;
             self.broken(index, alone.samples, stretch, (kind, first, second), || {
-                names_alone(scene.cell, kind, first, second)
+                entities_of_segment(scene.cell, kind, first, second)
             });
         }
         for stretch in &near.found {
             let (kind, a, b) = stretch.hit.about;
             let [a, b] = [items[a], items[b]];
             self.broken(index, alone.samples, stretch, (kind, a, b), || {
-                [a, b].map(|item| scene.items[item].name.clone()).to_vec()
+                [a, b].map(|item| scene.items[item].entity).to_vec()
             });
         }
         for found in &near.least {
@@ -116,7 +117,7 @@ impl<'a> Summary<'a> {
         let start = self.motion.times[index];
         if self.rows.last().is_none_or(|row| row.instruction != step.instruction) {
             self.close(scene);
-            self.rows.push(InstructionRow {
+            self.rows.push(InstructionResult {
                 instruction: step.instruction,
                 place: step.place,
                 steps: index..index,
@@ -154,7 +155,7 @@ impl<'a> Summary<'a> {
         samples: usize,
         stretch: &Stretch,
         about: About,
-        names: impl FnOnce() -> Vec<String>,
+        entities: impl FnOnce() -> Vec<EntityId>,
     ) {
         let step = &self.motion.steps[index];
         let begin = self.motion.times[index];
@@ -169,7 +170,7 @@ impl<'a> Summary<'a> {
             None => {
                 self.violations.push(Violation {
                     kind: hit.kind,
-                    names: names(),
+                    entities: entities(),
                     instruction: step.instruction,
                     place: step.place,
                     step: index,
@@ -220,7 +221,7 @@ impl<'a> Summary<'a> {
             let nearer = a.distance.total_cmp(&b.distance).then(a.time.total_cmp(&b.time));
             nearer.then(pair.cmp(other))
         });
-        let distances: Vec<PairDistance> =
+        let distances: Vec<MinimumDistance> =
             least.into_iter().map(|(pair, nearest)| named(scene, pair, nearest)).collect();
         let wafers = scene.items.iter().filter(|item| item.role == Role::Wafer && item.laid);
         let (wafers, duration) = (wafers.count(), self.motion.duration());
@@ -239,23 +240,21 @@ impl<'a> Summary<'a> {
     }
 }
 
-fn named(scene: &Scene<'_>, pair: [usize; 2], nearest: Nearest) -> PairDistance {
+fn named(scene: &Scene<'_>, pair: [usize; 2], nearest: Nearest) -> MinimumDistance {
     let Nearest { distance, time, step } = nearest;
-    let names = pair.map(|item| scene.items[item].name.clone());
-    PairDistance { names, distance, within: passed(distance).min(distance), time, step }
+    let entities = pair.map(|item| scene.items[item].entity);
+    MinimumDistance { entities, distance, within: passed(distance).min(distance), time, step }
 }
 
-/// What a step by itself breaks is about.
-fn names_alone(cell: &Cell, kind: Kind, first: usize, second: usize) -> Vec<String> {
-    let effector = |index: usize| {
-        cell.robot.effectors().nth(index).map(|id| effector_name(cell, id)).unwrap_or_default()
-    };
+/// Entities of a violation that concerns one segment by itself.
+fn entities_of_segment(cell: &Cell, kind: Kind, first: usize, second: usize) -> Vec<EntityId> {
+    let effector = || cell.robot.effectors().nth(first).map(EntityId::Effector);
     match kind {
         Kind::Position | Kind::Velocity | Kind::Acceleration | Kind::Jerk => {
-            vec![cell.robot.axes[first].name.clone()]
+            vec![EntityId::Axis(first)]
         }
-        Kind::Slip => vec![effector(first)],
-        Kind::SafeZone => vec![effector(first), cell.zones[second].name.clone()],
+        Kind::Slip => effector().into_iter().collect(),
+        Kind::SafeZone => effector().into_iter().chain([EntityId::Zone(second)]).collect(),
         _ => Vec::new(),
     }
 }

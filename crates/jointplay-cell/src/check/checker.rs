@@ -11,7 +11,7 @@ use super::segment_findings::Alone;
 use super::segments::{Start, Steps};
 use crate::collision::{Among, Near, Scene};
 use crate::geometry::Solids;
-use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, each, whole};
+use crate::incremental::{CacheStats, Interrupted, Kept, Key, Run, anew, each, whole};
 use crate::trajectory::{Segment, Trajectory};
 use crate::workcell::{Cell, ZoneRule};
 
@@ -143,11 +143,11 @@ impl Checks {
         Ok(())
     }
 
-    pub(crate) fn reuse_of_moves(&self) -> Reuse {
+    pub(crate) fn limit_cache_stats(&self) -> CacheStats {
         self.moves.reuse()
     }
 
-    pub(crate) fn reuse_of_distances(&self) -> Reuse {
+    pub(crate) fn distance_cache_stats(&self) -> CacheStats {
         self.distances.reuse()
     }
 }

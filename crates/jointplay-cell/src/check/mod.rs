@@ -14,7 +14,7 @@ mod slip;
 pub(crate) use checker::Checks;
 pub use checker::check;
 pub use options::CheckOptions;
-pub use pose::{Moment, Straight, check_pose, straight_until_contact};
-pub use report::{InstructionRow, PairDistance, Report, Share, Verdict};
+pub use pose::{Moment, Straight, advance_until_contact, check_pose};
+pub use report::{InstructionResult, MinimumDistance, Report, Share, Verdict};
 
 pub use crate::violation::{Kind, Unit, Violation};

@@ -4,7 +4,6 @@ use super::checker::examine;
 use super::options::CheckOptions;
 use super::report::Report;
 use super::segments::Steps;
-use crate::CellError;
 use crate::collision::Scene;
 use crate::geometry::Solids;
 use crate::incremental::{Run, whole};
@@ -14,6 +13,7 @@ use crate::station::SlotId;
 use crate::trajectory::{Trajectory, straight};
 use crate::violation::Kind;
 use crate::workcell::Cell;
+use crate::{CellError, EntityId};
 
 /// How often the last part before a contact is halved: what is left of a metre is a nanometre.
 const HALVINGS: usize = 30;
@@ -42,8 +42,8 @@ pub struct Straight {
     pub positions: Vec<f64>,
     /// Share of the path, 1 where nothing stops it.
     pub share: f64,
-    /// Names of the two that touch beyond, where something stops it.
-    pub touching: Option<[String; 2]>,
+    /// The two collision objects that touch beyond, where something stops it.
+    pub touching: Option<[EntityId; 2]>,
 }
 
 /// What is wrong with one pose: limits of axes and of the tilt, play, droop, distances and zones.
@@ -70,7 +70,7 @@ pub fn check_pose(
 ///
 /// # Errors
 /// As [`check_pose`], for both poses.
-pub fn straight_until_contact(
+pub fn advance_until_contact(
     cell: &Cell,
     moment: &Moment<'_>,
     [from, to]: [&[f64]; 2],
@@ -141,7 +141,7 @@ impl<'a> Held<'a> {
 
     fn straight(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> Straight {
         let at_start = contacts(&self.pose(from, options));
-        let new = |report: &Report| -> Option<[String; 2]> {
+        let new = |report: &Report| -> Option<[EntityId; 2]> {
             contacts(report).into_iter().find(|pair| !at_start.contains(pair))
         };
         let at = |share: f64| -> Vec<f64> {
@@ -154,14 +154,14 @@ impl<'a> Held<'a> {
             // A violation begins where a pair comes too near; at its worst time it touches.
             let new_contacts = report.violations.iter().filter(|one| {
                 is_contact(one.kind)
-                    && pair_of(&one.names).is_some_and(|pair| !at_start.contains(&pair))
+                    && pair_of(&one.entities).is_some_and(|pair| !at_start.contains(&pair))
             });
             let first =
                 new_contacts.min_by(|one, other| one.worst_time.total_cmp(&other.worst_time));
             let Some(first) = first else {
                 return Straight { positions: end, share, touching };
             };
-            touching = pair_of(&first.names);
+            touching = pair_of(&first.entities);
             // Where that is, as a share of the whole path.
             let reached = motion.at(first.worst_time).positions;
             let (mut free, mut touched) = (0.0, share_of([from, to], &reached).min(share));
@@ -197,12 +197,12 @@ fn is_contact(kind: Kind) -> bool {
     matches!(kind, Kind::Collision | Kind::KeepOut)
 }
 
-fn pair_of(names: &[String]) -> Option<[String; 2]> {
-    <[String; 2]>::try_from(names.to_vec()).ok()
+fn pair_of(entities: &[EntityId]) -> Option<[EntityId; 2]> {
+    entities.try_into().ok()
 }
 
 /// The pairs that touch.
-fn contacts(report: &Report) -> Vec<[String; 2]> {
+fn contacts(report: &Report) -> Vec<[EntityId; 2]> {
     let touching = report.violations.iter().filter(|one| is_contact(one.kind));
-    touching.filter_map(|one| pair_of(&one.names)).collect()
+    touching.filter_map(|one| pair_of(&one.entities)).collect()
 }

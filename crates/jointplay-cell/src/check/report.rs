@@ -1,5 +1,6 @@
 //! Report of a check.
 
+use crate::EntityId;
 use crate::program::Place;
 use crate::violation::Violation;
 
@@ -25,9 +26,9 @@ pub struct Share {
 
 /// How near two bodies come.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PairDistance {
-    /// Names of both.
-    pub names: [String; 2],
+pub struct MinimumDistance {
+    /// The two collision objects.
+    pub entities: [EntityId; 2],
     /// Least distance found at a sample [m].
     pub distance: f64,
     /// How much less it may have been at samples that were passed over [m].
@@ -40,7 +41,7 @@ pub struct PairDistance {
 
 /// What is known of one instruction.
 #[derive(Debug, Clone, PartialEq)]
-pub struct InstructionRow {
+pub struct InstructionResult {
     /// Its index in the order of running.
     pub instruction: usize,
     /// Where it is written.
@@ -66,7 +67,7 @@ pub struct InstructionRow {
     /// Effector whose wafer comes nearest to slipping, by index among all effectors; other samples may have had as much as 0.0001 more, unless it slips.
     pub slip: Option<Share>,
     /// The two bodies that come nearest; `None` where all stay farther than distances are followed.
-    pub nearest: Option<PairDistance>,
+    pub nearest: Option<MinimumDistance>,
     /// How many violations begin in it.
     pub violations: usize,
 }
@@ -79,9 +80,9 @@ pub struct Report {
     /// All that is broken, by time.
     pub violations: Vec<Violation>,
     /// A row for each instruction.
-    pub by_instruction: Vec<InstructionRow>,
+    pub by_instruction: Vec<InstructionResult>,
     /// How near bodies come, nearest first; pairs that stay farther than distances are followed are left out.
-    pub distances: Vec<PairDistance>,
+    pub distances: Vec<MinimumDistance>,
     /// How long each axis moves [s].
     pub moving: Vec<f64>,
     /// How long the motion takes [s].

@@ -26,6 +26,6 @@ pub(crate) use motion_bound_coefficients::{Levers, droop_bounds};
 pub(crate) use object::Role;
 pub(crate) use sample_times::Samples;
 pub(crate) use sampled_segment::Course;
-pub(crate) use scene::{Scene, effector_name};
+pub(crate) use scene::Scene;
 pub(crate) use swept_aabb::Around;
 pub(crate) use unknown_pose::Lost;

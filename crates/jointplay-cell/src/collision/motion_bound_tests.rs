@@ -16,6 +16,7 @@ use super::object::Holder;
 use super::sample_times::Samples;
 use super::sampled_segment::Course;
 use super::scene::Scene;
+use crate::EntityId;
 use crate::geometry::{Shape, Solids};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::{AxisKind, PlatformModel, RODS};
@@ -169,7 +170,10 @@ fn no_point_travels_farther_than_its_bound() {
         // Corners of the bodies, and edges of the wafer, each on its carrier.
         let points: Vec<(usize, Vector3<f64>)> = (0..scene.items.len())
             .map(|item| {
-                let corner = cell.bodies.iter().find(|body| body.name == scene.items[item].name);
+                let corner = match scene.items[item].entity {
+                    EntityId::Body(body) => Some(&cell.bodies[body]),
+                    _ => None,
+                };
                 let point = match corner {
                     Some(body) => {
                         let Shape::Box { half } = body.shape else { unreachable!() };
@@ -218,8 +222,8 @@ fn no_point_travels_farther_than_its_bound() {
                 let travelled = path(&|state| world(*item, point, state));
                 assert!(
                     travelled <= bound * (1.0 + 1e-9) + 1e-12,
-                    "{round}, {}: {travelled} above {bound}",
-                    scene.items[*item].name
+                    "{round}, {:?}: {travelled} above {bound}",
+                    scene.items[*item].entity
                 );
                 tightest = tightest.max(travelled / bound.max(1e-12));
                 // Against what carries both alike.
@@ -242,9 +246,9 @@ fn no_point_travels_farther_than_its_bound() {
                     });
                     assert!(
                         travelled <= bound * (1.0 + 1e-9) + 1e-12,
-                        "{round}, {} and {}: {travelled} above {bound}",
-                        one.name,
-                        two.name
+                        "{round}, {:?} and {:?}: {travelled} above {bound}",
+                        one.entity,
+                        two.entity
                     );
                 }
             }

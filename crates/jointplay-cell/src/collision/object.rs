@@ -2,6 +2,7 @@
 
 use jointplay_core::spatial::Pose;
 
+use crate::EntityId;
 use crate::geometry::{Placed, Solid, Solids, Span};
 use crate::incremental::Key;
 use crate::robot::EffectorId;
@@ -41,7 +42,8 @@ pub(crate) enum Role {
 /// Something that takes room.
 #[derive(Clone)]
 pub(crate) struct Item {
-    pub(crate) name: String,
+    /// What it is to the user.
+    pub(crate) entity: EntityId,
     pub(crate) solid: Solid,
     /// Number of its solid, which no other solid has.
     number: u64,
@@ -59,14 +61,14 @@ pub(crate) struct Item {
 
 impl Item {
     pub(super) fn new(
-        name: String,
+        entity: EntityId,
         (number, solid): (u64, Solid),
         (holder, role): (Holder, Role),
         solids: &mut Solids,
     ) -> Self {
         let (around, standing) = ([Span { least: 0.0, most: 0.0 }; 3], Pose::identity());
         let (stands, laid) = (0, false);
-        let mut item = Self { name, solid, number, stands, holder, role, standing, around, laid };
+        let mut item = Self { entity, solid, number, stands, holder, role, standing, around, laid };
         item.stand(standing, solids);
         item
     }

@@ -7,10 +7,10 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::link_poses::{Places, Unplaced};
 use super::object::{Holder, Item, Role};
+use crate::EntityId;
 use crate::geometry::{Placed, Shape, Solid, Solids};
 use crate::program::Handover;
 use crate::robot::{ArmChain, EffectorId};
-use crate::station::SlotId;
 use crate::workcell::{Carrier, Cell, ZoneRule};
 
 /// Everything that takes room in a cell.
@@ -43,7 +43,7 @@ impl<'a> Scene<'a> {
             for holder in holders {
                 if let Some(solid) = solids.get(&body.shape, &body.carrier_from_shape) {
                     let what = (holder, Role::Body(index));
-                    items.push(Item::new(body.name.clone(), solid, what, solids));
+                    items.push(Item::new(EntityId::Body(index), solid, what, solids));
                 }
             }
         }
@@ -53,7 +53,7 @@ impl<'a> Scene<'a> {
             match zone.rule {
                 ZoneRule::KeepOut => {
                     let what = (Holder::World, Role::KeepOut);
-                    items.push(Item::new(zone.name.clone(), solid, what, solids));
+                    items.push(Item::new(EntityId::Zone(index), solid, what, solids));
                 }
                 ZoneRule::Safe => safe.push((index, solid.1)),
             }
@@ -67,17 +67,15 @@ impl<'a> Scene<'a> {
         );
         if let Some(disc) = solids.get(&disc, &middle) {
             for &slot in &cell.occupied {
-                let name = format!("wafer of {}", slot_name(cell, slot));
                 let what = (Holder::Slot(slot), Role::Wafer);
-                let mut item = Item::new(name, disc.clone(), what, solids);
+                let mut item = Item::new(EntityId::Wafer(slot), disc.clone(), what, solids);
                 item.stand(cell.stations[slot.station].slot_frame(slot.slot), solids);
                 items.push(item);
             }
             for &id in &cell.carried {
-                let name = format!("wafer from {}", effector_name(cell, id));
                 carried.push((id, items.len()));
                 let what = (Holder::Effector(id), Role::Wafer);
-                items.push(Item::new(name, disc.clone(), what, solids));
+                items.push(Item::new(EntityId::HeldWafer(id), disc.clone(), what, solids));
             }
         }
         let planar = |arm: usize| {
@@ -188,15 +186,4 @@ impl<'a> Scene<'a> {
             item.laid = true;
         }
     }
-}
-
-/// A slot in words: the station, and the slot's number where there are several.
-pub(crate) fn slot_name(cell: &Cell, slot: SlotId) -> String {
-    let station = &cell.stations[slot.station];
-    if station.slots > 1 { format!("{} {}", station.name, slot.slot) } else { station.name.clone() }
-}
-
-/// An effector's name.
-pub(crate) fn effector_name(cell: &Cell, id: EffectorId) -> String {
-    cell.robot.arms[id.arm].effectors[id.effector].name.clone()
 }

@@ -7,13 +7,13 @@ use super::fingerprint::Key;
 
 /// How much of the last plan was made anew, and how much was known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Reuse {
+pub struct CacheStats {
     /// Known from the plan before.
-    pub known: usize,
+    pub hits: usize,
     /// The same as an earlier one of this plan.
-    pub repeated: usize,
+    pub duplicates: usize,
     /// Made anew.
-    pub anew: usize,
+    pub misses: usize,
 }
 
 /// Results by their inputs: those of the last round, and those of this one.
@@ -22,13 +22,13 @@ pub(crate) struct Kept<T> {
     shared: String,
     last: BTreeMap<Key, Arc<T>>,
     now: BTreeMap<Key, Arc<T>>,
-    reuse: Reuse,
+    reuse: CacheStats,
 }
 
 impl<T> Default for Kept<T> {
     fn default() -> Self {
         let (last, now) = (BTreeMap::new(), BTreeMap::new());
-        Self { shared: String::new(), last, now, reuse: Reuse::default() }
+        Self { shared: String::new(), last, now, reuse: CacheStats::default() }
     }
 }
 
@@ -37,7 +37,7 @@ impl<T> Kept<T> {
     pub(crate) fn begin(&mut self, shared: &str) {
         // What is left of the round before last is of a round that was interrupted.
         self.last.append(&mut self.now);
-        self.reuse = Reuse::default();
+        self.reuse = CacheStats::default();
         if self.shared != shared {
             self.last.clear();
             shared.clone_into(&mut self.shared);
@@ -51,16 +51,16 @@ impl<T> Kept<T> {
         make: impl FnOnce() -> Result<T, E>,
     ) -> Result<Arc<T>, E> {
         if let Some(known) = self.now.get(&key) {
-            self.reuse.repeated += 1;
+            self.reuse.duplicates += 1;
             return Ok(Arc::clone(known));
         }
         let found = match self.last.remove(&key) {
             Some(known) => {
-                self.reuse.known += 1;
+                self.reuse.hits += 1;
                 known
             }
             None => {
-                self.reuse.anew += 1;
+                self.reuse.misses += 1;
                 Arc::new(make()?)
             }
         };
@@ -78,7 +78,7 @@ impl<T> Kept<T> {
         self.last.clear();
     }
 
-    pub(crate) fn reuse(&self) -> Reuse {
+    pub(crate) fn reuse(&self) -> CacheStats {
         self.reuse
     }
 }

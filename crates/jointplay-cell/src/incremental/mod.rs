@@ -14,8 +14,8 @@ mod fingerprint;
 mod interruption;
 mod parallel;
 
+pub use cache::CacheStats;
 pub(crate) use cache::Kept;
-pub use cache::Reuse;
 pub(crate) use fingerprint::{Key, extend};
 pub(crate) use interruption::whole;
 pub use interruption::{Interrupted, Stop};

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use crate::incremental::{Kept, Key, Reuse, extend};
+use crate::incremental::{CacheStats, Kept, Key, extend};
 use crate::robot::{EffectorId, WaferTarget};
 use crate::station::{SlotId, Waypoints};
 use crate::wafer::Unreachable;
@@ -82,7 +82,7 @@ impl IkCache {
         self.reached.get(key, reach).map(|positions| positions.to_vec())
     }
 
-    pub(crate) fn reuse(&self) -> Reuse {
+    pub(crate) fn reuse(&self) -> CacheStats {
         self.reached.reuse()
     }
 }

@@ -11,7 +11,7 @@ use super::spline::Spline;
 use super::synchronized::together;
 use super::time_parameterization::TimeParameterization;
 use super::{Segment, Trajectory};
-use crate::incremental::{Interrupted, Kept, Key, Reuse, Run, anew, extend, whole};
+use crate::incremental::{CacheStats, Interrupted, Kept, Key, Run, anew, extend, whole};
 use crate::program::{Path, Place, Step};
 use crate::robot::{ArmChain, AxisKind, EffectorId, KinematicLimits, RODS};
 use crate::workcell::Cell;
@@ -200,7 +200,7 @@ impl SegmentCache {
         self.ways.get(vec![duration.to_bits()], || still(duration, step))
     }
 
-    pub(crate) fn reuse(&self) -> Reuse {
+    pub(crate) fn reuse(&self) -> CacheStats {
         self.ways.reuse()
     }
 }

@@ -1,17 +1,17 @@
 //! Violations of limits over an interval of time.
 
-use std::fmt;
-
 use super::kind::{Kind, Unit};
+use crate::EntityId;
 use crate::program::{Phase, Place};
+use crate::workcell::Cell;
 
 /// A stretch of time in which one thing is broken without a break, within one instruction.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Violation {
     /// What is broken.
     pub kind: Kind,
-    /// What it is about: an axis, an effector, a body and another.
-    pub names: Vec<String>,
+    /// Entities concerned: an axis, an effector, an effector and a zone, or two collision objects; empty for the platform.
+    pub entities: Vec<EntityId>,
     /// Index of the instruction in the order of running.
     pub instruction: usize,
     /// Where that is written.
@@ -54,10 +54,18 @@ impl Violation {
         }
     }
 
-    /// What is wrong, without its time and line.
+    /// Line, times, kind and [`Self::message`] on one line.
     #[must_use]
-    pub fn message(&self) -> String {
-        let name = |k: usize| self.names.get(k).map_or("", String::as_str);
+    pub fn describe(&self, cell: &Cell) -> String {
+        let (line, message) = (self.place.line, self.message(cell));
+        format!("line {line}, {:.3} s to {:.3} s, {}: {message}", self.start, self.end, self.kind)
+    }
+
+    /// Message in SI units, without time and line.
+    #[must_use]
+    pub fn message(&self, cell: &Cell) -> String {
+        let name =
+            |k: usize| self.entities.get(k).map_or_else(String::new, |&one| cell.entity_name(one));
         let (unit, worst, limit) = (self.symbol(), self.worst, self.limit);
         match self.kind {
             Kind::Position => {
@@ -133,18 +141,4 @@ impl Violation {
 fn told_apart(one: f64, other: f64) -> [String; 2] {
     let with = |decimals: usize| [one, other].map(|length| format!("{length:.decimals$}"));
     (6..12).map(with).find(|[one, other]| one != other).unwrap_or_else(|| with(12))
-}
-
-impl fmt::Display for Violation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "line {}, {:.3} s to {:.3} s, {}: {}",
-            self.place.line,
-            self.start,
-            self.end,
-            self.kind,
-            self.message()
-        )
-    }
 }

@@ -6,6 +6,7 @@ use jointplay_cell::robot::{
     Axis, AxisKind, Branch, BranchSelection, HybridRobot, Inverse, LimitViolation, OutOfReach,
 };
 use jointplay_cell::wafer::{RejectedBranch, Unreachable};
+use jointplay_cell::workcell::Cell;
 
 use crate::number::number;
 use crate::units::{deg, mm};
@@ -118,7 +119,8 @@ pub fn explain_unreachable(robot: &HybridRobot, inverse: &Inverse) -> Option<Str
 
 /// What stops a robot that is moved by hand: one line for each limit, or for each way that the arm could be bent.
 #[must_use]
-pub fn explain_stopped(robot: &HybridRobot, stopped: &Stopped) -> Vec<String> {
+pub fn explain_stopped(cell: &Cell, stopped: &Stopped) -> Vec<String> {
+    let robot = &cell.robot;
     let limits = |broken: &mut dyn Iterator<Item = &LimitViolation>| {
         broken.map(|limit| explain_limit(robot, limit)).collect::<Vec<String>>()
     };
@@ -134,6 +136,9 @@ pub fn explain_stopped(robot: &HybridRobot, stopped: &Stopped) -> Vec<String> {
         Stopped::Place(Unreachable::OutOfReach(reach)) => vec![explain_out_of_reach(reach)],
         Stopped::Place(Unreachable::Robot(error)) => vec![explain(error)],
         Stopped::Place(other) => vec![other.to_string()],
-        Stopped::Contact([one, other]) => vec![format!("{one} and {other} would touch")],
+        Stopped::Contact(pair) => {
+            let [one, other] = pair.map(|one| cell.entity_name(one));
+            vec![format!("{one} and {other} would touch")]
+        }
     }
 }

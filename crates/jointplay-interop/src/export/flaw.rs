@@ -1,6 +1,7 @@
 //! Violations of a motion, as exported files state them.
 
 use jointplay_cell::check::{Report, Violation};
+use jointplay_cell::workcell::Cell;
 use jointplay_report::explain_violation;
 
 /// Something that is wrong with a motion.
@@ -16,11 +17,11 @@ pub struct Flaw {
 
 /// What is wrong with a motion, as exported files say it.
 #[must_use]
-pub fn flaws(report: &Report) -> Vec<Flaw> {
+pub fn flaws(cell: &Cell, report: &Report) -> Vec<Flaw> {
     let flaw = |one: &Violation| Flaw {
         from: one.start,
         to: one.end,
-        message: format!("line {}: {}: {}", one.place.line, one.kind, explain_violation(one)),
+        message: format!("line {}: {}: {}", one.place.line, one.kind, explain_violation(cell, one)),
     };
     report.violations.iter().map(flaw).collect()
 }

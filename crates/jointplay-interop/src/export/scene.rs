@@ -1,5 +1,6 @@
 //! What moves in a cell, as frames with their ways: rods, platform, links, wafers.
 
+use jointplay_cell::EntityId;
 use jointplay_cell::program::Handover;
 use jointplay_cell::robot::{ChainPose, EffectorId, RODS};
 use jointplay_cell::station::SlotId;
@@ -256,12 +257,12 @@ impl Wafers {
         let (cell, to) = (recording.cell, recording.motion.duration());
         let in_slots = cell.occupied.iter().map(|&slot| {
             let station = &cell.stations[slot.station];
-            let name = format!("wafer of {} {}", station.name, slot.slot);
+            let name = cell.entity_name(EntityId::Wafer(slot));
             let held = Held::Lying(station.slot_frame(slot.slot));
             Wafer { name, held, lies: vec![Lying { slot, from: 0.0, to }] }
         });
         let carried = cell.carried.iter().map(|&id| {
-            let name = format!("wafer of {}", recording.effector_name(id));
+            let name = cell.entity_name(EntityId::HeldWafer(id));
             Wafer { name, held: Held::On(id, Pose::identity()), lies: Vec::new() }
         });
         let in_slot = cell.occupied.iter().copied().enumerate().map(|(k, slot)| (slot, k));

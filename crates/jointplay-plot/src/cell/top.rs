@@ -1,5 +1,6 @@
 //! A cell from above.
 
+use jointplay_cell::EntityId;
 use jointplay_cell::robot::EffectorId;
 use jointplay_cell::workcell::{Carrier, Cell, ZoneRule};
 
@@ -50,8 +51,8 @@ pub struct TopView<'a> {
     pub tracks: Vec<Track>,
     /// Places to be marked as wrong, in the base frame [m].
     pub wrong: Vec<[f64; 2]>,
-    /// Names of bodies and zones that stand still and that something is wrong with.
-    pub broken: Vec<String>,
+    /// Bodies and zones to be marked as violated; only those that do not move are drawn.
+    pub broken: Vec<EntityId>,
     /// Title above the picture; empty for none.
     pub title: String,
     /// Width in pixels.
@@ -196,12 +197,16 @@ impl<'a> TopView<'a> {
 
     /// Outlines of bodies and zones that something is wrong with, by name.
     fn broken(&self) -> impl Iterator<Item = (&str, Vec<[f64; 2]>)> {
-        let still = self.cell.bodies.iter().filter(|body| body.carrier == Carrier::World);
-        let bodies = still.map(|body| (&body.name, &body.shape, &body.carrier_from_shape));
-        let zones = self.cell.zones.iter();
-        let zones = zones.map(|zone| (&zone.name, &zone.shape, &zone.base_from_shape));
-        let all = bodies.chain(zones).filter(|(name, ..)| self.broken.contains(name));
-        all.map(|(name, shape, pose)| (name.as_str(), outline(shape, pose)))
+        let bodies = self.cell.bodies.iter().enumerate().filter_map(|(k, body)| {
+            let is_marked =
+                body.carrier == Carrier::World && self.broken.contains(&EntityId::Body(k));
+            is_marked.then_some((&body.name, &body.shape, &body.carrier_from_shape))
+        });
+        let zones = self.cell.zones.iter().enumerate().filter_map(|(k, zone)| {
+            let is_marked = self.broken.contains(&EntityId::Zone(k));
+            is_marked.then_some((&zone.name, &zone.shape, &zone.base_from_shape))
+        });
+        bodies.chain(zones).map(|(name, shape, pose)| (name.as_str(), outline(shape, pose)))
     }
 
     /// What something is wrong with, and its name.

@@ -4,8 +4,8 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use jointplay::cell::Stop;
-use jointplay::cell::check::{CheckOptions, Moment, Straight, check_pose, straight_until_contact};
-use jointplay::cell::jog::{Jogged, Stopped};
+use jointplay::cell::check::{CheckOptions, Moment, Straight, advance_until_contact, check_pose};
+use jointplay::cell::jog::{JogOutcome, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
@@ -78,7 +78,7 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
     let moment = Moment { motion: recording.motion, time, reaches: slot.map(|slot| (id, slot)) };
     let start = from.clone();
     let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
-        None => Jogged { positions: from, stopped: None },
+        None => JogOutcome { positions: from, stopped: None },
         Some(JogTarget::Axes(to)) => cell.jog_axes(&from, &to).map_err(cell_error)?,
         Some(JogTarget::Platform { tilt, height }) => {
             cell.jog_platform(&from, tilt, AxisHeight(height)).map_err(cell_error)?
@@ -92,24 +92,24 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
             let slot = slot.ok_or_else(|| {
                 Problem::field("seen_from", "a place as seen from a slot needs the slot")
             })?;
-            or_stay(&from, cell.jog_from_slot(&from, id, loaded, slot, &to))
+            or_stay(&from, cell.jog_slot_relative(&from, id, loaded, slot, &to))
         }
     };
     if request.stop_at_contact {
         let ways = [&start[..], &jogged.positions];
         let Straight { positions, touching, .. } =
-            straight_until_contact(cell, &moment, ways, &CheckOptions::default())
+            advance_until_contact(cell, &moment, ways, &CheckOptions::default())
                 .map_err(cell_error)?;
         if let Some(pair) = touching {
-            jogged = Jogged { positions, stopped: Some(Stopped::Contact(pair)) };
+            jogged = JogOutcome { positions, stopped: Some(Stopped::Contact(pair)) };
         }
     }
     document(recording, (&moment, id, slot), &carried, &jogged, placing)
 }
 
 /// Where nothing can be computed, the robot stays.
-fn or_stay(from: &[f64], jogged: Result<Jogged, Unreachable>) -> Jogged {
-    jogged.unwrap_or_else(|why| Jogged {
+fn or_stay(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome {
+    jogged.unwrap_or_else(|why| JogOutcome {
         positions: from.to_vec(),
         stopped: Some(Stopped::Place(why)),
     })
@@ -119,7 +119,7 @@ fn document(
     recording: &Recording<'_>,
     (moment, id, slot): (&Moment<'_>, EffectorId, Option<SlotId>),
     carried: &[EffectorId],
-    jogged: &Jogged,
+    jogged: &JogOutcome,
     placing: impl Fn(jointplay::interop::export::Error) -> Problem,
 ) -> Result<JogDocument, Problem> {
     let (cell, at) = (recording.cell, jogged.positions.as_slice());
@@ -132,7 +132,8 @@ fn document(
     });
     let effectors = effectors.collect::<Result<_, Problem>>()?;
     let (pose, _) = cell.wafer_pose_as_known(id, at, loaded).map_err(cell_error)?;
-    let seen = slot.map(|slot| from_slot(cell, slot, &cell.seen_from_slot(&pose, id, slot), &pose));
+    let seen =
+        slot.map(|slot| from_slot(cell, slot, &cell.slot_relative_pose(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(cell_error)?;
     let ways = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(cell_error)?;
     let (frames, _) = frames(recording, moment.time, at).map_err(placing)?;
@@ -145,6 +146,6 @@ fn document(
         branches: ways.branches.iter().map(|branch| BranchDocument::new(cell, branch)).collect(),
         stopped: jogged.stopped.as_ref().map(|stopped| StoppedDocument::new(cell, stopped)),
         frames: frames.into_iter().map(Into::into).collect(),
-        check: PoseCheckDocument::new(&report),
+        check: PoseCheckDocument::new(cell, &report),
     })
 }

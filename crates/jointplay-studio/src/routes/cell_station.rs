@@ -68,7 +68,10 @@ fn contacts(plan: &Plan, station: &str, by: TaughtByFields) -> Result<Vec<[Strin
     let time = by.time_s.clamp(0.0, recording.motion.duration());
     let moment = Moment { motion: recording.motion, time, reaches: Some((id, slot)) };
     let report = check_pose(cell, &moment, &at, &CheckOptions::default()).map_err(cell_error)?;
-    let touching = touching(&report);
+    let touching: Vec<[String; 2]> = touching(&report)
+        .into_iter()
+        .map(|pair| pair.map(|one| cell.entity_name(one)))
+        .collect();
     if touching.is_empty() || by.confirm_contact {
         return Ok(touching);
     }

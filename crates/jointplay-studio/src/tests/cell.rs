@@ -148,12 +148,12 @@ fn a_changed_station_is_planned_with_what_the_last_plan_came_to() {
     let program = "HOME\nTRANSFER LP1 SLOT 1 TO ALIGN WITH A\nTRANSFER ALIGN TO PM1 WITH A\n";
     let texts = CellFiles::example().into_texts();
     session.plan(texts.0.clone(), program.to_owned(), &|| false).unwrap();
-    assert_eq!(session.reuse().known, 0);
+    assert_eq!(session.reuse().hits, 0);
     let moved = texts.0.replace("[800.0, 0.0, 620.18]", "[800.0, 0.0, 620.17]");
     let plan = session.plan(moved, program.to_owned(), &|| false).unwrap();
     assert!(plan.report.is_some());
     let reuse = session.reuse();
-    assert!(reuse.known > reuse.anew && reuse.anew > 0, "{reuse:?}");
+    assert!(reuse.hits > reuse.misses && reuse.misses > 0, "{reuse:?}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! A robot with arms that is moved by hand.
 
-use jointplay::cell::jog::FromSlot;
+use jointplay::cell::jog::SlotRelativePose;
 use jointplay::cell::robot::WaferTarget;
 use jointplay::cell::workcell::Cell;
 use jointplay::nalgebra::Vector3;
@@ -182,7 +182,7 @@ pub(crate) enum JogTarget {
     Axes(Vec<f64>),
     Platform { tilt: Tilt, height: f64 },
     World(WaferTarget),
-    Slot(FromSlot),
+    Slot(SlotRelativePose),
 }
 
 impl JogFields {
@@ -213,7 +213,7 @@ impl JogFields {
                     heading: Some(angle(found.heading_rad, "to.heading_rad")?),
                 }))
             }
-            Jog::Slot(found) => Ok(JogTarget::Slot(FromSlot {
+            Jog::Slot(found) => Ok(JogTarget::Slot(SlotRelativePose {
                 radial: length(found.radial_m, "to.radial_m")?,
                 turn: angle(found.turn_rad, "to.turn_rad")?,
                 height: length(found.height_m, "to.height_m")?,

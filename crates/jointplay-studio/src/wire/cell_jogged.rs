@@ -1,6 +1,6 @@
 //! Where a robot with arms has come to that was moved by hand.
 
-use jointplay::cell::jog::{FromSlot, Stopped};
+use jointplay::cell::jog::{SlotRelativePose, Stopped};
 use jointplay::cell::robot::{
     self, Branch, BranchSelection, EffectorId, LimitViolation, WaferTarget,
 };
@@ -262,10 +262,10 @@ impl StoppedDocument {
         let of_limits =
             if axes.is_empty() { StoppedKind::TiltLimit } else { StoppedKind::AxisLimit };
         let touching = match stopped {
-            Stopped::Contact(pair) => pair.to_vec(),
+            Stopped::Contact(pair) => pair.map(|one| cell.entity_name(one)).to_vec(),
             _ => Vec::new(),
         };
-        let says = explain_stopped(&cell.robot, stopped);
+        let says = explain_stopped(cell, stopped);
         Self { kind: other.unwrap_or(of_limits), axes, says, touching }
     }
 }
@@ -327,7 +327,7 @@ pub(crate) fn effector(
 pub(crate) fn from_slot(
     cell: &Cell,
     slot: SlotId,
-    seen: &FromSlot,
+    seen: &SlotRelativePose,
     pose: &Pose,
 ) -> FromSlotDocument {
     let station = &cell.stations[slot.station];

@@ -1,5 +1,6 @@
 //! What a cell is made of: robot, stations, wafers, bodies, zones.
 
+use jointplay::cell::EntityId;
 use jointplay::cell::geometry::Shape;
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::station::{Origin, Station, teach};
@@ -194,11 +195,11 @@ impl RobotParts {
 }
 
 fn link_name(cell: &Cell, arm: usize, link: usize) -> String {
-    format!("{} link {}", cell.robot.arms[arm].name, link + 1)
+    cell.entity_name(EntityId::Link { arm, link })
 }
 
 fn effector_name(cell: &Cell, id: &EffectorId) -> String {
-    cell.robot.arms[id.arm].effectors[id.effector].name.clone()
+    cell.effector_name(*id).to_owned()
 }
 
 /// All stations.
@@ -233,12 +234,11 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
 pub(crate) fn wafers(cell: &Cell) -> Vec<WaferDocument> {
     let in_slots = cell.occupied.iter().map(|slot| {
         let station = &cell.stations[slot.station].name;
-        let (name, slot) = (format!("wafer of {station} {}", slot.slot), slot.slot);
-        (name, format!("{station}, slot {slot}"))
+        (cell.entity_name(EntityId::Wafer(*slot)), format!("{station}, slot {}", slot.slot))
     });
     let carried = cell.carried.iter().map(|id| {
         let effector = effector_name(cell, id);
-        (format!("wafer of {effector}"), format!("on {effector}"))
+        (cell.entity_name(EntityId::HeldWafer(*id)), format!("on {effector}"))
     });
     let told = in_slots.chain(carried).zip(wafers_at_start(cell));
     let of = |((name, starts), held)| WaferDocument {

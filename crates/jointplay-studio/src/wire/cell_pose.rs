@@ -1,6 +1,8 @@
 //! One pose of the cell, checked.
 
-use jointplay::cell::check::{Kind, PairDistance, Report, Violation};
+use jointplay::cell::EntityId;
+use jointplay::cell::check::{Kind, MinimumDistance, Report, Violation};
+use jointplay::cell::workcell::Cell;
 use jointplay::report::explain_violation;
 use serde::Serialize;
 use utoipa::ToSchema;
@@ -45,11 +47,11 @@ fn is_contact(violation: &Violation) -> bool {
 }
 
 /// The pairs in contact, each once.
-pub(crate) fn touching(report: &Report) -> Vec<[String; 2]> {
-    let mut pairs: Vec<[String; 2]> = Vec::new();
+pub(crate) fn touching(report: &Report) -> Vec<[EntityId; 2]> {
+    let mut pairs: Vec<[EntityId; 2]> = Vec::new();
     for violation in report.violations.iter().filter(|one| is_contact(one)) {
-        if let [one, other] = &violation.names[..] {
-            let pair = [one.clone(), other.clone()];
+        if let [one, other] = violation.entities[..] {
+            let pair = [one, other];
             if !pairs.contains(&pair) {
                 pairs.push(pair);
             }
@@ -59,18 +61,20 @@ pub(crate) fn touching(report: &Report) -> Vec<[String; 2]> {
 }
 
 impl PoseCheckDocument {
-    pub(crate) fn new(report: &Report) -> Self {
-        let distance = |PairDistance { names, distance, .. }: &PairDistance| PoseDistanceDocument {
-            bodies: names.to_vec(),
-            distance_m: *distance,
-        };
+    pub(crate) fn new(cell: &Cell, report: &Report) -> Self {
+        let distance =
+            |MinimumDistance { entities, distance, .. }: &MinimumDistance| PoseDistanceDocument {
+                bodies: entities.map(|one| cell.entity_name(one)).to_vec(),
+                distance_m: *distance,
+            };
         let violation = |one: &Violation| PoseViolationDocument {
             kind: one.kind.to_string(),
-            names: one.names.clone(),
+            names: one.entities.iter().map(|&one| cell.entity_name(one)).collect(),
             is_contact: is_contact(one),
-            message: explain_violation(one),
+            message: explain_violation(cell, one),
         };
-        let mut in_contact: Vec<String> = touching(report).into_iter().flatten().collect();
+        let in_contact = touching(report).into_iter().flatten();
+        let mut in_contact: Vec<String> = in_contact.map(|one| cell.entity_name(one)).collect();
         in_contact.sort();
         in_contact.dedup();
         Self {

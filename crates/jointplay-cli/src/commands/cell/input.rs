@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::Memory;
+use jointplay::cell::IncrementalPlanner;
 use jointplay::cell::check::{CheckOptions, Report, Verdict};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
@@ -195,7 +195,7 @@ impl InputArgs {
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = export::flaws(&report);
+        let flaws = export::flaws(cell, &report);
         Ok(Planned { input, motion, report, flaws })
     }
 }
@@ -272,8 +272,8 @@ impl Planned {
 }
 
 /// Plans motion by motion, and reports how many are done.
-fn counted_by(reporter: Reporter) -> Memory {
-    Memory::run_by(move |count, job| {
+fn counted_by(reporter: Reporter) -> IncrementalPlanner {
+    IncrementalPlanner::run_by(move |count, job| {
         reporter.parts(count);
         for number in 0..count {
             job(number);

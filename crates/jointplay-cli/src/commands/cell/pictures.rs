@@ -1,8 +1,9 @@
 //! Pictures of a cell and of its motion.
 
+use jointplay::cell::EntityId;
 use jointplay::cell::check::Violation;
 use jointplay::cell::robot::EffectorId;
-use jointplay::cell::workcell::{Body, Carrier};
+use jointplay::cell::workcell::Carrier;
 use jointplay::interop::export;
 use jointplay::plot;
 use jointplay::plot::cell::{Gantt, TopView, Track};
@@ -52,9 +53,9 @@ fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
             let at = pose.base_from_wafer[id.arm][id.effector].translation.vector;
             view.wrong.push([at.x, at.y]);
         }
-        let known = |name: &&String| !view.broken.contains(name);
-        let names: Vec<String> = one.names.iter().filter(known).cloned().collect();
-        view.broken.extend(names);
+        let known = |entity: &&EntityId| !view.broken.contains(entity);
+        let entities: Vec<EntityId> = one.entities.iter().filter(known).copied().collect();
+        view.broken.extend(entities);
     }
     Ok(view)
 }
@@ -64,12 +65,13 @@ fn concerned(planned: &Planned, one: &Violation) -> Vec<EffectorId> {
     let cell = planned.cell();
     let all = planned.effectors();
     let named = |id: &EffectorId| {
-        let effector = &cell.robot.arms[id.arm].effectors[id.effector].name;
-        let of_arm = |body: &Body| {
-            matches!(body.carrier, Carrier::Link { arm, .. } if arm == id.arm)
-                && one.names.contains(&body.name)
-        };
-        one.names.contains(effector) || cell.bodies.iter().any(of_arm)
+        one.entities.iter().any(|&entity| match entity {
+            EntityId::Effector(effector) => effector == *id,
+            EntityId::Body(body) => {
+                matches!(cell.bodies[body].carrier, Carrier::Link { arm, .. } if arm == id.arm)
+            }
+            _ => false,
+        })
     };
     let found: Vec<EffectorId> = all.into_iter().filter(named).collect();
     if found.is_empty() { planned.motion.steps[one.step].loaded.clone() } else { found }

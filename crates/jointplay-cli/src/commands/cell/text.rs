@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
+use jointplay::cell::EntityId;
 use jointplay::cell::check::{Kind, Violation};
 use jointplay::cell::program::Place;
 use jointplay::report::{CellReport, InstructionReport, ShareReport, explain_violation};
@@ -14,8 +15,6 @@ use crate::output::fixed;
 const TIMES: usize = 4;
 /// Groups of violations that are listed.
 const GROUPS: usize = 12;
-/// How names of wafers begin.
-const WAFER: &str = "wafer ";
 
 /// Verdict, what is wrong, and a table by line of the program.
 pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
@@ -138,15 +137,15 @@ pub(super) fn report(report: &CellReport, planned: &Planned) -> String {
     text
 }
 
-/// What a group of violations has in common: command, kind, and the names of what takes part, all wafers alike.
-type About<'a> = (Place, Kind, Vec<&'a str>);
+/// What a group of violations has in common: command, kind, and the entities concerned, `None` for any wafer.
+type Group = (Place, Kind, Vec<Option<EntityId>>);
 
 /// Violations grouped by command and pair, worst first: the worst of each group under an excerpt, with times and number of the others.
 pub(super) fn violations(planned: &Planned) -> String {
-    let mut groups: BTreeMap<About<'_>, Vec<&Violation>> = BTreeMap::new();
+    let mut groups: BTreeMap<Group, Vec<&Violation>> = BTreeMap::new();
     for one in &planned.report.violations {
-        let names = one.names.iter().map(|name| alike(name)).collect();
-        groups.entry((one.place, one.kind, names)).or_default().push(one);
+        let entities = one.entities.iter().map(|&one| (!one.is_wafer()).then_some(one)).collect();
+        groups.entry((one.place, one.kind, entities)).or_default().push(one);
     }
     let mut groups: Vec<Vec<&Violation>> = groups.into_values().collect();
     for group in &mut groups {
@@ -161,7 +160,7 @@ pub(super) fn violations(planned: &Planned) -> String {
     let mut text = String::new();
     for group in groups.iter().take(GROUPS) {
         let worst = group[0];
-        let message = format!("{}: {}", worst.kind, explain_violation(worst));
+        let message = format!("{}: {}", worst.kind, explain_violation(planned.cell(), worst));
         for line in planned.input.excerpt(worst.place, &message).lines() {
             let _ = writeln!(text, "  {line}");
         }
@@ -177,11 +176,8 @@ pub(super) fn violations(planned: &Planned) -> String {
             0 => String::new(),
             more => format!(", and {} more", counted(more, "time")),
         };
-        let wafers: BTreeSet<&String> = group
-            .iter()
-            .flat_map(|one| &one.names)
-            .filter(|name| name.starts_with(WAFER))
-            .collect();
+        let entities = group.iter().flat_map(|one| &one.entities);
+        let wafers: BTreeSet<&EntityId> = entities.filter(|one| one.is_wafer()).collect();
         let wafers = match wafers.len() {
             0 | 1 => String::new(),
             wafers => format!("; {wafers} wafers in all"),
@@ -199,11 +195,6 @@ pub(super) fn violations(planned: &Planned) -> String {
         );
     }
     text
-}
-
-/// A name by which violations are grouped: all wafers are alike.
-fn alike(name: &str) -> &str {
-    if name.starts_with(WAFER) { WAFER } else { name }
 }
 
 /// By how much a limit is broken, in SI; of no meaning between kinds.
