@@ -2,10 +2,10 @@
 
 use jointplay_cell::trajectory::Sample;
 
-use super::recording::Recording;
+use super::motion_export::MotionExport;
 
 /// How far lines between samples may stray from speeds and accelerations, as a share of the limits: less than a pixel of a plot.
-const STRAY: f64 = 2.5e-3;
+const PEAK_TOLERANCE: f64 = 2.5e-3;
 /// Samples need not be nearer to each other than this [s].
 const NEAREST: f64 = 1e-3;
 
@@ -20,8 +20,8 @@ const NEAREST: f64 = 1e-3;
 ///
 /// # Source
 /// Own derivation.
-pub(super) fn times(recording: &Recording<'_>, rate: f64, [from, to]: [f64; 2]) -> Vec<f64> {
-    let motion = recording.motion;
+pub(super) fn times(motion_export: &MotionExport<'_>, rate: f64, [from, to]: [f64; 2]) -> Vec<f64> {
+    let motion = motion_export.motion;
     let duration = motion.duration();
     // As even samples are: a last one within a thousandth of the end is the end.
     let whole = (duration * rate - 1e-3).ceil().max(0.0);
@@ -35,9 +35,10 @@ pub(super) fn times(recording: &Recording<'_>, rate: f64, [from, to]: [f64; 2]) 
     base.retain(|time| (from..=to).contains(time));
     base.sort_by(f64::total_cmp);
     base.dedup_by(|later, earlier| *later - *earlier < 1e-9);
-    let limits = recording.cell.robot.axes.iter().map(|axis| &axis.empty);
-    let strays: Vec<[f64; 2]> =
-        limits.map(|limit| [STRAY * limit.velocity, STRAY * limit.acceleration]).collect();
+    let limits = motion_export.cell.robot.axes.iter().map(|axis| &axis.empty);
+    let strays: Vec<[f64; 2]> = limits
+        .map(|limit| [PEAK_TOLERANCE * limit.velocity, PEAK_TOLERANCE * limit.acceleration])
+        .collect();
     let mut times = Vec::with_capacity(2 * base.len());
     let mut last = Sample::default();
     for &time in &base {

@@ -12,7 +12,7 @@ use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::number::counted;
 use jointplay::format::{cell, place, program};
-use jointplay::interop::export::{self, Flaw, Recording};
+use jointplay::interop::export::{self, ViolationNote, MotionExport};
 use jointplay::report;
 
 use crate::failure::{Diagnostic, Failure};
@@ -89,7 +89,7 @@ pub(super) struct Planned {
     pub(super) input: Input,
     pub(super) motion: Trajectory,
     pub(super) report: Report,
-    pub(super) flaws: Vec<Flaw>,
+    pub(super) violation_notes: Vec<ViolationNote>,
 }
 
 impl CellArgs {
@@ -134,7 +134,7 @@ impl InputArgs {
             (Err(program), Ok(_)) => return Err(program),
             (Err(program), Err(cell)) => return Err(Failure::Robot(format!("{cell}\n{program}"))),
         };
-        let (program, problems) = program::parse_what_can_be(&text);
+        let (program, problems) = program::parse_recovering(&text);
         if problems.is_empty() {
             return Ok(Input { cell: cell?, program, text, label });
         }
@@ -207,8 +207,8 @@ impl InputArgs {
         reporter.stage("checking");
         let report = planner.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = export::flaws(cell, &report);
-        Ok(Planned { input, motion, report, flaws })
+        let violation_notes = export::violation_notes(cell, &report);
+        Ok(Planned { input, motion, report, violation_notes })
     }
 }
 
@@ -262,12 +262,12 @@ impl Planned {
         self.report.verdict == Verdict::Sound
     }
 
-    pub(super) fn recording(&self) -> Recording<'_> {
-        Recording {
+    pub(super) fn motion_export(&self) -> MotionExport<'_> {
+        MotionExport {
             cell: self.cell(),
             motion: &self.motion,
             program: &self.input.text,
-            flaws: &self.flaws,
+            violation_notes: &self.violation_notes,
         }
     }
 
