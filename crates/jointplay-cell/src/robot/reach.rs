@@ -36,7 +36,7 @@ impl HybridRobot {
         let mut ends = [0.0; 2];
         for (end, sign) in ends.iter_mut().zip([-1.0, 1.0]) {
             let gain = |positions: &[f64]| Ok::<f64, CellError>(sign * distance(positions)?);
-            let mut starts = vec![(gain(&home)?, home.clone())];
+            let mut starts = vec![Start { gain: gain(&home)?, positions: home.clone() }];
             for start in 0..STARTS.pow(u32::try_from(motors.len()).unwrap_or(0)) {
                 let mut positions = home.clone();
                 let mut rest = start;
