@@ -225,7 +225,7 @@ mod tests {
             let (_, section) = document.split_once(heading).expect("the section");
             section.split_once("\n## ").map_or(section, |(section, _)| section).to_owned()
         };
-        let speed = section("docs/explanation/performance.md", "## Beside other programs");
+        let speed = section("docs/explanation/performance.md", "## Comparison with other programs");
         let lines: Vec<&str> = speed.lines().chain([""]).collect();
         let rows = lines.windows(2).filter(|pair| {
             let heading = pair[1].starts_with("| ---");
@@ -237,7 +237,7 @@ mod tests {
             assert!(results.contains(row), "no result says {row}");
         }
         // Such as: jointplay, bulk **63 M**; C, by hand **12 M**.
-        let short = section("README.md", "## How fast");
+        let short = section("README.md", "## Performance");
         let (_, told) = short.split_once(": ").expect("what is told");
         let told: Vec<&str> = told.trim().split("**").collect();
         assert!(told.len() > 7, "{told:?}");
