@@ -43,7 +43,7 @@ pub enum ProgramProblem {
         known: Vec<String>,
     },
     /// A name that is used twice.
-    #[error("{what} `{name}` is there already, in line {line}")]
+    #[error("{what} `{name}` is already defined in line {line}")]
     Twice {
         /// The kind of thing named.
         what: &'static str,
@@ -64,7 +64,7 @@ pub enum ProgramProblem {
         kind: AxisKind,
     },
     /// No effector is named where several are possible.
-    #[error("{where_}: say WITH which effector: {}", listed(.known))]
+    #[error("{where_}: name the effector with WITH: {}", listed(.known))]
     WhichEffector {
         /// The command and its station.
         where_: String,
@@ -95,14 +95,14 @@ pub enum ProgramProblem {
     },
     /// The same effector twice in a SWAP.
     #[error(
-        "SWAP takes two effectors, one that fetches and one that lays down; effector {effector} cannot be both"
+        "SWAP needs two effectors, one that picks and one that places; effector {effector} cannot do both"
     )]
     SameEffector {
         /// Name of the effector.
         effector: String,
     },
     /// No slot is named where the station has several.
-    #[error("station {station} has {slots} slots: say which, as in `{station} SLOT 1`")]
+    #[error("station {station} has {slots} slots: name one, as in `{station} SLOT 1`")]
     WhichSlot {
         /// Name of the station.
         station: String,
@@ -126,14 +126,14 @@ pub enum ProgramProblem {
         routines: Vec<String>,
     },
     /// CALL and REPEAT are nested too deeply.
-    #[error("CALL and REPEAT stand within each other more than {allowed} deep")]
+    #[error("CALL and REPEAT are nested more than {allowed} deep")]
     TooDeep {
         /// Largest depth.
         allowed: usize,
     },
     /// The program expands to too many instructions.
     #[error(
-        "{what} comes to {found} instructions one after the other, but at most {allowed} are allowed; lower the number of passes"
+        "{what} expands to {found} instructions, but at most {allowed} are allowed; lower the number of passes"
     )]
     TooLong {
         /// The construct: REPEAT, CALL or the program.
@@ -145,8 +145,8 @@ pub enum ProgramProblem {
     },
     /// GET from an empty slot.
     #[error("{slot} is empty: {}", match .since {
-        None => "it has no wafer at the start, and none was put there since".to_owned(),
-        Some(line) => format!("its wafer was taken in line {line}"),
+        None => "it has no wafer at the start, and none was placed there since".to_owned(),
+        Some(line) => format!("its wafer was picked in line {line}"),
     })]
     EmptySlot {
         /// The slot.

@@ -108,13 +108,15 @@ const TWO_SIDED: f64 = 1.959_964;
 #[non_exhaustive]
 pub enum TeachError {
     /// Not enough points for a plane.
-    #[error("{found} taught points make no plane; teach 3, and better 4, that are not on one line")]
+    #[error(
+        "{found} taught points determine no plane; teach 3, and better 4, that are not on one line"
+    )]
     TooFew {
         /// How many there are.
         found: usize,
     },
     /// The noise is not a positive number.
-    #[error("the noise of taught points is {:.3} µm, but has to be positive", found * 1e6)]
+    #[error("the noise of taught points is {found} m, but has to be positive")]
     Noise {
         /// The value found [m].
         found: f64,
@@ -124,29 +126,30 @@ pub enum TeachError {
     NotFinite,
     /// The points are on one line.
     #[error(
-        "the taught points lie within {:.1} µm of one line, and leave the tilt about it open: teach one at least {:.1} mm beside it",
-        spread * 1e6, least * 1e3
+        "the taught points lie within {spread} m of one line, which leaves the tilt about it undetermined: teach a point at least {min} m from it"
     )]
     Collinear {
         /// Root mean square distance of the points from the line [m].
         spread: f64,
         /// Least allowed value [m].
-        least: f64,
+        min: f64,
     },
     /// The plane is upright.
-    #[error("the plane of the taught points stands upright: its normal leans {:.3}° from vertical", tilt.to_degrees())]
+    #[error("the plane of the taught points is upright: its normal is {tilt} rad from vertical")]
     Upright {
         /// Angle of the normal from vertical [rad].
         tilt: f64,
     },
     /// The last slot is not above the first.
-    #[error("the last slot was taught {} mm above the first; it has to be above it, by the slots between them", rise * 1e3)]
+    #[error(
+        "the last slot was taught {rise} m above the first; it has to be above it, by the slots between them"
+    )]
     NotAbove {
         /// Height of the last slot above the first [m].
         rise: f64,
     },
     /// A drift of a station with one slot.
-    #[error("drift is between the first and the last of several slots, but there are {slots}")]
+    #[error("a drift needs several slots, but there are {slots}")]
     OneSlot {
         /// Number of slots.
         slots: usize,
@@ -187,9 +190,9 @@ pub fn fit_plane(
     let mean = |value: f64| value / (count as f64).sqrt();
     let spread = mean(found.singular_values[1]);
     // Round-off of the coordinates bounds the residual from below, however good the points are.
-    let least = (SPREAD * threshold).max(1e-9 * center.norm().max(found.largest()));
-    if spread <= least {
-        return Err(TeachError::Collinear { spread, least });
+    let min = (SPREAD * threshold).max(1e-9 * center.norm().max(found.largest()));
+    if spread <= min {
+        return Err(TeachError::Collinear { spread, min });
     }
     let direction = Vector3::new(found.v[(0, 2)], found.v[(1, 2)], found.v[(2, 2)]);
     let normal = if direction.z < 0.0 { -direction } else { direction };
@@ -402,7 +405,7 @@ mod tests {
     const SQUARE: [(f64, f64); 4] = [(0.1, 0.1), (-0.1, 0.1), (-0.1, -0.1), (0.1, -0.1)];
 
     #[test]
-    fn points_of_a_plane_give_it_back() {
+    fn plane_fit_reproduces_a_plane() {
         let tilt = Tilt { yaw: 2.0, pitch: 0.0139 };
         let fit = fit_plane(&plane(tilt, &SQUARE), 1e-4, Some(1e-6)).unwrap();
         assert_eq!(fit.verdict, Verdict::Fits);
@@ -419,7 +422,7 @@ mod tests {
     }
 
     #[test]
-    fn a_point_that_is_off_shows() {
+    fn outlier_exceeds_the_threshold() {
         let mut points = plane(Tilt::LEVEL, &SQUARE);
         points[2].z += 4e-4;
         let fit = fit_plane(&points, 5e-5, None).unwrap();
@@ -433,7 +436,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_plane_is_refused() {
+    fn degenerate_points_are_rejected() {
         let tilt = Tilt { yaw: 0.3, pitch: 0.01 };
         let refused =
             |places: &[(f64, f64)]| fit_plane(&plane(tilt, places), 1e-4, None).unwrap_err();
@@ -450,7 +453,7 @@ mod tests {
     }
 
     #[test]
-    fn quantiles_are_those_of_printed_tables() {
+    fn quantiles_agree_with_published_tables() {
         for (freedom, expected) in [(1, 161.45), (2, 18.513), (3, 10.128), (10, 4.965)] {
             assert!((f_95(1, freedom) / expected - 1.0).abs() < 1e-3, "{}", f_95(1, freedom));
         }
@@ -466,7 +469,7 @@ mod tests {
     }
 
     #[test]
-    fn drift_is_a_tilt() {
+    fn drift_of_slots_determines_the_tilt() {
         let tilt = Tilt { yaw: -1.0, pitch: 0.8_f64.to_radians() };
         let first = Vector3::new(0.6, 0.1, 0.5);
         let found = drift(first, first + 0.24 * tilt.normal(), 25).unwrap();

@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn all_places_lie_in_the_planes_of_the_slot() {
+    fn waypoints_lie_in_planes_parallel_to_the_slot() {
         for approach in [Approach::Radial, Approach::Line] {
             let station = station(approach, 0.4);
             let frame = station.slot_frame(7);
@@ -247,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn the_way_in_is_radial_or_along_the_station() {
+    fn approach_is_radial_or_along_the_station() {
         let radial = station(Approach::Radial, 0.2);
         let way = radial.waypoints(1, [[0.0; 2]; 3]);
         let (near, far) = (way.retracted_below.center.xy(), way.below.center.xy());
@@ -267,7 +267,7 @@ mod tests {
     }
 
     #[test]
-    fn a_way_that_passes_the_axis_ends_where_it_is_nearest() {
+    fn approach_past_the_axis_retracts_to_its_nearest_point() {
         let station = station(Approach::Line, 0.01);
         let way = station.waypoints(1, [[0.0; 2]; 3]);
         let inward = station.base_from_station.rotation * Vector3::y();
