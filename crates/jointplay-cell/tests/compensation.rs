@@ -153,6 +153,6 @@ fn out_of_reach_error_has_the_span() {
         let target = WaferTarget { center, normal: Vector3::z(), heading: None };
         cell.reach(A, &target, true, &near).unwrap_err().to_string()
     };
-    assert!(at(2.0).contains("are missing"), "{}", at(2.0));
-    assert!(at(0.66).contains("the table goes from 200.000 to 600.000 mm"), "{}", at(0.66));
+    assert!(at(2.0).contains("but span 0 to 0.7 m"), "{}", at(2.0));
+    assert!(at(0.66).contains("the table goes from 0.2 to 0.6 m"), "{}", at(0.66));
 }
