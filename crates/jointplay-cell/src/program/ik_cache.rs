@@ -1,4 +1,4 @@
-//! Where the last program reached, so that a change of one station costs what it changes.
+//! Inverse kinematics of the last program, so that a change of one station costs only what it changes.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -9,14 +9,14 @@ use crate::station::{SlotId, Station, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Places that the last program came to, by what they depend on.
+/// Inverse kinematics of the last program, by what it depends on.
 #[derive(Default)]
 pub(crate) struct IkCache {
-    /// Numbers of the stations of the last program, by all that is known of each.
+    /// Numbers of the stations of the last program, by their descriptions.
     stations: GenerationalCache<u64>,
-    /// How many there have been.
+    /// How many numbers have been used.
     count: u64,
-    /// Of the stations of this one.
+    /// Numbers of the stations of this program.
     numbers: Vec<u64>,
     ways: GenerationalCache<Waypoints>,
     reached: GenerationalCache<Vec<f64>>,
@@ -59,7 +59,7 @@ impl IkCache {
         self.ways.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
     }
 
-    /// The positions of [`Cell::reach`].
+    /// As [`Cell::reach`], the positions alone.
     pub(super) fn reach(
         &mut self,
         cell: &Cell,
