@@ -180,8 +180,11 @@ fn a_table_ends_with_the_motion() {
         assert_eq!(real("T_deg").last(), Some(&0.0));
         let fastest = real("T_deg_per_s").into_iter().fold(0.0, f64::max);
         assert!(fastest > 10.0 && fastest <= 2_f64.to_degrees() + 1e-9, "{fastest}");
-        let pose =
-            motion_export.cell.robot.forward(&motion_export.motion.sample_at(0.0).positions).unwrap();
+        let pose = motion_export
+            .cell
+            .robot
+            .forward(&motion_export.motion.sample_at(0.0).positions)
+            .unwrap();
         let x = pose.base_from_wafer[0][0].translation.vector.x;
         assert!((real("A_x_mm")[0] - 1e3 * x).abs() < 1e-9);
         let violations = columns.iter().find(|one| one.name == "violations");
@@ -276,8 +279,8 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
         let (_, _, places) = moved.iter().find(|(_, path, _)| path == "translation").unwrap();
         let robot = &motion_export.cell.robot;
         let at = |time: f64| {
-            robot.forward(&motion_export.motion.sample_at(time).positions).unwrap().base_from_wafer[0]
-                [0]
+            robot.forward(&motion_export.motion.sample_at(time).positions).unwrap().base_from_wafer
+                [0][0]
         };
         let taken = at(motion_export.motion.times[1]);
         let slot = motion_export.cell.stations[0].slot_frame(1);

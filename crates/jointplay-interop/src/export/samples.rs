@@ -51,7 +51,10 @@ pub fn samples_in_parts<E: From<Error>>(
 ///
 /// # Errors
 /// As [`samples`].
-pub fn samples_with_peaks(motion_export: &MotionExport<'_>, rate: f64) -> Result<Vec<Column>, Error> {
+pub fn samples_with_peaks(
+    motion_export: &MotionExport<'_>,
+    rate: f64,
+) -> Result<Vec<Column>, Error> {
     motion_export.check_rate(rate)?;
     let times = peak_times(motion_export, rate, [0.0, motion_export.motion.duration()]);
     table(motion_export, times.into_iter().map(|time| motion_export.motion.sample_at(time)))

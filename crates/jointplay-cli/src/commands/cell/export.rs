@@ -228,12 +228,8 @@ fn parquet(
     motion_export: &MotionExport<'_>,
     rate: f64,
 ) -> Result<(), Failure> {
-    let failed = |error: table::ParquetError| match error {
-        // An error of the disk keeps its kind.
-        table::ParquetError::External(source) => match source.downcast::<std::io::Error>() {
-            Ok(source) => Contents::Write(*source),
-            Err(_) => Contents::Other(Failure::Parquet),
-        },
+    let failed = |error: TableError| match error {
+        TableError::Write(source) => Contents::Write(source),
         _ => Contents::Other(Failure::Parquet),
     };
     staged.add(name, |writer| {

@@ -12,7 +12,7 @@ use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::number::counted;
 use jointplay::format::{cell, place, program};
-use jointplay::interop::export::{self, ViolationNote, MotionExport};
+use jointplay::interop::export::{self, MotionExport, ViolationNote};
 use jointplay::report;
 
 use crate::failure::{Diagnostic, Failure};

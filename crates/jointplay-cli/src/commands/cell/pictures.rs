@@ -29,7 +29,7 @@ pub(super) fn pictures(planned: &Planned) -> Result<[(String, Vec<u8>); 4], Fail
 fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
     let robot = &planned.cell().robot;
     let rate = PATH_RATE.min(MAX_PATH_POINTS / planned.motion.duration().max(1.0));
-    let paths = export::tracks(&planned.recording(), rate)?;
+    let paths = export::tracks(&planned.motion_export(), rate)?;
     let mut view = TopView::new(planned.cell());
     for (effector, points) in planned.effectors().into_iter().zip(paths) {
         let reach = robot.reach(effector)?;
