@@ -11,7 +11,7 @@ use super::resolved::{
 };
 use super::sequence::MotionSequencer;
 use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
-use crate::incremental::{Interrupted, Stop, whole};
+use crate::incremental::{Interrupted, Stop, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
@@ -27,7 +27,7 @@ use crate::workcell::Cell;
 /// # Errors
 /// All errors of the program in this cell, each once with its location: unknown names, programs without end, wafers that are missing or in the way, targets out of reach and violated limits.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
-    whole(expand_by(cell, program, &mut IkCache::default(), &|| false))
+    uninterrupted(expand_by(cell, program, &mut IkCache::default(), &|| false))
 }
 
 /// As [`expand`], with the inverse kinematics of the last program.
