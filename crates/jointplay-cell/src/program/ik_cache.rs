@@ -18,8 +18,8 @@ pub(crate) struct IkCache {
     count: u64,
     /// Numbers of the stations of this program.
     numbers: Vec<u64>,
-    ways: GenerationalCache<Waypoints>,
-    reached: GenerationalCache<Vec<f64>>,
+    waypoints: GenerationalCache<Waypoints>,
+    reachable: GenerationalCache<Vec<f64>>,
 }
 
 impl IkCache {
@@ -27,8 +27,8 @@ impl IkCache {
         let mut shared = Fingerprint::default();
         shared.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.plane_threshold);
         self.stations.begin(&Fingerprint::default());
-        self.ways.begin(&shared);
-        self.reached.begin(&shared);
+        self.waypoints.begin(&shared);
+        self.reachable.begin(&shared);
         let number = |station: &Station| {
             let inputs = Fingerprint::default().with(station);
             let Ok(number) = self.stations.get_or_compute::<Infallible>(inputs, || {
@@ -42,8 +42,8 @@ impl IkCache {
 
     pub(super) fn end(&mut self) {
         self.stations.end();
-        self.ways.end();
-        self.reached.end();
+        self.waypoints.end();
+        self.reachable.end();
     }
 
     /// As [`Cell::waypoints`].
@@ -56,7 +56,7 @@ impl IkCache {
     ) -> Result<Arc<Waypoints>, Unreachable> {
         let mut inputs = Fingerprint::default().with(&effector);
         inputs.add(&self.numbers[slot.station]).add(&slot.slot).add(near);
-        self.ways.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
+        self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
     }
 
     /// As [`Cell::reach`], the positions alone.
@@ -71,10 +71,10 @@ impl IkCache {
         let mut inputs = Fingerprint::default().with(&effector).with(&loaded);
         inputs.add(&target.center).add(&target.normal).add(&target.heading).add(near);
         let reach = || cell.reach(effector, target, loaded, near).map(|found| found.positions);
-        self.reached.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
+        self.reachable.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
     }
 
     pub(crate) fn stats(&self) -> CacheStats {
-        self.reached.stats()
+        self.reachable.stats()
     }
 }
