@@ -1,6 +1,6 @@
 //! Incremental planning: expansion, trajectory and check of a program, with results of the previous plan reused.
 
-use crate::check::{CheckOptions, Checks, Report};
+use crate::check::{CheckCache, CheckOptions, Report};
 use crate::incremental::{
     CacheStats, Execution, Interrupted, Observer, Progress, Stop, uninterrupted,
 };
@@ -27,7 +27,7 @@ use crate::workcell::Cell;
 pub struct IncrementalPlanner {
     ik_cache: IkCache,
     segment_cache: SegmentCache,
-    checks: Checks,
+    checks: CheckCache,
     observer: Box<Observer>,
 }
 
@@ -70,7 +70,7 @@ impl IncrementalPlanner {
         Self {
             ik_cache: IkCache::default(),
             segment_cache: SegmentCache::default(),
-            checks: Checks::default(),
+            checks: CheckCache::default(),
             observer: Box::new(observer),
         }
     }
@@ -101,7 +101,7 @@ impl IncrementalPlanner {
         uninterrupted(self.segment_cache.plan_trajectory(cell, steps, options, execution))
     }
 
-    /// Checks a trajectory, as [`check`](crate::check::check).
+    /// CheckCache a trajectory, as [`check`](crate::check::check).
     #[must_use]
     pub fn check(
         &mut self,

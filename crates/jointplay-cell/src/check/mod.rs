@@ -1,4 +1,4 @@
-//! Checks of a motion against limits, slip, safe zones and required distances.
+//! CheckCache of a motion against limits, slip, safe zones and required distances.
 
 mod aggregate;
 mod checker;
@@ -11,7 +11,7 @@ mod segment_findings;
 mod segments;
 mod slip;
 
-pub(crate) use checker::Checks;
+pub(crate) use checker::CheckCache;
 pub use checker::check;
 pub use options::CheckOptions;
 pub use pose::{Moment, Straight, advance_until_contact, check_pose};

@@ -3,7 +3,7 @@
 /// How closely a motion is looked at.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CheckOptions {
-    /// Samples a second [Hz].
+    /// SegmentSampleTimes a second [Hz].
     pub rate: f64,
     /// Distances of bodies are followed below this; farther ones count as far [m].
     pub near: f64,

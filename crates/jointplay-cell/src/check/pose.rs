@@ -1,11 +1,11 @@
 //! One pose of the robot, checked as the poses of a program are; and how far it may go straight until something touches.
 
-use super::checker::examine;
+use super::checker::check_uncached;
 use super::options::CheckOptions;
 use super::report::Report;
-use super::segments::Steps;
+use super::segments::SegmentChecks;
 use crate::collision::Scene;
-use crate::geometry::Solids;
+use crate::geometry::ColliderCache;
 use crate::incremental::{Execution, uninterrupted};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::EffectorId;
@@ -84,7 +84,7 @@ pub fn advance_until_contact(
 /// Wafers where they are at one moment.
 struct Held<'a> {
     cell: &'a Cell,
-    solids: Solids,
+    colliders: ColliderCache,
     scene: Scene<'a>,
     template: Step,
 }
@@ -92,12 +92,12 @@ struct Held<'a> {
 impl<'a> Held<'a> {
     fn new(cell: &'a Cell, moment: &Moment<'_>) -> Self {
         let Moment { motion, time, reaches } = *moment;
-        let mut solids = Solids::default();
-        solids.begin();
-        let mut scene = Scene::new(cell, &mut solids);
+        let mut colliders = ColliderCache::default();
+        colliders.begin();
+        let mut scene = Scene::new(cell, &mut colliders);
         let ended = motion.times.iter().skip(1).take_while(|&&end| end <= time).count();
         for handover in motion.steps.iter().take(ended).filter_map(|step| step.handover) {
-            scene.hand_over(handover, &mut solids);
+            scene.apply_handover(handover, &mut colliders);
         }
         let current = motion.steps.get(ended.min(motion.steps.len().saturating_sub(1)));
         let of_step = current.and_then(|step| match step.path {
@@ -106,7 +106,7 @@ impl<'a> Held<'a> {
         });
         // Whoever reaches into a slot by hand may lift its wafer.
         let reaches = reaches.map(|(id, slot)| (id, slot, Phase::Lift)).or(of_step);
-        let loaded = cell.robot.effectors().filter(|&id| scene.carried_by(id).is_some());
+        let loaded = cell.robot.effectors().filter(|&id| scene.held_wafer(id).is_some());
         let template = Step {
             instruction: 0,
             place: Place::default(),
@@ -121,18 +121,23 @@ impl<'a> Held<'a> {
             handover: None,
             slot: reaches.map(|(_, slot, _)| slot),
         };
-        Self { cell, solids, scene, template }
+        Self { cell, colliders, scene, template }
     }
 
     fn report(&mut self, [from, to]: [&[f64]; 2], options: &CheckOptions) -> (Trajectory, Report) {
         let mut step = self.template.clone();
         (step.from, step.to) = (from.to_vec(), to.to_vec());
         let motion = straight(step);
-        let all = (&motion, 0..motion.steps.len());
         let (scene, execution) = (self.scene.clone(), Execution::unobserved());
-        let (steps, starts) =
-            uninterrupted(Steps::new(all, options, scene, &mut self.solids, execution));
-        let report = examine(self.cell, &motion, steps, &starts);
+        let (steps, starts) = uninterrupted(SegmentChecks::new(
+            &motion,
+            0..motion.steps.len(),
+            options,
+            scene,
+            &mut self.colliders,
+            execution,
+        ));
+        let report = check_uncached(self.cell, &motion, steps, &starts);
         (motion, report)
     }
 

@@ -20,7 +20,7 @@ pub struct Share {
     pub of: usize,
     /// Largest share.
     pub share: f64,
-    /// When [s].
+    /// SampleTime [s].
     pub time: f64,
 }
 
@@ -29,11 +29,11 @@ pub struct Share {
 pub struct MinimumDistance {
     /// The two collision objects.
     pub entities: [EntityId; 2],
-    /// Least distance found at a sample [m].
+    /// PairMinimum distance found at a sample [m].
     pub distance: f64,
     /// How much less it may have been at samples that were passed over [m].
     pub within: f64,
-    /// When [s].
+    /// SampleTime [s].
     pub time: f64,
     /// Index of the step then.
     pub step: usize,
@@ -48,7 +48,7 @@ pub struct InstructionResult {
     pub place: Place,
     /// Indices of its steps.
     pub steps: std::ops::Range<usize>,
-    /// When it starts [s].
+    /// SampleTime it starts [s].
     pub start: f64,
     /// How long it takes [s].
     pub duration: f64,
@@ -91,6 +91,6 @@ pub struct Report {
     pub wafers: usize,
     /// Wafers an hour where the program is repeated: those wafers by the duration; `None` where there are none.
     pub wafers_per_hour: Option<f64>,
-    /// Samples that were looked at.
+    /// SegmentSampleTimes that were looked at.
     pub samples: usize,
 }

@@ -4,40 +4,44 @@ use std::convert::Infallible;
 
 use jointplay_core::spatial::Pose;
 
-use super::collider::Solid;
+use super::collider::Collider;
 use super::shape::Shape;
 use crate::incremental::{Fingerprint, GenerationalCache};
 
-/// The solids of the last check, each with a number of its own, and so where they stand.
+/// Colliders of the last check, each with its own number; so have the poses of fixed colliders.
 #[derive(Default)]
-pub(crate) struct Solids {
-    kept: GenerationalCache<(u64, Option<Solid>)>,
-    standing: GenerationalCache<u64>,
+pub(crate) struct ColliderCache {
+    colliders: GenerationalCache<(u64, Option<Collider>)>,
+    fixed: GenerationalCache<u64>,
     count: u64,
 }
 
-impl Solids {
+impl ColliderCache {
     pub(crate) fn begin(&mut self) {
-        self.kept.begin(&Fingerprint::default());
-        self.standing.begin(&Fingerprint::default());
+        self.colliders.begin(&Fingerprint::default());
+        self.fixed.begin(&Fingerprint::default());
     }
 
-    /// As [`Solid::new`].
-    pub(crate) fn get(&mut self, shape: &Shape, carrier_from_shape: &Pose) -> Option<(u64, Solid)> {
-        let make = || {
+    /// Number and collider of a shape, as [`Collider::new`].
+    pub(crate) fn get(
+        &mut self,
+        shape: &Shape,
+        parent_from_shape: &Pose,
+    ) -> Option<(u64, Collider)> {
+        let compute = || {
             self.count += 1;
-            Ok::<_, Infallible>((self.count, Solid::new(shape, carrier_from_shape)))
+            Ok::<_, Infallible>((self.count, Collider::new(shape, parent_from_shape)))
         };
         let Ok(found) = self
-            .kept
-            .get_or_compute(Fingerprint::default().with(carrier_from_shape).with(shape), make);
+            .colliders
+            .get_or_compute(Fingerprint::default().with(parent_from_shape).with(shape), compute);
         Some((found.0, found.1.clone()?))
     }
 
-    /// The number of a solid that stands somewhere.
-    pub(crate) fn standing(&mut self, number: u64, base_from_carrier: &Pose) -> u64 {
-        let fingerprint = Fingerprint::default().with(&number).with(base_from_carrier);
-        let Ok(found) = self.standing.get_or_compute::<Infallible>(fingerprint, || {
+    /// Number of a collider at a fixed pose.
+    pub(crate) fn fixed_number(&mut self, number: u64, base_from_parent: &Pose) -> u64 {
+        let fingerprint = Fingerprint::default().with(&number).with(base_from_parent);
+        let Ok(found) = self.fixed.get_or_compute::<Infallible>(fingerprint, || {
             self.count += 1;
             Ok(self.count)
         });
@@ -45,7 +49,7 @@ impl Solids {
     }
 
     pub(crate) fn end(&mut self) {
-        self.kept.end();
-        self.standing.end();
+        self.colliders.end();
+        self.fixed.end();
     }
 }

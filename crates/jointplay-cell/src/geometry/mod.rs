@@ -20,9 +20,11 @@ mod interval;
 mod shape;
 mod triangulate;
 
-pub(crate) use collider::{Placed, Solid};
-pub(crate) use collider_cache::Solids;
-pub(crate) use distance::{apart, between_balls, depth, distance, gap_along, outside};
-pub(crate) use interval::Span;
+pub(crate) use collider::{Collider, PlacedCollider};
+pub(crate) use collider_cache::ColliderCache;
+pub(crate) use distance::{
+    bounding_sphere_gap, distance, penetration_depth, separation, separation_along, signed_distance,
+};
+pub(crate) use interval::Interval;
 pub use shape::Shape;
 pub use triangulate::Surface;

@@ -8,7 +8,7 @@ use super::blend::Blend;
 use super::blend_candidate::{BlendCandidate, BlendConditions};
 use super::segment::Segment;
 use super::segment_key::segment_key;
-use crate::geometry::{Solid, Solids};
+use crate::geometry::{Collider, ColliderCache};
 use crate::incremental::{
     Execution, Fingerprint, GenerationalCache, Interrupted, Unique, compute_missing,
 };
@@ -22,12 +22,12 @@ pub(super) struct BlendPlanner {
     slowdowns: GenerationalCache<f64>,
     slowed: GenerationalCache<Unique<Segment>>,
     blends: GenerationalCache<Option<Blend>>,
-    solids: Solids,
+    solids: ColliderCache,
     /// Zones in which the centres of wafers have to stay while the robot turns.
-    safe_zones: Vec<Solid>,
+    safe_zones: Vec<Collider>,
 }
 
-/// Steps with their segments, and the factors of time by which the segments were slowed.
+/// SegmentChecks with their segments, and the factors of time by which the segments were slowed.
 #[derive(Clone, Copy)]
 pub(super) struct SlowedSegments<'a> {
     pub(super) steps: &'a [Step],

@@ -24,7 +24,7 @@ pub struct Violation {
     pub start: f64,
     /// Last time at which it is broken [s].
     pub end: f64,
-    /// When it is worst [s].
+    /// SampleTime it is worst [s].
     pub worst_time: f64,
     /// The worst value, in the unit of `unit`; a distance below zero is a depth.
     pub worst: f64,
