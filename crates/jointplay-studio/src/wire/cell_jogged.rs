@@ -184,7 +184,7 @@ pub(crate) struct StoppedDocument {
 pub(crate) enum StoppedKind {
     /// Limits of axes.
     AxisLimit,
-    /// The platform would have to lean too far.
+    /// The platform would have to tilt too far.
     TiltLimit,
     /// The links are too short, or cannot fold that far.
     OutOfReach,
