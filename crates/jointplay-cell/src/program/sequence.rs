@@ -158,11 +158,11 @@ impl<'c> MotionSequencer<'c> {
         effector: EffectorId,
         slot: SlotId,
     ) -> Result<(), ProgramProblem> {
-        let way = self.waypoints(effector, slot)?;
+        let waypoints = self.waypoints(effector, slot)?;
         let (what, target) = if self.loaded.contains(&effector) {
-            ("the place retracted above", &way.retracted_above)
+            ("the retracted pose above", &waypoints.retracted_above)
         } else {
-            ("the place retracted below", &way.retracted_below)
+            ("the retracted pose below", &waypoints.retracted_below)
         };
         self.approach(Goal { what, effector, target, slot })
     }
@@ -175,28 +175,28 @@ impl<'c> MotionSequencer<'c> {
         wait: Option<Path>,
     ) -> Result<(), ProgramProblem> {
         self.loaded.retain(|&id| id != effector);
-        let way = self.waypoints(effector, slot)?;
+        let waypoints = self.waypoints(effector, slot)?;
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
-        self.approach(goal("the place retracted below", &way.retracted_below))?;
+        self.approach(goal("the retracted pose below", &waypoints.retracted_below))?;
         if let Some(wait) = wait {
             self.dwell(wait);
         }
-        for via in &way.via_below {
+        for via in &waypoints.via_below {
             self.line(Phase::Extend, goal("a via point below", via))?;
         }
-        self.line(Phase::Extend, goal("the place below", &way.below))?;
+        self.line(Phase::Extend, goal("the pose below", &waypoints.below))?;
         // The empty effector lifts to where the mean plane of the loaded wafer will be that of the slot.
-        let resting = self.compensated_sag(effector, &way.resting)?;
-        self.line(Phase::Lift, goal("the place of rest in", &resting))?;
+        let resting = self.compensated_sag(effector, &waypoints.resting)?;
+        self.line(Phase::Lift, goal("the resting pose in", &resting))?;
         self.hand_over(Handover::Picked(effector, slot));
         self.loaded.push(effector);
         self.loaded.sort_unstable();
-        self.line(Phase::Lift, goal("the place above", &way.above))?;
-        for via in way.via_above.iter().rev() {
+        self.line(Phase::Lift, goal("the pose above", &waypoints.above))?;
+        for via in waypoints.via_above.iter().rev() {
             self.line(Phase::Retract, goal("a via point above", via))?;
         }
-        self.line(Phase::Retract, goal("the place retracted above", &way.retracted_above))?;
+        self.line(Phase::Retract, goal("the retracted pose above", &waypoints.retracted_above))?;
         self.level();
         self.mark_in_station(slot, first);
         Ok(())
@@ -212,23 +212,23 @@ impl<'c> MotionSequencer<'c> {
             self.loaded.push(effector);
             self.loaded.sort_unstable();
         }
-        let way = self.waypoints(effector, slot)?;
+        let waypoints = self.waypoints(effector, slot)?;
         let goal = |what, target| Goal { what, effector, target, slot };
         let first = self.steps.len();
-        self.approach(goal("the place retracted above", &way.retracted_above))?;
-        for via in &way.via_above {
+        self.approach(goal("the retracted pose above", &waypoints.retracted_above))?;
+        for via in &waypoints.via_above {
             self.line(Phase::Extend, goal("a via point above", via))?;
         }
-        self.line(Phase::Extend, goal("the place above", &way.above))?;
-        self.line(Phase::Lower, goal("the place of rest in", &way.resting))?;
+        self.line(Phase::Extend, goal("the pose above", &waypoints.above))?;
+        self.line(Phase::Lower, goal("the resting pose in", &waypoints.resting))?;
         self.hand_over(Handover::Placed(effector, slot));
         let left = self.steps.len() - 1;
         self.loaded.retain(|&id| id != effector);
-        self.line(Phase::Lower, goal("the place below", &way.below))?;
-        for via in way.via_below.iter().rev() {
+        self.line(Phase::Lower, goal("the pose below", &waypoints.below))?;
+        for via in waypoints.via_below.iter().rev() {
             self.line(Phase::Retract, goal("a via point below", via))?;
         }
-        self.line(Phase::Retract, goal("the place retracted below", &way.retracted_below))?;
+        self.line(Phase::Retract, goal("the retracted pose below", &waypoints.retracted_below))?;
         self.level();
         self.mark_in_station(slot, first);
         Ok(left)
@@ -240,9 +240,8 @@ impl<'c> MotionSequencer<'c> {
         slot: SlotId,
     ) -> Result<Arc<Waypoints>, ProgramProblem> {
         let found = self.ik_cache.waypoints(self.cell, effector, slot, &self.positions);
-        found.map_err(|source| {
-            self.unreachable("the place of rest in", effector, slot, true, source)
-        })
+        found
+            .map_err(|source| self.unreachable("the resting pose in", effector, slot, true, source))
     }
 
     fn unreachable(
@@ -278,8 +277,8 @@ impl<'c> MotionSequencer<'c> {
         self.snap_to_retracted(&mut to, goal.effector, goal.slot.station);
         let mut turned = to.clone();
         turned[..RODS].copy_from_slice(&self.positions[..RODS]);
-        let way = |(to, from): (&f64, &f64)| (to - from).abs();
-        if turned.iter().zip(&self.positions).map(way).fold(0.0, f64::max) > TURNED_ENOUGH {
+        let distance = |(to, from): (&f64, &f64)| (to - from).abs();
+        if turned.iter().zip(&self.positions).map(distance).fold(0.0, f64::max) > TURNED_ENOUGH {
             self.push(Phase::Turn, turned, Path::PointToPoint);
         }
         self.move_to(Phase::Enter, to, Path::PointToPoint);
