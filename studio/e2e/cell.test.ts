@@ -133,7 +133,7 @@ test('jogging an axis moves the 3D model and stops at limits with a message', as
   // One rod alone meets the limit of tilt, which the server tells.
   await page.getByTestId('field-jog-q1').fill('520');
   await page.getByTestId('field-jog-q1').press('Enter');
-  await page.getByTestId('jog-stopped').filter({ hasText: 'the tilt is' }).filter({ hasText: '1.5000°' }).waitFor();
+  await page.getByTestId('jog-stopped').filter({ hasText: 'tilt of' }).filter({ hasText: 'limit 1.5000°' }).waitFor();
   expect(await value('q1')).toBeLessThan(520);
   await page.getByTestId('jog-release').click();
   await until('it is back in the program', async () => (await value('RA')) === -40 && (await page.getByTestId('jogged').count()) === 0);

@@ -7,7 +7,7 @@ export function decimate(series: ArrayLike<number>[], from: number, to: number, 
   const count = to - from;
   const most = 2 + 2 * series.length;
   if (count <= buckets * most) return Array.from({ length: Math.max(count, 0) }, (_, i) => from + i);
-  const kept: number[] = [];
+  const selected: number[] = [];
   for (let bucket = 0; bucket < buckets; bucket++) {
     const start = from + Math.floor((bucket * count) / buckets);
     const end = from + Math.floor(((bucket + 1) * count) / buckets);
@@ -22,7 +22,7 @@ export function decimate(series: ArrayLike<number>[], from: number, to: number, 
       }
       here.add(low).add(high);
     }
-    kept.push(...[...here].sort((a, b) => a - b));
+    selected.push(...[...here].sort((a, b) => a - b));
   }
-  return kept;
+  return selected;
 }

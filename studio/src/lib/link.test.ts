@@ -23,7 +23,7 @@ const motions = [
   } as Document['motion'],
 ];
 
-describe('a link says again what it was made of', () => {
+describe('a link restores the document it was created from', () => {
   for (const command of commands)
     for (const motion of motions)
       test(`${command.kind}, ${motion?.kind ?? 'no motion'}`, () => {
@@ -54,7 +54,7 @@ describe('what a link garbles is as usual', () => {
     '#pose=rods,1,2,&model=,,-3&motion=raster,1&sample=-1',
     '#pose=%E0%A4%A&motion=key-poses;1,2',
     '#pose=spin,1,2,3,axis',
-    '#robot=somebody',
+    '#robot=unknown',
   ];
   for (const hash of cases)
     test(hash, () => {

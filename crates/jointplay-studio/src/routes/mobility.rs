@@ -14,7 +14,7 @@ use crate::state::AppState;
 use crate::wire::question::MobilityRequest;
 use crate::wire::rods;
 
-/// What can move: counted, to first order, and for real
+/// The Kutzbach, instantaneous and finite mobility
 ///
 /// The same document as `jointplay mobility --format json`, in mm and degrees.
 #[utoipa::path(

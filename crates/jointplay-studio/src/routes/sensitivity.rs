@@ -12,10 +12,10 @@ use crate::problem::Problem;
 use crate::state::AppState;
 use crate::wire::question::CommandRequest;
 
-/// How far the virtual joints move for a tilt, and what first order says of it
+/// The displacement of the virtual joints for a tilt, with its first-order bounds
 ///
 /// The same document as `jointplay sensitivity --format json`, in mm and degrees.
-/// The motion starts level at the same axis height.
+/// The motion starts at the level pose of the same axis height.
 #[utoipa::path(
     post,
     path = "/api/v1/sensitivity",

@@ -332,7 +332,7 @@ pub(crate) fn from_slot(
 ) -> FromSlotDocument {
     let station = &cell.stations[slot.station];
     let taught = station.taught_by(slot.slot, pose);
-    let lean = Tilt::from_normal(&(pose.rotation * Vector3::z()));
+    let tilt = Tilt::from_normal(&(pose.rotation * Vector3::z()));
     let origin = station.origin_under(slot.slot, &pose.translation.vector);
     FromSlotDocument {
         station: station.name.clone(),
@@ -345,8 +345,8 @@ pub(crate) fn from_slot(
             point_m: Triple(origin.into()),
             position_m: Triple(taught.translation.vector.into()),
             yaw_rad: teach::yaw(&taught),
-            tilt_yaw_rad: lean.yaw,
-            tilt_pitch_rad: lean.pitch,
+            tilt_yaw_rad: tilt.yaw,
+            tilt_pitch_rad: tilt.pitch,
         },
     }
 }

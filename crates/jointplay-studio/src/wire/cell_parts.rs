@@ -204,7 +204,7 @@ fn effector_name(cell: &Cell, id: &EffectorId) -> String {
 
 /// All stations.
 pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
-    let told = report::teach(cell, None).stations;
+    let reports = report::teach(cell, None).stations;
     let of = |(station, report): (&Station, StationReport)| {
         use FreedomName::{AboutX, AboutY, Height, X, Y, Yaw};
         let frame = &station.base_from_station;
@@ -227,7 +227,7 @@ pub(crate) fn stations(cell: &Cell) -> Vec<StationDocument> {
             report,
         }
     };
-    cell.stations.iter().zip(told).map(of).collect()
+    cell.stations.iter().zip(reports).map(of).collect()
 }
 
 /// All wafers.
@@ -240,13 +240,13 @@ pub(crate) fn wafers(cell: &Cell) -> Vec<WaferDocument> {
         let effector = effector_name(cell, id);
         (cell.entity_name(EntityId::HeldWafer(*id)), format!("on {effector}"))
     });
-    let told = in_slots.chain(carried).zip(wafers_at_start(cell));
+    let wafers = in_slots.chain(carried).zip(wafers_at_start(cell));
     let of = |((name, initial_location), held)| WaferDocument {
         name,
         initial_location,
         held: HeldDocument::new(cell, &held),
     };
-    told.map(of).collect()
+    wafers.map(of).collect()
 }
 
 /// All zones.

@@ -23,7 +23,7 @@ pub(crate) enum Command {
     Rods(RodsCommand),
 }
 
-// Kept as it stands in the body: read by its kind, so that errors name the field within.
+// Read by its kind, so that errors name the inner field.
 /// Command of the robot.
 #[derive(Deserialize, ToSchema)]
 #[schema(value_type = Command)]
