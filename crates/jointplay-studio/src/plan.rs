@@ -3,12 +3,11 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use jointplay::cell::check::CheckOptions;
 use jointplay::cell::check::Report;
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, name_errors};
 use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, Stop};
+use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, PlanOptions, Stop};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::program;
 use jointplay::interop::export::{self, Flaw, Recording, Timeline};
@@ -112,8 +111,7 @@ impl Plan {
         let readable = wrong.is_empty();
         plan.problems.append(&mut wrong);
         let Some(cell) = plan.cell.as_ref().filter(|_| readable) else { return Ok(plan) };
-        let options = (&TrajectoryOptions::default(), &CheckOptions::default());
-        let stopped = match memory.plan(cell, &program, options, stop) {
+        let stopped = match memory.plan(cell, &program, &PlanOptions::default(), stop) {
             Ok((motion, report)) => {
                 plan.take(motion, &report, last, stop)?;
                 return Ok(plan);

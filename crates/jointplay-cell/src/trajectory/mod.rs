@@ -52,7 +52,6 @@ pub use options::TrajectoryOptions;
 pub(crate) use profile::AxisState;
 pub use sample::{Sample, SampleTimes};
 pub(crate) use sampler::AxisSampler;
-pub(crate) use segment::Segment;
 pub(crate) use segment_planner::SegmentCache;
 pub use segment_planner::{MAX_DURATION, plan_trajectory};
 pub(crate) use straight::straight;

@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::IncrementalPlanner;
 use jointplay::cell::check::{CheckOptions, Report, Verdict};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
 use jointplay::cell::trajectory::{StepError, Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
+use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::place::Error as Placed;
 use jointplay::format::{cell, program};
@@ -273,14 +273,11 @@ impl Planned {
     }
 }
 
-/// Plans motion by motion, and reports how many are done.
+/// A planner that reports its progress.
 fn counted_by(reporter: Reporter) -> IncrementalPlanner {
-    IncrementalPlanner::run_by(move |count, job| {
-        reporter.parts(count);
-        for number in 0..count {
-            job(number);
-            reporter.part_done();
-        }
+    IncrementalPlanner::with_observer(move |progress| match progress {
+        JobProgress::Started { jobs } => reporter.parts(jobs),
+        JobProgress::JobDone => reporter.part_done(),
     })
 }
 
