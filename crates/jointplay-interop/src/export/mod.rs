@@ -19,7 +19,6 @@ mod flaw;
 mod gltf;
 #[cfg(feature = "mcap")]
 pub mod mcap;
-mod peaks;
 mod recording;
 mod samples;
 mod scene;

@@ -4,7 +4,6 @@ use jointplay_cell::robot::{AxisKind, ChainPose, EffectorId};
 use jointplay_cell::trajectory::Sample;
 
 use super::error::Error;
-use super::peaks;
 use super::recording::Recording;
 use jointplay_format::units::{deg, mm};
 use jointplay_report::table::{Column, Values};
@@ -54,7 +53,7 @@ pub fn samples_in_parts<E: From<Error>>(
 /// As [`samples`].
 pub fn samples_with_peaks(recording: &Recording<'_>, rate: f64) -> Result<Vec<Column>, Error> {
     recording.check_rate(rate)?;
-    let times = peaks::times(recording, rate, [0.0, recording.motion.duration()]);
+    let times = peak_times(recording, rate, [0.0, recording.motion.duration()]);
     table(recording, times.into_iter().map(|time| recording.motion.sample_at(time)))
 }
 
@@ -76,11 +75,17 @@ pub fn samples_within(
     recording.check_rate(rate)?;
     let motion = recording.motion;
     if peaks {
-        let times = peaks::times(recording, rate, [from, to]);
+        let times = peak_times(recording, rate, [from, to]);
         return table(recording, times.into_iter().map(|time| motion.sample_at(time)));
     }
     let times = motion.sample_times(rate).iter().filter(|time| (from..=to).contains(time));
     table(recording, times.map(|time| motion.sample_at(time)))
+}
+
+/// Sample times between which velocities and accelerations are straight lines, within a share of the limits without a wafer [s].
+fn peak_times(recording: &Recording<'_>, rate: f64, interval: [f64; 2]) -> Vec<f64> {
+    let limits = recording.cell.robot.axes.iter().map(|axis| &axis.empty);
+    recording.motion.peak_times(rate, interval, limits)
 }
 
 fn table(
