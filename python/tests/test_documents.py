@@ -11,7 +11,7 @@ from conftest import ROOT
 import jointplay as jp
 
 
-@pytest.mark.parametrize("name", ["README.md", "python/README.md"])
+@pytest.mark.parametrize("name", ["README.md", "python/README.md", "docs/how-to/python.md"])
 def test_code_of_documents_runs(name):
     blocks = re.findall(r"^```python\n(.*?)^```", (ROOT / name).read_text(encoding="utf-8"), re.M | re.S)
     assert blocks

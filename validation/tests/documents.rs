@@ -10,23 +10,21 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Names of the tests of this crate, of the core, of the cell and of files.
+/// Names of the tests of this crate and of all others.
 fn tests() -> BTreeSet<String> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut folders = vec![root.join("crates"), root.join("validation/tests")];
     let mut found = BTreeSet::new();
-    let cell = ["tests", "src/wafer", "src/check", "src/station"]
-        .map(|folder| format!("crates/jointplay-cell/{folder}"));
-    let folders =
-        ["validation/tests", "crates/jointplay-core/tests", "crates/jointplay-format/tests"]
-            .map(str::to_owned);
-    for folder in folders.into_iter().chain(cell) {
-        let path = format!("{}/../{folder}", env!("CARGO_MANIFEST_DIR"));
-        for entry in std::fs::read_dir(path).expect("the folder is there") {
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("the folder is there") {
             let path = entry.expect("the folder can be read").path();
-            if path.extension().is_some_and(|extension| extension == "rs") {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
                 let text = std::fs::read_to_string(&path).expect("a test can be read");
-                found.extend(text.split("#[test]").skip(1).map(|after| {
-                    let (_, name) = after.split_once("fn ").expect("a function after #[test]");
-                    name.split('(').next().expect("split gives one part at least").to_owned()
+                found.extend(text.split("#[test]").skip(1).filter_map(|after| {
+                    let (_, name) = after.split_once("fn ")?;
+                    name.split('(').next().map(str::to_owned)
                 }));
             }
         }
@@ -49,12 +47,11 @@ fn every_test_that_a_document_names_exists() {
     let tests = tests();
     assert!(tests.len() > 40, "{tests:?}");
     let mut count = 0;
-    for document in [
-        "docs/explanation/kinematics.md",
-        "docs/explanation/errata.md",
-        "docs/explanation/paper-to-code.md",
-    ] {
-        for name in named(&read(document)) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/explanation");
+    for entry in std::fs::read_dir(folder).expect("the folder is there") {
+        let path = entry.expect("the folder can be read").path();
+        let document = path.file_name().expect("a file").to_string_lossy().into_owned();
+        for name in named(&read(&format!("docs/explanation/{document}"))) {
             assert!(tests.contains(&name), "{document} names `{name}`, which is no test");
             count += 1;
         }

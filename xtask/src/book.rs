@@ -11,6 +11,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{fs, io};
 
+use links::FILES;
+
 pub(crate) use chapters::run as chapters;
 
 /// The version that is installed where there is none.
@@ -18,9 +20,6 @@ const VERSION: &str = "0.5.4";
 
 /// Where `book.toml` puts the book.
 const BOOK: &str = "target/book";
-
-/// Where files of the repository are in the book.
-const FILES: &str = "files";
 
 /// Builds the book of the repository at `root` and checks its links; true if all passed.
 pub(crate) fn run(root: &Path) -> bool {
@@ -78,8 +77,8 @@ pub(crate) fn install(tools: &Path) -> bool {
 /// Copies the files of the repository that the book links.
 fn copy(files: &[String], root: &Path, book: &Path) -> io::Result<()> {
     for file in files {
-        let from = root
-            .join(file.strip_suffix(".txt").filter(|path| path.ends_with(".md")).unwrap_or(file));
+        let from = root.join(file);
+        let from = if from.exists() { from } else { from.with_extension("md") };
         let to = book.join(FILES).join(file);
         // What is missing is reported as a dead link.
         if from.is_file() {

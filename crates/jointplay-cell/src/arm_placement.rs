@@ -3,11 +3,10 @@
 use std::convert::Infallible;
 
 use jointplay_core::spatial::Pose;
-use nalgebra::Point3;
 
 use crate::CellError;
 use crate::robot::{ChainPose, EffectorId};
-use crate::wafer::{Deflection, Droop, DroopError, apply_deflection};
+use crate::wafer::{Deflection, Droop, DroopError};
 use crate::workcell::Cell;
 
 impl Cell {
@@ -16,7 +15,7 @@ impl Cell {
     /// ```text
     ///    base_from_wafer  =  D · base_from_last · last_from_wafer,      base_from_tip  =  D · base_from_last
     /// ```
-    /// D: the deflection of the arm at that effector's reach and load, see [`apply_deflection`].
+    /// D: the deflection of the arm at that effector's reach and load, see [`apply_deflection`](crate::wafer::apply_deflection).
     ///
     /// # Arguments
     /// * `loaded` – whether an effector carries a wafer
@@ -36,7 +35,6 @@ impl Cell {
         let first = to.len();
         described.links(base_from_platform, positions, to);
         let last = to[first..].last().copied().unwrap_or(*base_from_platform);
-        let joint = (base_from_platform * Point3::from(described.mount)).coords;
         for (effector, shape) in described.effectors.iter().enumerate() {
             let last_from_wafer = shape.link_from_wafer();
             let rigid = last * last_from_wafer;
@@ -45,8 +43,9 @@ impl Cell {
                 continue;
             }
             let loaded = loaded(EffectorId { arm, effector });
-            let deflection = known(self.deflection(arm, &rigid, &joint, loaded))?;
-            let wafer = apply_deflection(&rigid, &joint, deflection);
+            let wafer_of_rigid_arm = self.rigid_wafer_at(arm, base_from_platform, rigid);
+            let deflection = known(self.deflection(&wafer_of_rigid_arm, loaded))?;
+            let wafer = wafer_of_rigid_arm.deflected(deflection);
             to.extend([wafer * last_from_wafer.inverse(), wafer]);
         }
         Ok(())

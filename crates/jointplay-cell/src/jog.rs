@@ -147,7 +147,7 @@ impl Cell {
         loaded: bool,
         to: &WaferTarget,
     ) -> Result<JogOutcome, Unreachable> {
-        let (pose, _) = self.wafer_pose_as_known(effector, from, loaded)?;
+        let (pose, _) = self.wafer_pose_or_rigid(effector, from, loaded)?;
         let start = WaferTarget::of(&pose);
         let way = |share: f64| WaferTarget {
             center: start.center.lerp(&to.center, share),
@@ -175,7 +175,7 @@ impl Cell {
         slot: SlotId,
         to: &SlotRelativePose,
     ) -> Result<JogOutcome, Unreachable> {
-        let (pose, _) = self.wafer_pose_as_known(effector, from, loaded)?;
+        let (pose, _) = self.wafer_pose_or_rigid(effector, from, loaded)?;
         let view = self.view(effector, slot);
         let (start, normal) = (view.seen(&pose), pose.rotation * Vector3::z());
         let between = |from: f64, to: f64, share: f64| from + share * (to - from);

@@ -43,5 +43,5 @@ pub mod workcell;
 
 pub use entity::EntityId;
 pub use error::CellError;
-pub use incremental::{CacheStats, Interrupted, Job, Stop};
-pub use planner::{IncrementalPlanner, PlanError};
+pub use incremental::{CacheStats, Interrupted, Progress, Stop};
+pub use planner::{IncrementalPlanner, PlanError, PlanOptions};

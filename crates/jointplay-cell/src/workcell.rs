@@ -3,6 +3,7 @@
 use jointplay_core::spatial::Pose;
 
 use crate::geometry::Shape;
+use crate::incremental::{Fingerprint, Fingerprinted};
 use crate::robot::{EffectorId, HybridRobot};
 use crate::station::{SlotId, Station};
 use crate::wafer::{Sag, SagError, Wafer, sag};
@@ -106,5 +107,12 @@ impl Cell {
     pub fn sag(&self, effector: EffectorId) -> Result<Sag, SagError> {
         let support = &self.robot.arms[effector.arm].effectors[effector.effector].support;
         sag(&self.wafer, support, self.gravity)
+    }
+}
+
+impl Fingerprinted for Zone {
+    fn append_to(&self, fingerprint: &mut Fingerprint) {
+        let Self { name, rule, base_from_shape, shape } = self;
+        fingerprint.add(name).add(&(*rule == ZoneRule::Safe)).add(base_from_shape).add(shape);
     }
 }

@@ -183,15 +183,16 @@ fn a_wafer_slips_where_the_hand_computation_says() {
         axis.loaded.velocity = 3.0;
     }
     let motion = turn(&cell);
-    let center = cell.wafer_pose(A, &motion.at(0.0).positions, true).unwrap().translation.vector;
+    let center =
+        cell.wafer_pose(A, &motion.sample_at(0.0).positions, true).unwrap().translation.vector;
     // The wafer goes round the first joint, level: tangential and radial acceleration of its middle,
     // and the turning of a disc about it, borne by its edge, where the pressure stands off by the height of its middle.
     let mount = cell.robot.arms[0].mount;
-    let platform = cell.robot.forward(&motion.at(0.0).positions).unwrap().platform;
+    let platform = cell.robot.forward(&motion.sample_at(0.0).positions).unwrap().platform;
     let joint = platform.base_from_platform * nalgebra::Point3::from(mount);
     let radius = (center - joint.coords).xy().norm();
     let push = |t: f64| {
-        let sample = motion.at(t);
+        let sample = motion.sample_at(t);
         let straight = radius * sample.accelerations[T].hypot(sample.velocities[T].powi(2));
         let turning = 0.5 * 0.15 * 0.15 * sample.accelerations[T].abs();
         straight + turning / (0.15 - 0.5 * 775e-6 * straight / GRAVITY)
@@ -259,7 +260,7 @@ fn a_wall_between_two_samples_is_seen() {
     });
     let motion = turn(&cell);
     let link = |t: f64| {
-        let chain = cell.robot.forward(&motion.at(t).positions).unwrap();
+        let chain = cell.robot.forward(&motion.sample_at(t).positions).unwrap();
         let link = chain.base_from_link[0][0];
         (link.translation.vector, link.rotation * Vector3::x())
     };
@@ -341,7 +342,7 @@ fn least_distances_are_those_of_all_samples() {
         let whole = ((step[1] - step[0]) * 1000.0).floor() as usize;
         (0..=whole).map(|k| step[0] + 1e-3 * k as f64).chain([step[1]])
     });
-    let samples: Vec<_> = times.map(|time| motion.at(time)).collect();
+    let samples: Vec<_> = times.map(|time| motion.sample_at(time)).collect();
     let chains: Vec<_> =
         samples.iter().map(|sample| cell.robot.forward(&sample.positions).unwrap()).collect();
     let (radius, place) = (0.01, [0.05, 0.08, 0.0]);
@@ -442,7 +443,7 @@ fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
     let options = CheckOptions::default();
     // The same cell at each of these moments, with nothing between them.
     let still = |cell: &Cell, time: f64| {
-        let at = motion.at(time).positions;
+        let at = motion.sample_at(time).positions;
         let wait = Step { path: Path::Dwell(0.0), ..step(0, &at, &at) };
         let motion = plan_trajectory(cell, vec![wait], &TrajectoryOptions::default()).unwrap();
         check(cell, &motion, &options).distances.first().map(|row| row.distance)
@@ -452,7 +453,7 @@ fn least_distances_are_those_of_all_samples_however_steep_the_droop() {
         cell.robot.arms[0].droop =
             if round % 2 == 0 { waves(0.012, 0.0) } else { waves(0.0, 0.04) };
         let time = times[(random() * times.len() as f64) as usize % times.len()];
-        let wafer = cell.wafer_pose(A, &motion.at(time).positions, true).unwrap();
+        let wafer = cell.wafer_pose(A, &motion.sample_at(time).positions, true).unwrap();
         let off = Vector3::new(0.28 * (random() - 0.5), 0.28 * (random() - 0.5), 0.0);
         let below = off - Vector3::z() * (0.001 + 0.03 * random());
         cell.bodies = vec![Body {

@@ -91,10 +91,10 @@ proptest! {
                 let found = cell.wafer_pose(A, &reached.positions, loaded).unwrap();
                 prop_assert!((found.translation.vector - target.center).norm() < 1e-12);
                 prop_assert!((found.rotation * Vector3::z() - normal).norm() < 1e-12);
-                prop_assert!(reached.residual_height < 1e-12 && reached.residual_tilt < 1e-12);
+                prop_assert!(reached.residual < 1e-12 && reached.residual_tilt < 1e-12);
             }
             // At the end of what the arm or the rods can do.
-            Err(Unreachable::Limits(_) | Unreachable::OutOfReach(_) | Unreachable::NoWay) => {
+            Err(Unreachable::Limits(_) | Unreachable::OutOfReach(_) | Unreachable::NoBranch) => {
                 prop_assume!(false);
             }
             Err(other) => return Err(TestCaseError::fail(other.to_string())),
@@ -133,13 +133,15 @@ fn what_the_platform_cannot_lean_is_reported() {
         heading: None,
     };
     let error = cell.reach(A, &target(limit + 0.009), true, &near).unwrap_err();
-    let Unreachable::Tilt { needed, allowed, left, threshold } = error else { panic!("{error}") };
+    let Unreachable::Tilt { needed, allowed, residual: left, threshold } = error else {
+        panic!("{error}")
+    };
     assert!(needed > limit + 0.009 && allowed == limit && threshold == 1e-6);
     assert!((left - (needed - allowed)).abs() < 1e-5, "{needed} {left}");
     // With the threshold wide enough, the centre is met and the rest is stated.
     cell.plane_threshold = 0.02;
     let reached = cell.reach(A, &target(limit + 0.009), true, &near).unwrap();
-    assert!(reached.residual_height < 1e-12 && (reached.residual_tilt - left).abs() < 1e-12);
+    assert!(reached.residual < 1e-12 && (reached.residual_tilt - left).abs() < 1e-12);
 }
 
 #[test]

@@ -64,11 +64,11 @@ fn check(robot: &HybridRobot, found: &Inverse, id: EffectorId, target: &WaferTar
         assert!(branch.normal_residual <= 1e-12, "{branch:?}");
         let pose = robot.effector_pose(&branch.positions, id).unwrap();
         assert!((pose.translation.vector - target.center).norm() <= 1e-12);
-        assert_eq!(branch.broken, robot.limit_violations(&branch.positions).unwrap());
-        assert_eq!(branch.broken.is_empty(), branch.standing != BranchSelection::BreaksLimits);
+        assert_eq!(branch.violations, robot.limit_violations(&branch.positions).unwrap());
+        assert_eq!(branch.violations.is_empty(), branch.selection != BranchSelection::BreaksLimits);
     }
     for (k, branch) in found.branches.iter().enumerate() {
-        assert_eq!(branch.standing == BranchSelection::Chosen, found.chosen == Some(k));
+        assert_eq!(branch.selection == BranchSelection::Chosen, found.chosen == Some(k));
         for other in &found.branches[..k] {
             assert!(!alike(&branch.positions, &other.positions), "{found:?}");
         }
@@ -96,7 +96,7 @@ proptest! {
             for branch in &found.branches {
                 // The closed forms and the height are exact as they are.
                 prop_assert!(branch.corrections == 0 || over > 1, "{branch:?}");
-                prop_assert!(branch.heading_off.abs() < 1e-9 || robot.axes_of(id).unwrap().len() == 5);
+                prop_assert!(branch.heading_difference.abs() < 1e-9 || robot.axes_of(id).unwrap().len() == 5);
             }
             if number == FOUR_LINKS {
                 prop_assert!(found.chosen.is_some(), "{number} {found:?}");
@@ -104,8 +104,8 @@ proptest! {
             }
             let again = found.branches.iter().find(|branch| alike(&branch.positions, &at));
             let again = again.unwrap_or_else(|| panic!("{number} {at:?} not in {found:#?}"));
-            prop_assert!(again.standing == BranchSelection::Chosen, "{number} {again:?}");
-            prop_assert!(again.heading_off.abs() < 1e-9);
+            prop_assert!(again.selection == BranchSelection::Chosen, "{number} {again:?}");
+            prop_assert!(again.heading_difference.abs() < 1e-9);
         }
     }
 
@@ -128,7 +128,7 @@ proptest! {
         // Out of a stretched arm nothing leads evenly.
         prop_assume!(bend_cost(&robot, number, &at) < 400.0);
         let chosen = found.chosen().unwrap();
-        prop_assert!(chosen.broken.is_empty());
+        prop_assert!(chosen.violations.is_empty());
         if number == 10 {
             return Ok(());
         }
@@ -214,7 +214,7 @@ proptest! {
             prop_assert!(found.chosen.is_some());
             for branch in &found.branches {
                 prop_assert_eq!(&branch.positions[..3], &at[..3]);
-                prop_assert!(branch.residual < 1e-12 && branch.heading_off.abs() < 1e-9 || branch.heading_off != 0.0);
+                prop_assert!(branch.residual < 1e-12 && branch.heading_difference.abs() < 1e-9 || branch.heading_difference != 0.0);
             }
             let whole = robot.inverse(id, &target_of(&wafer, true), &at).unwrap();
             prop_assert_eq!(found.branches.len(), whole.branches.len());
@@ -312,20 +312,20 @@ fn why_a_branch_is_not_taken() {
     let target = target_of(&robot.effector_pose(&at, A).unwrap(), true);
     let found = robot.inverse(A, &target, &at).unwrap();
     let standings: Vec<BranchSelection> =
-        found.branches.iter().map(|branch| branch.standing).collect();
+        found.branches.iter().map(|branch| branch.selection).collect();
     assert_eq!(found.chosen().unwrap().configuration.to_string(), "elbow right");
     assert!(standings.contains(&BranchSelection::OtherElbow), "{found:#?}");
 
     // The other bend from the other side; and once it is beyond a stop, this one with it.
-    let other = found.branches.iter().find(|b| b.standing == BranchSelection::OtherElbow).unwrap();
+    let other = found.branches.iter().find(|b| b.selection == BranchSelection::OtherElbow).unwrap();
     let from_there = robot.inverse(A, &target, &other.positions).unwrap();
     assert_eq!(from_there.chosen().unwrap().configuration.to_string(), "elbow left");
     let mut short = robot.clone();
     short.axes[4].min = -0.1;
     let from_there = short.inverse(A, &target, &other.positions).unwrap();
     assert_eq!(from_there.chosen().unwrap().configuration.to_string(), "elbow right");
-    let stopped = from_there.branches.iter().find(|b| !b.broken.is_empty()).unwrap();
-    let LimitViolation::Axis { axis: 4, position, min: -0.1, .. } = stopped.broken[0] else {
+    let stopped = from_there.branches.iter().find(|b| !b.violations.is_empty()).unwrap();
+    let LimitViolation::Axis { axis: 4, position, min: -0.1, .. } = stopped.violations[0] else {
         panic!("{stopped:?}")
     };
     assert_eq!(position, stopped.positions[4]);
@@ -340,12 +340,12 @@ fn why_a_branch_is_not_taken() {
     let out = robot.inverse(A, &steep, &at).unwrap();
     let limit = LimitViolation::Tilt { pitch: 0.04, max: 1.5_f64.to_radians() };
     assert!(out.chosen.is_none() && !out.branches.is_empty());
-    let LimitViolation::Tilt { pitch, max } = out.broken_by_plane[0] else { panic!("{limit:?}") };
+    let LimitViolation::Tilt { pitch, max } = out.plane_violations[0] else { panic!("{limit:?}") };
     assert!((pitch - 0.04).abs() < 1e-15 && max == 1.5_f64.to_radians());
     let mut high = target;
     high.center.z += 0.5;
     let out = robot.inverse(A, &high, &at).unwrap();
-    assert_eq!((out.chosen, out.broken_by_plane.len()), (None, 3));
+    assert_eq!((out.chosen, out.plane_violations.len()), (None, 3));
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn keeps(cell: &Cell, motion: &Trajectory) {
         if motion.blend(index).is_some() {
             continue;
         }
-        let end = motion.at(motion.times[index + 1]);
+        let end = motion.sample_at(motion.times[index + 1]);
         assert_eq!(end.positions, step.to);
         assert!(end.velocities.iter().chain(&end.accelerations).all(|value| value.abs() < 1e-9));
     }
@@ -180,8 +180,8 @@ proptest! {
             }
         };
         keeps(&cell, &motion);
-        let straight = motion.straightness(0).unwrap();
-        prop_assert!(straight.deviation <= 1e-6);
+        let straight = motion.line_deviation(0).unwrap();
+        prop_assert!(straight.distance <= 1e-6);
         let end = cell.wafer_pose(A, &to, loaded).unwrap();
         let along = (end.translation.vector - start.translation.vector).normalize();
         let mut worst = 0.0_f64;
@@ -195,7 +195,7 @@ proptest! {
             let angle = normal(&pose).angle(&first) + normal(&pose).angle(&last);
             prop_assert!(angle <= first.angle(&last) + 1e-5, "{angle}");
         }
-        prop_assert!(worst <= straight.deviation * 1.3 + 1e-11, "{worst} {}", straight.deviation);
+        prop_assert!(worst <= straight.distance * 1.3 + 1e-11, "{worst} {}", straight.distance);
     }
 
     #[test]
@@ -315,7 +315,7 @@ fn a_line_has_its_own_speed_limit() {
     let fastest =
         motion.samples(1000.0).map(|sample| sample.velocities[0].abs()).fold(0.0, f64::max);
     assert!((fastest - 0.05).abs() < 2e-4, "{fastest}");
-    assert!((motion.straightness(0).unwrap().length - 0.02).abs() < 1e-12);
+    assert!((motion.line_deviation(0).unwrap().length - 0.02).abs() < 1e-12);
 }
 
 #[test]
@@ -352,7 +352,7 @@ fn all_that_cannot_be_timed_is_said() {
         step(&from, &from, Path::Dwell(f64::NAN), 1.0, false),
     ];
     let error = plan_trajectory(&cell, steps, &TrajectoryOptions::default()).unwrap_err();
-    let said: Vec<String> = error.problems.iter().map(ToString::to_string).collect();
+    let said: Vec<String> = error.steps.iter().map(ToString::to_string).collect();
     assert_eq!(said.len(), 4, "{said:#?}");
     assert!(said[0].contains("share of speed is 0"), "{}", said[0]);
     assert!(said[1].contains("axis T starts at"), "{}", said[1]);
@@ -407,7 +407,7 @@ fn a_motion_ends_within_a_day() {
                 assert!(motion.duration() <= MAX_DURATION);
             }
             (Err(error), Some(step)) => {
-                assert_eq!((error.problems.len(), error.problems[0].step), (1, step), "{error}");
+                assert_eq!((error.steps.len(), error.steps[0].step), (1, step), "{error}");
                 assert!(error.to_string().contains("a day"), "{error}");
             }
             (found, _) => panic!("{hours}: {found:?}"),

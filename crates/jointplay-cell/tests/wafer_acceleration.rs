@@ -125,7 +125,7 @@ fn what_is_no_motion_of_a_robot_is_told() {
     let (still, there) = ([0.0; 5], [0.5, 0.5, 0.5, 0.0, 0.9]);
     let of = |velocities: &[f64], id: EffectorId| {
         let motion = AxesMotion { positions: &there, velocities, accelerations: &still };
-        cell.slip(id, &motion).map(|slip| slip.needed)
+        cell.friction_margin(id, &motion).map(|margin| margin.required)
     };
     assert_eq!(of(&still, id), Ok(0.0));
     let short = CellError::WrongLength { found: 4, expected: 5 };

@@ -13,7 +13,8 @@ fn a_lot_goes_there_and_back() {
     let cell = cell::read(CELL, &mut |path| Err(format!("{path} is not there"))).unwrap();
     assert_eq!(program::format(PROGRAM).unwrap(), PROGRAM);
     let steps = expand(&cell, &program::parse(PROGRAM).unwrap()).unwrap_or_else(|errors| {
-        let shown = |error| program::explain(PROGRAM, error).with_excerpt("example.program");
+        let shown =
+            |error| program::explain(&cell.robot, PROGRAM, error).with_excerpt("example.program");
         panic!("{}", errors.iter().map(shown).collect::<Vec<_>>().join("\n"))
     });
     let mut full: BTreeSet<_> = cell.occupied.iter().copied().collect();

@@ -58,7 +58,7 @@ fn motors_stop_at_their_limits_and_rods_at_those_of_the_tilt() {
     );
     assert_eq!(
         explain_stopped(&cell, &stopped),
-        ["axis RA would stand at 286.4789°, allowed are -45.0000° to 80.0000°"]
+        ["axis RA at 286.4789°, limits -45.0000° to 80.0000°"]
     );
     to = from.clone();
     to[0] += 0.05;

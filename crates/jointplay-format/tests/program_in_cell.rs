@@ -339,7 +339,7 @@ fn a_pass_counts_slots_up_and_down() {
 fn wrong(cell: &Cell, text: &str) -> String {
     let errors = expand(cell, &parse(text).unwrap()).unwrap_err();
     let told = errors.iter().map(|error| {
-        let shown = explain(text, error);
+        let shown = explain(&cell.robot, text, error);
         assert_eq!(shown.with_excerpt("lot").lines().count(), 4);
         format!("{}:{}: {shown}\n", shown.place.line, shown.place.column)
     });
@@ -356,9 +356,10 @@ fn every_mistake_is_told_with_its_line() {
 #[test]
 fn a_message_shows_what_is_meant() {
     let text = "HOME\nGET prot-1 SLOT 3 WITH A  # typing";
-    let errors = expand(&cell(), &parse(text).unwrap()).unwrap_err();
+    let cell = cell();
+    let errors = expand(&cell, &parse(text).unwrap()).unwrap_err();
     assert_eq!(
-        explain(text, &errors[0]).with_excerpt("lot.program"),
+        explain(&cell.robot, text, &errors[0]).with_excerpt("lot.program"),
         "lot.program:2:5: the station `prot-1` is not known; known: port-1, port-2, aligner, process (did you mean `port-1`?)\n  |\n2 | GET prot-1 SLOT 3 WITH A  # typing\n  |     ^^^^^^"
     );
 }

@@ -63,7 +63,7 @@ fn the_study_of_the_documents_is_one() {
     let file = study(rest.split_once("```").unwrap().0);
     assert_eq!(file.plan.samples(), Ok(30_000));
     // And every quantity of its table is one, with the unit that it is shown with.
-    let (_, rest) = page.split_once("| quantity | is |").unwrap();
+    let (_, rest) = page.split_once("| quantity | meaning |").unwrap();
     let cells = rest.lines().skip(2).take_while(|line| line.starts_with('|'));
     let mut count = 0;
     for cell in cells.filter_map(|line| line.split('|').nth(1)) {

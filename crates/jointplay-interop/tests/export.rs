@@ -180,8 +180,11 @@ fn a_table_ends_with_the_motion() {
         assert_eq!(real("T_deg").last(), Some(&0.0));
         let fastest = real("T_deg_per_s").into_iter().fold(0.0, f64::max);
         assert!(fastest > 10.0 && fastest <= 2_f64.to_degrees() + 1e-9, "{fastest}");
-        let pose =
-            motion_export.cell.robot.forward(&motion_export.motion.at(0.0).positions).unwrap();
+        let pose = motion_export
+            .cell
+            .robot
+            .forward(&motion_export.motion.sample_at(0.0).positions)
+            .unwrap();
         let x = pose.base_from_wafer[0][0].translation.vector.x;
         assert!((real("A_x_mm")[0] - 1e3 * x).abs() < 1e-9);
         let violations = columns.iter().find(|one| one.name == "violations");
@@ -230,7 +233,7 @@ fn the_platform_stands_where_the_robots_own_model_puts_it() {
         let (root, _) = parts(&gltf(&motion_export, 50.0).unwrap());
         let nodes = root["nodes"].as_array().unwrap();
         let node = nodes.iter().find(|node| node["name"] == "platform").unwrap();
-        let pose = cell.robot.forward(&motion.at(0.0).positions).unwrap();
+        let pose = cell.robot.forward(&motion.sample_at(0.0).positions).unwrap();
         let origin = pose.platform.base_from_platform.translation.vector;
         for k in 0..3 {
             let shown = node["translation"][k].as_f64().unwrap();
@@ -276,7 +279,8 @@ fn a_3d_scene_lasts_as_long_as_the_motion_and_its_wafer_is_carried() {
         let (_, _, places) = moved.iter().find(|(_, path, _)| path == "translation").unwrap();
         let robot = &motion_export.cell.robot;
         let at = |time: f64| {
-            robot.forward(&motion_export.motion.at(time).positions).unwrap().base_from_wafer[0][0]
+            robot.forward(&motion_export.motion.sample_at(time).positions).unwrap().base_from_wafer
+                [0][0]
         };
         let taken = at(motion_export.motion.times[1]);
         let slot = motion_export.cell.stations[0].slot_frame(1);
@@ -316,7 +320,7 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
     for (k, step) in motion.steps.iter().enumerate() {
         // Within the step: at its end the wafer may change hands.
         let time = 0.5 * (motion.times[k] + motion.times[k + 1]);
-        let at = motion.at(time).positions;
+        let at = motion.sample_at(time).positions;
         let (frames, carried) = frames(&motion_export, time, &at).unwrap();
         assert_eq!(carried, step.loaded);
         let rigid = cell.robot.forward(&at).unwrap();
@@ -341,7 +345,7 @@ fn arms_droop_alike_whether_a_program_moves_them_or_a_hand() {
     assert!(drops.iter().any(|drop| *drop > 5e-4), "{drops:?}");
     // The wafer lies in its slots, each to a micrometre, and the picture's file tells when.
     let end = motion.duration();
-    let (frames, _) = frames(&motion_export, end, &motion.at(end).positions).unwrap();
+    let (frames, _) = frames(&motion_export, end, &motion.sample_at(end).positions).unwrap();
     let slot = cell.stations[3].slot_frame(1);
     let off = pose(&frames, "wafer of LP1 1").translation.vector - slot.translation.vector;
     assert!(off.norm() < 1e-6, "{off}");
@@ -682,7 +686,7 @@ fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
             continue;
         }
         compared += 1;
-        let positions = motion.at(time).positions;
+        let positions = motion.sample_at(time).positions;
         let moment = Moment { motion: &motion, time, reaches: None };
         let report = check_pose(&cell, &moment, &positions, &options).unwrap();
         for (name, _) in &balls {

@@ -78,7 +78,7 @@ fn check(cell: &Cell, text: &str) {
                         value(&told["channels"][one.as_u64().unwrap() as usize], &numbers, since)
                     })
                     .collect();
-                let sample = motion.at(start + since);
+                let sample = motion.sample_at(start + since);
                 if sample.step != window.steps.start + k {
                     continue;
                 }

@@ -299,11 +299,11 @@ fn lasting(motion: &Trajectory, steps: Range<usize>) -> usize {
 }
 
 fn straight(motion: &Trajectory, steps: Range<usize>) -> Option<StraightReport> {
-    let lines: Vec<LineDeviation> = steps.filter_map(|step| motion.straightness(step)).collect();
+    let lines: Vec<LineDeviation> = steps.filter_map(|step| motion.line_deviation(step)).collect();
     (!lines.is_empty()).then(|| StraightReport {
         motions: lines.len(),
-        off_um: um(most(&lines, |line| line.deviation)),
-        off_mrad: mm(most(&lines, |line| line.plane)),
+        off_um: um(most(&lines, |line| line.distance)),
+        off_mrad: mm(most(&lines, |line| line.angle)),
     })
 }
 

@@ -3,12 +3,12 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
-use jointplay::cell::check::CheckOptions;
 use jointplay::cell::check::Report;
 use jointplay::cell::program::{Command, Instruction, Place, Program, ProgramError, name_errors};
 use jointplay::cell::trajectory::{Trajectory, TrajectoryError, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
-use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, Stop};
+use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, PlanOptions, Stop};
+use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::program;
 use jointplay::interop::export::{self, MotionExport, Timeline, ViolationNote};
 use jointplay::report;
@@ -104,14 +104,14 @@ impl Plan {
             .map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string()))
             .collect();
         if let (Some(cell), false) = (&plan.cell, wrong.is_empty()) {
-            wrong.extend(Stopped::Steps(name_errors(cell, &program)).told(&plan.program_text));
+            wrong
+                .extend(Stopped::Steps(name_errors(cell, &program)).told(cell, &plan.program_text));
             wrong.sort_by_key(|one| (one.line, one.column));
         }
         let readable = wrong.is_empty();
         plan.problems.append(&mut wrong);
         let Some(cell) = plan.cell.as_ref().filter(|_| readable) else { return Ok(plan) };
-        let options = (&TrajectoryOptions::default(), &CheckOptions::default());
-        let stopped = match memory.plan(cell, &program, options, stop) {
+        let stopped = match memory.plan(cell, &program, &PlanOptions::default(), stop) {
             Ok((motion, report)) => {
                 plan.take(motion, &report, last, stop)?;
                 return Ok(plan);
@@ -120,7 +120,7 @@ impl Plan {
             Err(PlanError::Program(errors)) => Stopped::Steps(errors),
             Err(PlanError::Trajectory(error)) => Stopped::Times(error),
         };
-        plan.problems.extend(stopped.told(&plan.program_text));
+        plan.problems.extend(stopped.told(cell, &plan.program_text));
         Ok(plan)
     }
 
@@ -188,7 +188,7 @@ enum Stopped {
 
 impl Stopped {
     /// All that is wrong with the text, the same at one place once.
-    fn told(&self, text: &str) -> Vec<ProblemAt> {
+    fn told(&self, cell: &Cell, text: &str) -> Vec<ProblemAt> {
         let mut told: Vec<ProblemAt> = Vec::new();
         let mut tell = |problem: ProblemAt| {
             if !told.contains(&problem) {
@@ -197,12 +197,12 @@ impl Stopped {
         };
         match self {
             Self::Steps(errors) => errors.iter().for_each(|error| {
-                let error = program::explain(text, error);
+                let error = program::explain(&cell.robot, text, error);
                 tell(ProblemAt::new(Of::Program, &error.place, error.to_string()));
             }),
-            Self::Times(error) => error.problems.iter().for_each(|one| {
+            Self::Times(error) => error.steps.iter().for_each(|one| {
                 let Place { line, column } = one.place;
-                let message = one.message.clone();
+                let message = explain_step(&cell.robot, one);
                 tell(ProblemAt { of: Of::Program, line, column, width: 0, message });
             }),
         }

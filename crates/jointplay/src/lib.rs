@@ -15,9 +15,9 @@
 //! | [`interop`] | models and motions in the formats of other programs |
 //! | [`plot`] | figures as SVG and PNG |
 
-#[doc = include_str!("../../../README.md")]
+#[doc = include_str!("../../../docs/how-to/rust.md")]
 #[cfg(doctest)]
-struct ReadmeCompiles;
+struct GuideCompiles;
 
 pub use jointplay_cell as cell;
 pub use jointplay_core::{

@@ -7,7 +7,7 @@ use pulldown_latex::config::{DisplayMode, RenderConfig};
 use pulldown_latex::{Parser, Storage, push_mathml};
 use serde_json::Value;
 
-use super::FILES;
+use super::links::FILES;
 
 /// Documents of the repository that are chapters, and those chapters.
 const INCLUDED: [(&str, &str); 5] = [
@@ -131,6 +131,12 @@ fn mathml(latex: &str, display_mode: DisplayMode) -> Result<String, String> {
     let events = events.map_err(|error| format!("{}: {error}", latex.trim()))?;
     let events = events.into_iter().map(Ok::<_, std::convert::Infallible>);
     push_mathml(&mut math, events, config).map_err(|error| error.to_string())?;
+    // A blank that the library omits, and bars and slashes that browsers would set apart like other operators.
+    let mut math = math.replace("\"minsize", "\" minsize");
+    for sign in ["|", "‖", "/"] {
+        math = math
+            .replace(&format!(">{sign}</mo>"), &format!(" lspace=\"0\" rspace=\"0\">{sign}</mo>"));
+    }
     let mut out = String::with_capacity(math.len());
     let mut in_tag = false;
     for c in math.chars() {
@@ -190,7 +196,7 @@ fn target(path: &str, link: &str) -> String {
 /// The name under which a file of the repository is in the book: links to Markdown would be taken for links to chapters.
 fn shown(file: &Path) -> PathBuf {
     let is_markdown = file.extension().is_some_and(|end| end == "md");
-    if is_markdown { file.with_extension("md.txt") } else { file.to_owned() }
+    if is_markdown { file.with_extension("txt") } else { file.to_owned() }
 }
 
 /// The path without `.` and `..`, as far as it stays in the repository.
@@ -241,7 +247,7 @@ mod tests {
         check("a/b.md", "[c](d.md#e) [f](../g.md)", "[c](../a/d.md#e) [f](../g.md)");
         check("a/b.md", "[n](../../NOTATION.md#units)", "[n](../reference/notation.md#units)");
         check("a/b.md", "[r](../../robots/gpr.toml)", "[r](../files/robots/gpr.toml)");
-        check("a.md", "[r](../bench/README.md)", "[r](files/bench/README.md.txt)");
+        check("a.md", "[r](../bench/README.md)", "[r](files/bench/README.txt)");
         check("reference/notation.md", "[x](docs/a/b.md)", "[x](../a/b.md)");
         check("a.md", "[x](https://x.org) [y](#z)", "[x](https://x.org) [y](#z)");
     }

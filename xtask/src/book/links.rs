@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use super::FILES;
+/// Folder of the book that holds copies of linked files of the repository.
+pub(super) const FILES: &str = "files";
 
 /// Files of the repository that the pages of the book link, by their path in the repository.
 pub(super) fn files(book: &Path) -> io::Result<Vec<String>> {

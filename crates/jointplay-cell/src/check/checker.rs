@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::convert::Infallible;
-use std::sync::Arc;
 
 use super::aggregate::Summary;
 use super::options::CheckOptions;
@@ -11,9 +10,12 @@ use super::segment_findings::Alone;
 use super::segments::{Start, Steps};
 use crate::collision::{Among, Near, Scene};
 use crate::geometry::Solids;
-use crate::incremental::{CacheStats, Interrupted, Kept, Key, Run, anew, each, whole};
-use crate::trajectory::{Segment, Trajectory};
-use crate::workcell::{Cell, ZoneRule};
+use crate::incremental::{
+    CacheStats, Execution, Fingerprint, GenerationalCache, Interrupted, compute_missing,
+    parallel_map, uninterrupted,
+};
+use crate::trajectory::Trajectory;
+use crate::workcell::{Cell, Zone, ZoneRule};
 
 /// Everything that is wrong with a motion, none hidden by the first.
 ///
@@ -41,7 +43,7 @@ use crate::workcell::{Cell, ZoneRule};
 /// A distance is compared with the one asked for to a resolution of 10⁻⁸ m, which is how exactly distances are tested to be found.
 #[must_use]
 pub fn check(cell: &Cell, motion: &Trajectory, options: &CheckOptions) -> Report {
-    whole(Checks::default().check(cell, motion, options, Run::one_by_one()))
+    uninterrupted(Checks::default().check(cell, motion, options, Execution::unobserved()))
 }
 
 /// Steps that are checked at a time: memory for what they are among does not grow with the motion.
@@ -51,9 +53,8 @@ const AT_A_TIME: usize = 1024;
 #[derive(Default)]
 pub(crate) struct Checks {
     solids: Solids,
-    /// With the ways that the keys of both tell apart by where they are kept.
-    moves: Kept<(Alone, [Option<Arc<Segment>>; 3])>,
-    distances: Kept<Near>,
+    moves: GenerationalCache<Alone>,
+    distances: GenerationalCache<Near>,
 }
 
 impl Checks {
@@ -63,9 +64,9 @@ impl Checks {
         cell: &Cell,
         motion: &Trajectory,
         options: &CheckOptions,
-        run: Run<'_>,
+        execution: Execution<'_>,
     ) -> Result<Report, Interrupted> {
-        let shared = shared(cell, options);
+        let shared = shared_inputs(cell, options);
         self.solids.begin();
         self.moves.begin(&shared);
         self.distances.begin(&shared);
@@ -74,8 +75,8 @@ impl Checks {
         for first in (0..motion.steps.len()).step_by(AT_A_TIME) {
             let range = first..(first + AT_A_TIME).min(motion.steps.len());
             let (steps, starts) =
-                Steps::new((motion, range), options, scene, &mut self.solids, run)?;
-            self.some((&steps, &starts), first, motion, run, &mut summary)?;
+                Steps::new((motion, range), options, scene, &mut self.solids, execution)?;
+            self.some((&steps, &starts), first, execution, &mut summary)?;
             scene = steps.into_last();
         }
         self.solids.end();
@@ -89,37 +90,36 @@ impl Checks {
         &mut self,
         (steps, starts): (&Steps<'_>, &[Start]),
         first: usize,
-        motion: &Trajectory,
-        run: Run<'_>,
+        execution: Execution<'_>,
         summary: &mut Summary<'_>,
     ) -> Result<(), Interrupted> {
         // By themselves, and among what is near them while their samples are at hand.
         let unknown = starts.iter().map(|start| &start.key).enumerate();
-        let unknown = unknown.filter(|(_, key)| !self.moves.knows(key));
-        let mut by_themselves = anew(unknown, run, |place| {
+        let unknown = unknown.filter(|(_, key)| !self.moves.contains(key));
+        let mut by_themselves = compute_missing(unknown, execution, |place| {
             steps.with_course(|course| {
                 let alone = steps.alone(&starts[place], first + place, course);
                 let among = steps.among(&starts[place], first + place, &alone);
-                let near = (!self.distances.knows(&among.key))
+                let near = (!self.distances.contains(&among.key))
                     .then(|| steps.near(&starts[place], first + place, (&alone, &among), course));
                 (alone, among, near)
             })
         })?;
-        let mut nears: BTreeMap<Key, Near> = BTreeMap::new();
+        let mut nears: BTreeMap<Fingerprint, Near> = BTreeMap::new();
         let (mut alone, mut near_it) = (Vec::with_capacity(starts.len()), BTreeMap::new());
         for (place, start) in starts.iter().enumerate() {
-            let Ok(found) = self.moves.get::<Infallible>(start.key.clone(), || {
+            let Ok(found) = self.moves.get_or_compute::<Infallible>(start.key.clone(), || {
                 let (found, among, near) =
                     by_themselves.remove(&start.key).expect("what is not known was looked at");
                 nears.extend(near.map(|near| (among.key.clone(), near)));
                 near_it.insert(place, among);
-                Ok((found, motion.segments_of(first + place)))
+                Ok(found)
             });
             alone.push(found);
         }
-        let among = each(starts.len(), run, |place| match near_it.get(&place) {
+        let among = parallel_map(starts.len(), execution, |place| match near_it.get(&place) {
             Some(_) => None,
-            None => Some(steps.among(&starts[place], first + place, &alone[place].0)),
+            None => Some(steps.among(&starts[place], first + place, &alone[place])),
         })?;
         let among = among.into_iter().enumerate();
         let among: Vec<Among> =
@@ -127,28 +127,28 @@ impl Checks {
         // Moves that are known, among other things than before.
         let unknown = among.iter().map(|among| &among.key).enumerate();
         let unknown =
-            unknown.filter(|(_, key)| !(self.distances.knows(key) || nears.contains_key(*key)));
-        let others = anew(unknown, run, |place| {
-            let things = (&alone[place].0, &among[place]);
+            unknown.filter(|(_, key)| !(self.distances.contains(key) || nears.contains_key(*key)));
+        let others = compute_missing(unknown, execution, |place| {
+            let things = (&*alone[place], &among[place]);
             steps.with_course(|course| steps.near(&starts[place], first + place, things, course))
         })?;
         nears.extend(others);
         for (place, (alone, among)) in alone.iter().zip(&among).enumerate() {
-            let Ok(near) = self.distances.get::<Infallible>(among.key.clone(), || {
+            let Ok(near) = self.distances.get_or_compute::<Infallible>(among.key.clone(), || {
                 Ok(nears.remove(&among.key).expect("what is not known was looked at"))
             });
             let scene = steps.scene(&starts[place]);
-            summary.add(scene, first + place, &alone.0, &near, &among.items);
+            summary.add(scene, first + place, alone, &near, &among.items);
         }
         Ok(())
     }
 
-    pub(crate) fn limit_cache_stats(&self) -> CacheStats {
-        self.moves.reuse()
+    pub(crate) fn limit_stats(&self) -> CacheStats {
+        self.moves.stats()
     }
 
-    pub(crate) fn distance_cache_stats(&self) -> CacheStats {
-        self.distances.reuse()
+    pub(crate) fn distance_stats(&self) -> CacheStats {
+        self.distances.stats()
     }
 }
 
@@ -172,11 +172,12 @@ pub(super) fn examine(
     summary.finished(&steps.into_last())
 }
 
-/// What every step depends on: numbers are printed so that no two of them look alike.
-fn shared(cell: &Cell, options: &CheckOptions) -> String {
-    let safe: Vec<_> = cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe).collect();
-    format!(
-        "{:?} {:?} {:?} {:?} {safe:?} {options:?}",
-        cell.robot, cell.wafer, cell.gravity, cell.play_budget
-    )
+/// Inputs that all segments share.
+fn shared_inputs(cell: &Cell, options: &CheckOptions) -> Fingerprint {
+    let safe: Vec<&Zone> = cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe).collect();
+    let CheckOptions { rate, near } = options;
+    let mut inputs = Fingerprint::default();
+    inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.play_budget);
+    inputs.add(&safe).add(rate).add(near);
+    inputs
 }

@@ -204,18 +204,18 @@ impl Alone {
         seen.sort_unstable_by_key(|(sample, _)| *sample);
         for (sample, slip) in seen {
             let time = course.times()[sample];
-            if slip.needed > slip.held {
+            if slip.required > slip.available {
                 let hit = Hit {
                     about: (Kind::Slip, place, 0),
                     kind: Kind::Slip,
-                    severity: slip.needed - slip.held,
-                    value: slip.needed,
-                    limit: slip.held,
+                    severity: slip.required - slip.available,
+                    value: slip.required,
+                    limit: slip.available,
                     unit: Unit::Acceleration,
                 };
                 found.add(When { time, sample }, hit, String::new);
             }
-            raise(&mut self.slip, Share { of: place, share: slip.share(), time });
+            raise(&mut self.slip, Share { of: place, share: slip.utilization(), time });
         }
     }
 }

@@ -6,7 +6,7 @@ use super::report::Report;
 use super::segments::Steps;
 use crate::collision::Scene;
 use crate::geometry::Solids;
-use crate::incremental::{Run, whole};
+use crate::incremental::{Execution, uninterrupted};
 use crate::program::{Path, Phase, Place, Step};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
@@ -129,8 +129,9 @@ impl<'a> Held<'a> {
         (step.from, step.to) = (from.to_vec(), to.to_vec());
         let motion = straight(step);
         let all = (&motion, 0..motion.steps.len());
-        let (scene, run) = (self.scene.clone(), Run::one_by_one());
-        let (steps, starts) = whole(Steps::new(all, options, scene, &mut self.solids, run));
+        let (scene, execution) = (self.scene.clone(), Execution::unobserved());
+        let (steps, starts) =
+            uninterrupted(Steps::new(all, options, scene, &mut self.solids, execution));
         let report = examine(self.cell, &motion, steps, &starts);
         (motion, report)
     }
@@ -163,7 +164,7 @@ impl<'a> Held<'a> {
             };
             touching = pair_of(&first.entities);
             // Where that is, as a share of the whole path.
-            let reached = motion.at(first.worst_time).positions;
+            let reached = motion.sample_at(first.worst_time).positions;
             let (mut free, mut touched) = (0.0, share_of([from, to], &reached).min(share));
             for _ in 0..HALVINGS {
                 let middle = 0.5 * (free + touched);

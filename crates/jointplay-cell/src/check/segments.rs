@@ -7,7 +7,7 @@ use super::options::CheckOptions;
 use super::segment_findings::Alone;
 use crate::collision::{Among, Cast, Course, Gearing, Look, Near, Pair, Pairs, Samples, Scene};
 use crate::geometry::Solids;
-use crate::incremental::{Interrupted, Key, Run, each};
+use crate::incremental::{Execution, Fingerprint, Interrupted, parallel_map};
 use crate::program::Phase;
 use crate::trajectory::Trajectory;
 
@@ -27,17 +27,14 @@ pub(super) struct Steps<'a> {
 /// What a step by itself depends on.
 pub(super) struct Start {
     scene: usize,
-    pub(super) key: Key,
+    pub(super) key: Fingerprint,
 }
 
 impl Start {
     fn new(motion: &Trajectory, index: usize, (scene, cast): (usize, &Cast)) -> Self {
         let step = &motion.steps[index];
-        let mut key = motion.key(index);
-        key.push(u64::from(step.phase == Phase::Turn));
-        key.push(step.loaded.len() as u64);
-        key.extend(step.loaded.iter().flat_map(|id| [id.arm as u64, id.effector as u64]));
-        key.extend(&cast.key);
+        let mut key = motion.step_fingerprint(index);
+        key.add(&(step.phase == Phase::Turn)).add(&step.loaded).add(&cast.key);
         Self { scene, key }
     }
 }
@@ -52,13 +49,13 @@ impl<'a> Steps<'a> {
         options: &'a CheckOptions,
         scene: Scene<'a>,
         solids: &mut Solids,
-        run: Run<'_>,
+        execution: Execution<'_>,
     ) -> Result<(Self, Vec<Start>), Interrupted> {
         let cell = scene.cell;
         let mut scenes = vec![scene];
         let mut scene_of = Vec::with_capacity(range.len());
         for step in &motion.steps[range.clone()] {
-            run.poll()?;
+            execution.check_interruption()?;
             let last = scenes.len() - 1;
             scene_of.push(last);
             if let Some(handover) = step.handover {
@@ -69,10 +66,12 @@ impl<'a> Steps<'a> {
         }
         let gearing = Gearing::new(&cell.robot);
         let near = options.near.max(cell.clearance).max(cell.slot_clearance);
-        let casts = each(scenes.len(), run, |scene| Cast::new(&scenes[scene], &gearing, near))?;
+        let casts = parallel_map(scenes.len(), execution, |scene| {
+            Cast::new(&scenes[scene], &gearing, near)
+        })?;
         let of = |index: usize| (scene_of[index], &casts[scene_of[index]]);
         let start = |place: usize| Start::new(motion, range.start + place, of(place));
-        let starts = each(range.len(), run, start)?;
+        let starts = parallel_map(range.len(), execution, start)?;
         let courses = Mutex::default();
         Ok((Self { motion, options, gearing, scenes, casts, courses }, starts))
     }
@@ -143,10 +142,11 @@ impl<'a> Steps<'a> {
         let reach = self.options.near.max(clearance);
         let (items, pairs) = cast.pairs(scene, &self.motion.steps[index], &alone.around, reach);
         let mut key = start.key.clone();
-        items[cast.movers.len()..].iter().for_each(|&item| scene.items[item].key(&mut key));
-        for Pair { items: [a, b], rule } in &pairs {
-            key.extend([*a as u64, *b as u64]);
-            rule.key(&mut key);
+        for &item in &items[cast.movers.len()..] {
+            key.add(&*scene.items[item]);
+        }
+        for Pair { items, rule } in &pairs {
+            key.add(items).add(rule);
         }
         Among { items, pairs, key }
     }

@@ -73,14 +73,14 @@ impl<'a> Carried<'a> {
         let pressing = share * friction;
         let changed = (1.0 + pressing) * (to.aside - from.aside)
             + (self.tilt + pressing) * (to.upward - from.upward);
-        let over = |slip: FrictionMargin| slip.needed - (share + PASSED) * slip.held;
+        let over = |slip: FrictionMargin| slip.required - (share + PASSED) * slip.available;
         if over(left) + over(right) + changed <= 0.0 {
             return;
         }
         let middle = between.start.midpoint(between.end);
         let center = self.look(middle);
         // The worse half first: what it comes to spares looks at the other.
-        if left.share() >= right.share() {
+        if left.utilization() >= right.utilization() {
             self.search(between.start..middle, left, center);
             self.search(middle..between.end, center, right);
         } else {
@@ -92,9 +92,9 @@ impl<'a> Carried<'a> {
     /// At a sample; where the platform just beside is nowhere, that is told of the next, and nothing is passed over.
     fn look(&mut self, sample: usize) -> FrictionMargin {
         let Some(found) = self.slip(sample) else {
-            return FrictionMargin { needed: f64::INFINITY, held: 0.0 };
+            return FrictionMargin { required: f64::INFINITY, available: 0.0 };
         };
-        self.most = self.most.max(found.share());
+        self.most = self.most.max(found.utilization());
         self.seen.push((sample, found));
         found
     }
@@ -106,9 +106,9 @@ impl<'a> Carried<'a> {
         let motion = AxesMotion { positions, velocities, accelerations };
         let now = cell.robot.platform(positions).ok()?;
         let platform = cell.robot.platform_motion(&now, &motion).ok()?;
-        let on_platform = self.scene.planar(self.effector).moving(&self.arm.rates(sample));
-        let wafer = cell.lowered_motion(&platform, &on_platform, self.effector, true).ok()?;
-        Some(cell.slip_of(self.effector, &wafer))
+        let on_platform = self.scene.planar(self.effector).wafer_motion(&self.arm.rates(sample));
+        let wafer = cell.deflected_motion(&platform, &on_platform, self.effector, true).ok()?;
+        Some(cell.friction_margin_of(self.effector, &wafer))
     }
 }
 
@@ -149,13 +149,13 @@ fn changed(
     let rods_move = moving.first().is_some_and(|&axis| axis < RODS);
     let arm_moves = moving.iter().any(|axis| planar.axes().contains(axis));
     let mut before = rods.rates(0);
-    let mut seen = planar.seen(&arm.rates(0));
+    let mut seen = planar.motion_in_wafer_frame(&arm.rates(0));
     let mut all = Changed::default();
     let mut changed = Vec::with_capacity(count);
     changed.push(all);
     for sample in 1..count {
         let mut change = 0.0;
-        let now = if arm_moves { planar.seen(&arm.rates(sample)) } else { seen };
+        let now = if arm_moves { planar.motion_in_wafer_frame(&arm.rates(sample)) } else { seen };
         let [turn, _, spin] = std::array::from_fn(|k| (now.heading[k] - seen.heading[k]).abs());
         let (speed, far) = (seen.velocity.norm(), seen.place.norm() + planar.height().abs());
         let way = (now.place - seen.place).norm();

@@ -2,7 +2,7 @@
 
 use super::object::{Holder, Role};
 use super::scene::Scene;
-use crate::incremental::Key;
+use crate::incremental::{Fingerprint, Fingerprinted};
 use crate::program::{Handover, Path, Phase, Step};
 use crate::robot::EffectorId;
 
@@ -19,16 +19,14 @@ pub(crate) enum Rule {
     Out,
 }
 
-impl Rule {
-    /// Adds what is asked to inputs.
-    pub(crate) fn key(self, key: &mut Key) {
-        let (kind, limit) = match self {
-            Self::Free => (0, 0.0),
+impl Fingerprinted for Rule {
+    fn append_to(&self, fingerprint: &mut Fingerprint) {
+        fingerprint.add(&match *self {
+            Self::Free => (0_u64, 0.0),
             Self::Apart(limit) => (1, limit),
             Self::Slots(limit) => (2, limit),
             Self::Out => (3, 0.0),
-        };
-        key.extend([kind, f64::to_bits(limit)]);
+        });
     }
 }
 

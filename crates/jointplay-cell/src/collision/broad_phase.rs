@@ -9,7 +9,7 @@ use super::motion_bound_coefficients::{Levers, common};
 use super::object::Holder;
 use super::scene::Scene;
 use super::swept_aabb::Around;
-use crate::incremental::Key;
+use crate::incremental::Fingerprint;
 use crate::program::Step;
 
 /// Who moves in a scene, and who stands.
@@ -27,7 +27,7 @@ pub(crate) struct Cast {
     /// Of each of these, against what carries both; found when first asked for.
     between: OnceLock<Vec<(Levers, Holder)>>,
     /// All that is known of them.
-    pub(crate) key: Key,
+    pub(crate) key: Fingerprint,
 }
 
 /// What a step is among.
@@ -35,7 +35,7 @@ pub(crate) struct Among {
     /// Items of the scene that take part, those that move first.
     pub(crate) items: Vec<usize>,
     pub(crate) pairs: Vec<Pair>,
-    pub(crate) key: Key,
+    pub(crate) key: Fingerprint,
 }
 
 impl Cast {
@@ -44,13 +44,15 @@ impl Cast {
     pub(crate) fn new(scene: &Scene<'_>, gearing: &Gearing, near: f64) -> Self {
         let (movers, others): (Vec<usize>, Vec<usize>) =
             (0..scene.items.len()).partition(|&item| scene.items[item].holder.moves());
-        let mut key = Key::new();
-        movers.iter().for_each(|&item| scene.items[item].key(&mut key));
+        let mut key = Fingerprint::default();
+        movers.iter().for_each(|&item| {
+            key.add(&*scene.items[item]);
+        });
         let reaches = reaches(scene, (&movers, &others), gearing, near);
         for (&item, &reach) in movers.iter().zip(&reaches) {
             // What it is clipped to depends on the others.
             if reach < scene.items[item].solid.reach() {
-                key.push(reach.to_bits());
+                key.add(&reach);
             }
         }
         let lever =

@@ -319,7 +319,7 @@ impl Search<'_, '_> {
         let when = When { time, sample };
         let look = &mut *self.look;
         let mut state = Sample::default();
-        look.motion.fill_in_step(look.step, time, &mut state);
+        look.motion.write_sample_in_step(look.step, time, &mut state);
         let places = look.scene.places(&state.positions, Vec::new());
         let places = places.map_err(|why| Lost { when, why })?;
         let [a, b] = look.placed(&places, self.pair.items);

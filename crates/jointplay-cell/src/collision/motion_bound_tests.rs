@@ -196,7 +196,7 @@ fn no_point_travels_farther_than_its_bound() {
             let states = (0..=PARTS * (to - from) as u32).map(|part| {
                 let share = f64::from(part) / f64::from(PARTS * (to - from) as u32);
                 let mut sample = Sample::default();
-                motion.fill_in_step(0, start + share * (end - start), &mut sample);
+                motion.write_sample_in_step(0, start + share * (end - start), &mut sample);
                 scene.places(&sample.positions, Vec::new())
             });
             // A model that does not converge somewhere has no pose there, which the check reports.

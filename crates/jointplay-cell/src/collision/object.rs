@@ -4,7 +4,7 @@ use jointplay_core::spatial::Pose;
 
 use crate::EntityId;
 use crate::geometry::{Placed, Solid, Solids, Span};
-use crate::incremental::Key;
+use crate::incremental::{Fingerprint, Fingerprinted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 
@@ -79,21 +79,19 @@ impl Item {
         let placed = Placed { solid: &self.solid, base_from_carrier: &self.standing };
         self.around = placed.around();
     }
+}
 
-    /// Adds what it is and what holds it to inputs.
-    pub(crate) fn key(&self, key: &mut Key) {
+impl Fingerprinted for Item {
+    /// Collider and parent, and the pose of a fixed object; neither entity nor role, which distances do not depend on.
+    fn append_to(&self, fingerprint: &mut Fingerprint) {
         match self.holder {
-            Holder::World | Holder::Slot(_) => key.extend([0, self.stands]),
-            Holder::Platform => key.extend([1, self.number]),
+            Holder::World | Holder::Slot(_) => fingerprint.add(&0_u64).add(&self.stands),
+            Holder::Platform => fingerprint.add(&1_u64).add(&self.number),
             Holder::Link { arm, link } => {
-                key.extend([2, self.number, arm as u64, link as u64]);
+                fingerprint.add(&2_u64).add(&self.number).add(&arm).add(&link)
             }
-            Holder::Effector(EffectorId { arm, effector }) => {
-                key.extend([3, self.number, arm as u64, effector as u64]);
-            }
-            Holder::Tip(EffectorId { arm, effector }) => {
-                key.extend([4, self.number, arm as u64, effector as u64]);
-            }
-        }
+            Holder::Effector(id) => fingerprint.add(&3_u64).add(&self.number).add(&id),
+            Holder::Tip(id) => fingerprint.add(&4_u64).add(&self.number).add(&id),
+        };
     }
 }

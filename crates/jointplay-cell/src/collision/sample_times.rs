@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::trajectory::Trajectory;
+use crate::trajectory::{SampleTimes, Trajectory};
 
 /// Intervals between samples in one window: what is held at a time does not grow with the duration of a step.
 const WINDOW: usize = 1 << 14;
@@ -12,23 +12,21 @@ const WINDOW: usize = 1 << 14;
 pub(crate) struct Samples {
     /// How many samples there are.
     pub(crate) count: usize,
-    /// Samples a second [Hz].
-    rate: f64,
-    /// Duration of the step [s].
-    length: f64,
+    /// Times of the samples since the start of the step.
+    times: SampleTimes,
 }
 
 impl Samples {
     /// The start of a step, `rate` times a second, and its end.
     pub(crate) fn of(motion: &Trajectory, step: usize, rate: f64) -> Self {
-        let length = motion.intrinsic_step_duration(step);
-        // A last even time within a thousandth of the end is the end; nothing changes while all stand still.
-        let whole = if motion.is_dwell(step) {
-            usize::from(length > 0.0)
+        let duration = motion.intrinsic_step_duration(step);
+        // Nothing changes while all axes are at rest.
+        let times = if motion.is_dwell(step) {
+            SampleTimes::ends(duration)
         } else {
-            (length * rate - 1e-3).ceil().max(0.0) as usize
+            SampleTimes::new(duration, rate)
         };
-        Self { count: whole + 1, rate, length }
+        Self { count: times.intervals() as usize + 1, times }
     }
 
     /// How many windows they are divided into.
@@ -44,6 +42,6 @@ impl Samples {
 
     /// Time of a sample since the start of the step [s].
     pub(super) fn time(&self, sample: usize) -> f64 {
-        if sample + 1 == self.count { self.length } else { sample as f64 / self.rate }
+        self.times.time(sample as u64)
     }
 }

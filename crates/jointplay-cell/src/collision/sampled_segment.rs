@@ -63,7 +63,7 @@ impl Course {
         self.stride = STRIDE.max(samples.count / MOST_BOXES);
         self.times.clear();
         self.times.extend(range.map(|sample| samples.time(sample)));
-        self.track.take(motion, step, &self.times);
+        self.track.sample_step(motion, step, &self.times);
         self.odometer.take(gearing, (&self.times, &self.from), &self.track);
         let left = self.places.drain(..).flatten().filter_map(Result::ok);
         self.rooms.extend(left.map(Places::into_room));

@@ -129,8 +129,8 @@ impl<'a> Scene<'a> {
     /// [`Unplaced`]
     pub(crate) fn wafer(&self, id: EffectorId, positions: &[f64]) -> Result<Pose, Unplaced> {
         let platform = self.cell.robot.platform(positions)?.base_from_platform;
-        let (arm, loaded) = ((id, self.planar(id)), self.carried_by(id).is_some());
-        Ok(self.cell.wafer_over(&platform, arm, positions, loaded)?)
+        let loaded = self.carried_by(id).is_some();
+        Ok(self.cell.wafer_over(&platform, self.planar(id), positions, loaded)?)
     }
 
     /// Where an item is.

@@ -7,6 +7,7 @@
 //! | `interval` | intervals of coordinates, of which axis-aligned boxes are made |
 //! | `collider` | shapes as the collision library takes them, with bounding spheres |
 //! | `collider_cache` | colliders of the last check |
+//! | `fingerprint` | fingerprints of shapes |
 //! | `distance` | minimum distance, separation along a direction, penetration depth |
 //!
 //! Nothing in this folder knows of cells.
@@ -14,6 +15,7 @@
 mod collider;
 mod collider_cache;
 mod distance;
+mod fingerprint;
 mod interval;
 mod shape;
 mod triangulate;

@@ -8,7 +8,7 @@ use super::occupancy::WaferOccupancy;
 use super::resolve::{Line, Number, Resolved, ResolvedCommand, Slot, resolve};
 use super::sequence::MotionSequencer;
 use super::{Path, Place, Program, ProgramError, ProgramProblem, Step};
-use crate::incremental::{Interrupted, Stop, whole};
+use crate::incremental::{Interrupted, Stop, uninterrupted};
 use crate::robot::EffectorId;
 use crate::station::SlotId;
 use crate::workcell::Cell;
@@ -24,7 +24,7 @@ use crate::workcell::Cell;
 /// # Errors
 /// Everything that is wrong with the program in this cell, each thing once with its place: names, programs without end, wafers that are missing or in the way, places out of reach and limits that stop them.
 pub fn expand(cell: &Cell, program: &Program) -> Result<Vec<Step>, Vec<ProgramError>> {
-    whole(expand_by(cell, program, &mut IkCache::default(), &|| false))
+    uninterrupted(expand_by(cell, program, &mut IkCache::default(), &|| false))
 }
 
 /// The same, with what is known of the last program's places.

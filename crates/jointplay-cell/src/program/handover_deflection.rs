@@ -52,7 +52,7 @@ pub fn handover_deflections(cell: &Cell, steps: &[Step]) -> Vec<HandoverDeflecti
         };
         let sag = sags.entry(effector).or_insert_with(|| cell.sag(effector).ok());
         let sag = sag.as_ref()?;
-        let (rest, deflection) = cell.drooping_wafer(effector, at, true).ok()?;
+        let (rest, deflection) = cell.wafer_pose_and_deflection(effector, at, true).ok()?;
         let slot_frame = cell.stations[slot.station].slot_frame(slot.slot);
         let (normal, wanted) = (rest.rotation * Vector3::z(), slot_frame.rotation * Vector3::z());
         let [loaded, empty] =

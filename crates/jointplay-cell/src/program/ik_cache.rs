@@ -3,9 +3,9 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use crate::incremental::{CacheStats, Kept, Key, extend};
+use crate::incremental::{CacheStats, Fingerprint, GenerationalCache};
 use crate::robot::{EffectorId, WaferTarget};
-use crate::station::{SlotId, Waypoints};
+use crate::station::{SlotId, Station, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
@@ -13,28 +13,25 @@ use crate::workcell::Cell;
 #[derive(Default)]
 pub(crate) struct IkCache {
     /// Numbers of the stations of the last program, by all that is known of each.
-    stations: Kept<u64>,
+    stations: GenerationalCache<u64>,
     /// How many there have been.
     count: u64,
     /// Of the stations of this one.
     numbers: Vec<u64>,
-    ways: Kept<Waypoints>,
-    reached: Kept<Vec<f64>>,
+    ways: GenerationalCache<Waypoints>,
+    reached: GenerationalCache<Vec<f64>>,
 }
 
 impl IkCache {
     pub(super) fn begin(&mut self, cell: &Cell) {
-        // Numbers are printed so that no two of them look alike.
-        let shared = format!(
-            "{:?} {:?} {:?} {:?}",
-            cell.robot, cell.wafer, cell.gravity, cell.plane_threshold
-        );
-        self.stations.begin("");
+        let mut shared = Fingerprint::default();
+        shared.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.plane_threshold);
+        self.stations.begin(&Fingerprint::default());
         self.ways.begin(&shared);
         self.reached.begin(&shared);
-        let number = |station| {
-            let key = format!("{station:?}").bytes().map(u64::from).collect();
-            let Ok(number) = self.stations.get::<Infallible>(key, || {
+        let number = |station: &Station| {
+            let inputs = Fingerprint::default().with(station);
+            let Ok(number) = self.stations.get_or_compute::<Infallible>(inputs, || {
                 self.count += 1;
                 Ok(self.count)
             });
@@ -57,10 +54,9 @@ impl IkCache {
         slot: SlotId,
         near: &[f64],
     ) -> Result<Arc<Waypoints>, Unreachable> {
-        let mut key = of(effector);
-        key.extend([self.numbers[slot.station], slot.slot as u64]);
-        extend(&mut key, near);
-        self.ways.get(key, || cell.waypoints(effector, slot, near))
+        let mut inputs = Fingerprint::default().with(&effector);
+        inputs.add(&self.numbers[slot.station]).add(&slot.slot).add(near);
+        self.ways.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
     }
 
     /// The positions of [`Cell::reach`].
@@ -72,21 +68,13 @@ impl IkCache {
         loaded: bool,
         near: &[f64],
     ) -> Result<Vec<f64>, Unreachable> {
-        let mut key = of(effector);
-        key.extend([u64::from(loaded), u64::from(target.heading.is_some())]);
-        extend(&mut key, target.center.as_slice());
-        extend(&mut key, target.normal.as_slice());
-        extend(&mut key, target.heading.as_slice());
-        extend(&mut key, near);
+        let mut inputs = Fingerprint::default().with(&effector).with(&loaded);
+        inputs.add(&target.center).add(&target.normal).add(&target.heading).add(near);
         let reach = || cell.reach(effector, target, loaded, near).map(|found| found.positions);
-        self.reached.get(key, reach).map(|positions| positions.to_vec())
+        self.reached.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
     }
 
-    pub(crate) fn reuse(&self) -> CacheStats {
-        self.reached.reuse()
+    pub(crate) fn stats(&self) -> CacheStats {
+        self.reached.stats()
     }
-}
-
-fn of(effector: EffectorId) -> Key {
-    vec![effector.arm as u64, effector.effector as u64]
 }

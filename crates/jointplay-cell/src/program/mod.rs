@@ -8,7 +8,6 @@
 
 mod bounds;
 mod expand;
-mod explain_limits;
 mod handover_deflection;
 mod ik_cache;
 mod occupancy;
@@ -23,7 +22,7 @@ pub use expand::expand;
 pub(crate) use expand::expand_by;
 pub use handover_deflection::{HandoverDeflection, handover_deflections};
 pub(crate) use ik_cache::IkCache;
-pub use problem::{Count, ProgramError, ProgramProblem};
+pub use problem::{Count, Leveling, ProgramError, ProgramProblem};
 pub use resolve::name_errors;
 pub use step::{Handover, Path, Phase, Step};
 pub use syntax::{

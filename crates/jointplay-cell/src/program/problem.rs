@@ -1,12 +1,12 @@
 //! What is wrong with a program in its cell.
 
 use super::Place;
-use crate::robot::AxisKind;
+use crate::robot::{AxisKind, LimitViolation};
 use crate::wafer::{SagError, Unreachable};
 
 /// Something wrong with a program in its cell, at its place.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{problem}{}", again(*.more))]
+#[error("{problem}{}", self.repetitions())]
 pub struct ProgramError {
     /// Where in its text.
     pub place: Place,
@@ -16,11 +16,15 @@ pub struct ProgramError {
     pub more: usize,
 }
 
-fn again(more: usize) -> String {
-    match more {
-        0 => String::new(),
-        1 => "; and once more where this line is repeated".to_owned(),
-        more => format!("; and {more} times more where this line is repeated"),
+impl ProgramError {
+    /// Text about the repetitions of the problem at its location; empty where there are none.
+    #[must_use]
+    pub fn repetitions(&self) -> String {
+        match self.more {
+            0 => String::new(),
+            1 => "; and once more where this line is repeated".to_owned(),
+            more => format!("; and {more} times more where this line is repeated"),
+        }
     }
 }
 
@@ -116,7 +120,7 @@ pub enum ProgramProblem {
         slots: usize,
     },
     /// A routine that calls itself, by itself or by others.
-    #[error("this never check_bounds: {}", .routines.join(" calls "))]
+    #[error("this CALL never ends: {}", .routines.join(" calls "))]
     Recursive {
         /// The circle; the first name is also the last.
         routines: Vec<String>,
@@ -187,13 +191,13 @@ pub enum ProgramProblem {
         /// What it may be.
         allowed: &'static str,
     },
-    /// Positions beyond the limits of axes or of the platform.
-    #[error("{what} would take {}", .limits.join("; and "))]
+    /// Positions that violate limits of axes or of the platform.
+    #[error("{what} violates limits: {}", violated(.violations))]
     Limits {
-        /// What would.
+        /// The command.
         what: &'static str,
-        /// One message a limit.
-        limits: Vec<String>,
+        /// Limits that it violates.
+        violations: Vec<LimitViolation>,
     },
     /// A wafer that its supports do not carry.
     #[error("effector {effector} does not carry the wafer: {source}")]
@@ -203,20 +207,29 @@ pub enum ProgramProblem {
         /// Why.
         source: Box<SagError>,
     },
-    /// A place that the wafer cannot be brought to.
-    #[error("{target} cannot be reached by effector {effector}, {}: {why}", if *.loaded { "loaded" } else { "empty" })]
+    /// A target that the effector does not reach.
+    #[error("effector {effector}, {}, does not reach {target}: {source}", if *.loaded { "loaded" } else { "empty" })]
     Unreachable {
-        /// Which place, of which slot.
+        /// The target and its slot.
         target: String,
         /// Name of the effector.
         effector: String,
-        /// Whether it carries a wafer.
+        /// Whether the effector carries a wafer.
         loaded: bool,
-        /// What stops it, as a message.
-        why: String,
-        /// The same as facts.
+        /// Correction of the station that would make the target reachable, where its tilt is the obstacle.
+        leveling: Option<Leveling>,
+        /// The obstacle.
         source: Box<Unreachable>,
     },
+}
+
+/// A station to level so that the platform can follow its tilt.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leveling {
+    /// Name of the station.
+    pub station: String,
+    /// Least angle by which to level it [rad].
+    pub angle: f64,
 }
 
 /// A number of instructions that may be beyond counting.
@@ -241,6 +254,10 @@ fn listed(names: &[String]) -> String {
         count if count <= MOST_LISTED => names.join(", "),
         count => format!("{} and {} more", names[..MOST_LISTED].join(", "), count - MOST_LISTED),
     }
+}
+
+fn violated(violations: &[LimitViolation]) -> String {
+    violations.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
 }
 
 fn since_line(since: &Option<usize>) -> String {

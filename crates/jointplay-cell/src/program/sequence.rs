@@ -6,9 +6,9 @@ use std::sync::Arc;
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
-use super::explain_limits::{limit_told, why};
 use super::ik_cache::IkCache;
 use super::occupancy::slot_name;
+use super::problem::Leveling;
 use super::resolve::effector_name;
 use super::{Handover, Path, Phase, Place, ProgramProblem, Step};
 use crate::robot::{AxisKind, EffectorId, RODS, WaferTarget};
@@ -121,7 +121,7 @@ impl<'c> MotionSequencer<'c> {
             target: "the end of this line".to_owned(),
             effector: name.to_owned(),
             loaded,
-            why: why(&self.cell.robot, &source),
+            leveling: None,
             source: Box::new(source),
         };
         let pose = self.cell.wafer_pose(effector, &self.positions, loaded).map_err(stopped)?;
@@ -140,7 +140,7 @@ impl<'c> MotionSequencer<'c> {
 
     /// The platform to a tilt, its height on the axis kept.
     pub(super) fn tilt(&mut self, tilt: Tilt) -> Result<(), ProgramProblem> {
-        let to = self.leaning(tilt);
+        let to = self.tilt_rotation(tilt);
         self.within_limits("this TILT", &to)?;
         self.go(Phase::Move, to, Path::PointToPoint);
         Ok(())
@@ -257,26 +257,17 @@ impl<'c> MotionSequencer<'c> {
             target: format!("{what} {}", slot_name(self.cell, slot)),
             effector: effector_name(&self.cell.robot, effector).to_owned(),
             loaded,
-            why: why(&self.cell.robot, &source) + &self.leveling(&source, slot),
+            leveling: self.leveling(&source, slot),
             source: Box::new(source),
         }
     }
 
-    /// How to level a station that tilts too far.
-    fn leveling(&self, stopped: &Unreachable, slot: SlotId) -> String {
+    /// Correction of a station that tilts too far.
+    fn leveling(&self, error: &Unreachable, slot: SlotId) -> Option<Leveling> {
+        let Unreachable::Tilt { .. } = error else { return None };
         let station = &self.cell.stations[slot.station];
-        match stopped {
-            Unreachable::Tilt { .. } => {
-                self.cell.leveling(station).map_or_else(String::new, |by| {
-                    format!(
-                        "; level {} by at least {:.3}°",
-                        station.name,
-                        rounded_up(by.to_degrees())
-                    )
-                })
-            }
-            _ => String::new(),
-        }
+        let angle = self.cell.leveling(station)?;
+        Some(Leveling { station: station.name.clone(), angle })
     }
 
     /// Arms in, level, turned to a retracted place with the motors alone, then there with the rods alone.
@@ -313,7 +304,7 @@ impl<'c> MotionSequencer<'c> {
     fn level(&mut self) {
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         if self.cell.robot.gpr.plane_tilt(&rods).pitch > LEVEL_ENOUGH {
-            let to = self.leaning(Tilt::LEVEL);
+            let to = self.tilt_rotation(Tilt::LEVEL);
             self.push(Phase::Level, to, Path::PointToPoint);
         }
     }
@@ -330,7 +321,7 @@ impl<'c> MotionSequencer<'c> {
     }
 
     /// Positions with another tilt, at the same height on the axis.
-    fn leaning(&self, tilt: Tilt) -> Vec<f64> {
+    fn tilt_rotation(&self, tilt: Tilt) -> Vec<f64> {
         let gpr = &self.cell.robot.gpr;
         let rods = [self.positions[0], self.positions[1], self.positions[2]];
         let mut to = self.positions.clone();
@@ -431,18 +422,13 @@ impl<'c> MotionSequencer<'c> {
 
     fn within_limits(&self, what: &'static str, to: &[f64]) -> Result<(), ProgramProblem> {
         let robot = &self.cell.robot;
-        let broken = robot.limit_violations(to).unwrap_or_default();
-        if broken.is_empty() {
-            return Ok(());
+        let violations = robot.limit_violations(to).unwrap_or_default();
+        if violations.is_empty() {
+            Ok(())
+        } else {
+            Err(ProgramProblem::Limits { what, violations })
         }
-        let limits = broken.iter().map(|limit| limit_told(robot, limit)).collect();
-        Err(ProgramProblem::Limits { what, limits })
     }
-}
-
-/// Up to the next thousandth.
-fn rounded_up(value: f64) -> f64 {
-    (value * 1e3).ceil() * 1e-3
 }
 
 /// Whether a motor turns whole arms about their first joints and does nothing else.

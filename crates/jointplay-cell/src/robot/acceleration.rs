@@ -1,44 +1,45 @@
-//! From what all axes do to how an effector's wafer moves.
+//! From positions, velocities and accelerations of the axes to the motion of an effector's wafer.
 
 use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
 use nalgebra::{Rotation3, Vector2, Vector3};
 
 use super::arm_chain::{ArmChain, AxisCoefficients, dot, perpendicular, turned};
-use super::{EffectorId, HybridRobot, Positions, RODS};
+use super::hybrid_robot::{EffectorId, HybridRobot, RODS};
+use super::positions::Positions;
 use crate::CellError;
 
-/// Half of the step of differences in time [s]: short against what jerk does, long against round-off.
+/// Half of the time step of differences [s]: short against changes by jerk, long against round-off.
 const STEP: f64 = 1e-4;
 
-/// What all axes do at one time, rods first.
+/// Positions, velocities and accelerations of all axes at one time, rods first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxesMotion<'a> {
-    /// Of each axis [m or rad].
+    /// Position of each axis [m or rad].
     pub positions: &'a [f64],
-    /// Of each axis [m/s or rad/s].
+    /// Velocity of each axis [m/s or rad/s].
     pub velocities: &'a [f64],
-    /// Of each axis [m/s² or rad/s²].
+    /// Acceleration of each axis [m/s² or rad/s²].
     pub accelerations: &'a [f64],
 }
 
-/// How a frame moves at one time.
+/// Pose, velocity and acceleration of a frame at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameMotion {
-    /// Where it is.
+    /// Pose of the frame.
     pub base_from_frame: Pose,
-    /// Of its origin, in the base frame [m/s].
+    /// Velocity of the origin, in the base frame [m/s].
     pub velocity: Vector3<f64>,
-    /// Of its origin, in the base frame [m/s²].
+    /// Acceleration of the origin, in the base frame [m/s²].
     pub acceleration: Vector3<f64>,
-    /// In the base frame [rad/s].
+    /// Angular velocity, in the base frame [rad/s].
     pub angular_velocity: Vector3<f64>,
-    /// In the base frame [rad/s²].
+    /// Angular acceleration, in the base frame [rad/s²].
     pub angular_acceleration: Vector3<f64>,
 }
 
 impl FrameMotion {
-    /// Of a frame that stands.
+    /// Motion of a frame at rest.
     #[must_use]
     pub fn still(base_from_frame: Pose) -> Self {
         let zero = Vector3::zeros();
@@ -51,7 +52,7 @@ impl FrameMotion {
         }
     }
 
-    /// How a point moves that is fixed in the frame: its place, velocity and acceleration in the base frame [m, m/s, m/s²].
+    /// Position, velocity and acceleration in the base frame of a point that is fixed in the frame [m, m/s, m/s²].
     ///
     /// ```text
     ///    p̈  =  ö + α × r + ω × (ω × r)
@@ -63,7 +64,7 @@ impl FrameMotion {
     /// use jointplay_core::spatial::Pose;
     /// use nalgebra::Vector3;
     ///
-    /// // A turn at 2 rad/s takes what is 0.5 m out along at 1 m/s, and inward with 2 m/s².
+    /// // A rotation at 2 rad/s moves a point at 0.5 m with 1 m/s, and accelerates it inward with 2 m/s².
     /// let turn = FrameMotion {
     ///     angular_velocity: Vector3::new(0.0, 0.0, 2.0),
     ///     ..FrameMotion::still(Pose::identity())
@@ -84,7 +85,7 @@ impl FrameMotion {
         ]
     }
 
-    /// How a frame moves that moves on this one, told in this one.
+    /// Motion in the base frame of a frame whose motion relative to this one is known.
     ///
     /// ```text
     ///    v  =  v_1 + ω_1 × r + R_1 v_2                                          r  =  R_1 o_2
@@ -110,13 +111,13 @@ impl FrameMotion {
 }
 
 impl ArmChain {
-    /// Positions, velocities and accelerations of its axes, of those of all axes.
+    /// Positions, velocities and accelerations of the arm's own axes, from those of all axes.
     pub(crate) fn own_rates(&self, motion: &AxesMotion<'_>) -> [AxisCoefficients; 3] {
         [motion.positions, motion.velocities, motion.accelerations].map(|rates| self.own(rates))
     }
 
-    /// How the wafer moves on the platform, by positions, velocities and accelerations of its axes.
-    pub(crate) fn moving(&self, own: &[AxisCoefficients; 3]) -> FrameMotion {
+    /// Motion of the wafer relative to the platform, by positions, velocities and accelerations of the arm's own axes.
+    pub(crate) fn wafer_motion(&self, own: &[AxisCoefficients; 3]) -> FrameMotion {
         let [tip, velocity, acceleration] = self.tip_motion(own, 0.0);
         let [_, speed, hurry] = own.each_ref().map(|rates| dot(&self.heading.1, rates));
         FrameMotion {
@@ -128,14 +129,14 @@ impl ArmChain {
         }
     }
 
-    /// The same as the wafer sees it.
-    pub(crate) fn seen(&self, own: &[AxisCoefficients; 3]) -> FrameAcceleration {
+    /// Motion of the wafer relative to the platform, in the axes of the wafer.
+    pub(crate) fn motion_in_wafer_frame(&self, own: &[AxisCoefficients; 3]) -> FrameAcceleration {
         let heading = own.each_ref().map(|rates| dot(&self.heading.1, rates));
         let [place, velocity, acceleration] = self.tip_motion(own, -heading[0]);
         FrameAcceleration { place, velocity, acceleration, heading }
     }
 
-    /// Place, velocity and acceleration of the tip on the platform, turned by an angle.
+    /// Position, velocity and acceleration of the tip relative to the platform, rotated by an angle.
     fn tip_motion(&self, own: &[AxisCoefficients; 3], turn: f64) -> [Vector2<f64>; 3] {
         let (mut velocity, mut acceleration) = (Vector2::zeros(), Vector2::zeros());
         let mut tip = turned(&self.origin, turn);
@@ -160,31 +161,31 @@ impl ArmChain {
     }
 }
 
-/// How a wafer moves on the platform, along its own axes.
+/// Motion of a wafer relative to the platform, in the axes of the wafer.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FrameAcceleration {
-    /// Of its centre from the platform's origin [m].
+    /// Position of the centre from the platform's origin [m].
     pub(crate) place: Vector2<f64>,
-    /// [m/s]
+    /// Velocity of the centre [m/s].
     pub(crate) velocity: Vector2<f64>,
-    /// [m/s²]
+    /// Acceleration of the centre [m/s²].
     pub(crate) acceleration: Vector2<f64>,
-    /// Its heading, up to a constant, with its first and second derivative [rad, rad/s, rad/s²].
+    /// Heading, up to a constant, with its first and second derivative [rad, rad/s, rad/s²].
     pub(crate) heading: [f64; 3],
 }
 
 impl HybridRobot {
-    /// How the wafer frame of one effector moves; rigid, nothing droops.
+    /// Motion of the wafer frame of one effector; bodies are rigid, nothing droops.
     ///
     /// # Arguments
-    /// * `motion` – what all axes do
+    /// * `motion` – positions, velocities and accelerations of all axes
     ///
     /// # Errors
     /// As [`Self::effector_pose`], for each of the three.
     ///
     /// # Numerics
-    /// Exact for the arms, and for a platform that goes up and down.
-    /// While rods go unevenly, of the platform's velocities by second order differences in time, over 0.1 ms to either side: relatively off by some 1e-7.
+    /// Exact for the arms, and for a platform that moves up and down without tilting.
+    /// While rods move at different speeds, the platform's motion follows from second order differences in time, over 0.1 ms to either side: relative error about 1e-7.
     pub fn effector_motion(
         &self,
         motion: &AxesMotion<'_>,
@@ -194,8 +195,8 @@ impl HybridRobot {
         self.check_motion(motion)?;
         let platform = self.platform(motion.positions)?;
         let platform = self.platform_motion(&platform, motion)?;
-        let planar = ArmChain::new(self, id);
-        Ok(platform.carrying(&planar.moving(&planar.own_rates(motion))))
+        let chain = ArmChain::new(self, id);
+        Ok(platform.carrying(&chain.wafer_motion(&chain.own_rates(motion))))
     }
 
     pub(crate) fn check_motion(&self, motion: &AxesMotion<'_>) -> Result<(), CellError> {
@@ -204,7 +205,7 @@ impl HybridRobot {
         self.check_each("acceleration", motion.accelerations)
     }
 
-    /// How the platform moves that is there now.
+    /// Motion of the platform, its pose known.
     pub(crate) fn platform_motion(
         &self,
         now: &PlatformPose,
@@ -245,7 +246,7 @@ impl HybridRobot {
     }
 }
 
-/// The turn from one rotation to another that is near, as a vector in the base frame, as long as its sine [rad].
+/// Rotation vector from one rotation to another that is near, in the base frame, as long as the sine of its angle [rad].
 pub(super) fn turn_between(from: &Rotation3<f64>, to: &Rotation3<f64>) -> Vector3<f64> {
     let turn = (to * from.inverse()).into_inner();
     let twice = Vector3::new(

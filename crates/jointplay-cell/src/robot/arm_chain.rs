@@ -1,44 +1,46 @@
-//! An arm as arrows that turn in its plane.
+//! An arm as a sum of planar vectors, each rotating by a linear function of the axes.
 
 use jointplay_core::spatial::Pose;
 use nalgebra::{Translation3, Vector2};
 
-use super::forward::about_normal;
-use super::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
+use super::angle::rotation_about_z;
+use super::hybrid_robot::{AxisKind, EffectorId, HybridRobot, MAX_JOINTS};
 
 /// One number for each axis of an arm, in the order of [`ArmChain::axes`].
 pub(super) type AxisCoefficients = [f64; MAX_JOINTS];
 
-/// An arrow, fixed in a frame that turns by Σ slopes · positions.
+/// A link vector, fixed in a frame that rotates by Σ coefficients · positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LinkVector {
-    /// At all axes zero, in the platform frame [m].
+    /// The vector where all axes are at zero, in the platform frame [m].
     pub(super) vector: Vector2<f64>,
-    /// Turn by position.
+    /// Rotation by each position.
     pub(super) turn: AxisCoefficients,
 }
 
-/// An arrow of unit length that also grows, by Σ slopes · positions.
+/// A prismatic joint: a vector of unit length, scaled by Σ coefficients · positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct PrismaticJoint {
-    /// Its direction, and how it turns.
+    /// Direction of the joint, and its rotation.
     pub(super) along: LinkVector,
-    /// Length by position.
+    /// Length by each position.
     pub(super) growth: AxisCoefficients,
 }
 
-/// An arm from the platform to one of its wafers, in its plane.
+/// An arm from the platform to one of its wafers, in the arm's plane.
 ///
 /// ```text
 ///    tip  =  origin  +  Σ_g R(ψ_g) v_g  +  Σ_s (σ_s · a) R(ψ_s) e_s        ψ = m · a
 /// ```
-/// a: positions of the arm's axes, m and σ: slopes. Constants of joints are turned into the arrows, and arrows that turn alike are one.
+/// a: positions of the arm's axes, m and σ: coefficients. Constants of joints are part of the vectors, and vectors that rotate alike are added to one.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ArmChain {
-    /// Axes that move it, as indices into those of the robot; the first `count` count.
+    /// The effector that the chain leads to.
+    pub(crate) effector: EffectorId,
+    /// Indices of the axes that move the arm, of which the first `count` are used.
     axes: [usize; MAX_JOINTS],
     count: usize,
-    /// What does not move [m].
+    /// Constant part of the tip [m].
     pub(super) origin: Vector2<f64>,
     /// Height of the wafer's plane over the platform plane [m].
     pub(super) height: f64,
@@ -46,7 +48,7 @@ pub(crate) struct ArmChain {
     arrow_count: usize,
     slides: [PrismaticJoint; MAX_JOINTS],
     slide_count: usize,
-    /// The wafer's heading where all axes are at zero [rad], and how it turns.
+    /// Heading of the wafer where all axes are at zero [rad], and its rotation by each position.
     pub(super) heading: (f64, AxisCoefficients),
 }
 
@@ -64,19 +66,20 @@ pub(super) fn turned(vector: &Vector2<f64>, angle: f64) -> Vector2<f64> {
     Vector2::new(cos * vector.x - sin * vector.y, sin * vector.x + cos * vector.y)
 }
 
-/// The vector a quarter turn ahead.
+/// A vector rotated by a quarter revolution.
 #[inline]
 pub(super) fn perpendicular(vector: &Vector2<f64>) -> Vector2<f64> {
     Vector2::new(-vector.y, vector.x)
 }
 
 impl ArmChain {
-    /// Of an effector that exists, on an arm of at most [`MAX_JOINTS`] joints and axes.
+    /// The chain to an effector that exists, on an arm of at most [`MAX_JOINTS`] joints and axes.
     pub(crate) fn new(robot: &HybridRobot, id: EffectorId) -> Self {
         let arm = &robot.arms[id.arm];
         let effector = &arm.effectors[id.effector];
         let still = LinkVector { vector: Vector2::zeros(), turn: [0.0; MAX_JOINTS] };
         let mut planar = Self {
+            effector: id,
             axes: [0; MAX_JOINTS],
             count: 0,
             origin: Vector2::new(arm.mount[0], arm.mount[1]),
@@ -154,7 +157,7 @@ impl ArmChain {
         self.height
     }
 
-    /// Axes that move it, as indices into those of the robot.
+    /// Indices of the axes that move the arm.
     #[inline]
     pub(crate) fn axes(&self) -> &[usize] {
         &self.axes[..self.count]
@@ -170,7 +173,7 @@ impl ArmChain {
         &self.slides[..self.slide_count]
     }
 
-    /// Positions of its axes, of those of all axes.
+    /// Positions of the arm's own axes, from those of all axes.
     #[inline]
     pub(super) fn own(&self, positions: &[f64]) -> AxisCoefficients {
         let mut own = [0.0; MAX_JOINTS];
@@ -194,17 +197,17 @@ impl ArmChain {
         tip
     }
 
-    /// platform_from_wafer at positions of all axes.
+    /// Pose `platform_from_wafer` for positions of all axes.
     pub(crate) fn wafer(&self, positions: &[f64]) -> Pose {
         let own = self.own(positions);
         self.at(&self.tip(&own), &own)
     }
 
-    /// platform_from_wafer, its centre known.
+    /// Pose `platform_from_wafer`, the position of the tip known.
     #[inline]
     pub(super) fn at(&self, tip: &Vector2<f64>, own: &AxisCoefficients) -> Pose {
         let center = tip.push(self.height);
-        Pose::from_parts(Translation3::from(center), about_normal(self.heading(own)))
+        Pose::from_parts(Translation3::from(center), rotation_about_z(self.heading(own)))
     }
 
     /// Heading of the wafer, from the platform's x axis [rad].
@@ -213,7 +216,7 @@ impl ArmChain {
         self.heading.0 + dot(&self.heading.1, own)
     }
 
-    /// Velocity of the tip by each of its axes [m/m or m/rad].
+    /// Velocity of the tip by each of the arm's axes [m/m or m/rad].
     pub(super) fn tip_velocities(&self, own: &AxisCoefficients) -> [Vector2<f64>; MAX_JOINTS] {
         let mut velocities = [Vector2::zeros(); MAX_JOINTS];
         for arrow in self.arrows() {

@@ -1,43 +1,44 @@
-//! From positions of all axes to where everything is.
+//! PlatformPose kinematics: from positions of all axes to poses of all links.
 
 use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::Pose;
-use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
+use nalgebra::{Translation3, Vector3};
 
+use super::angle::rotation_about_z;
 use super::arm_chain::ArmChain;
-use super::{Arm, AxisKind, Effector, EffectorId, HybridRobot, RODS};
+use super::hybrid_robot::{Arm, AxisKind, Effector, EffectorId, HybridRobot, RODS};
 use crate::CellError;
 
-/// Where everything of a robot is; rigid, nothing droops.
+/// Poses of all links and wafers of a robot; bodies are rigid, nothing droops.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChainPose {
-    /// The platform over its rods.
+    /// Pose of the platform over its rods.
     pub platform: PlatformPose,
-    /// For each arm and link: origin at its joint, x along the link.
+    /// Frame of each link, by arm: origin at its joint, x along the link.
     pub base_from_link: Vec<Vec<Pose>>,
-    /// For each arm and effector: origin at the centre of the wafer on its resting plane, x along its heading.
+    /// Frame of each effector's wafer, by arm: origin at the wafer's centre on its resting plane, x along its heading.
     pub base_from_wafer: Vec<Vec<Pose>>,
 }
 
-/// What a change of positions does to an effector that it was not meant for.
+/// Displacement of an effector by a change of positions that was made for another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectorDisplacement {
-    /// Which effector.
+    /// The effector.
     pub effector: EffectorId,
-    /// Its wafer frame before.
+    /// Its wafer frame before the change.
     pub before: Pose,
-    /// Its wafer frame after.
+    /// Its wafer frame after the change.
     pub after: Pose,
 }
 
 impl EffectorDisplacement {
-    /// How far the centre of its wafer goes, in the base frame [m].
+    /// Displacement of the wafer's centre, in the base frame [m].
     #[must_use]
     pub fn shift(&self) -> Vector3<f64> {
         self.after.translation.vector - self.before.translation.vector
     }
 
-    /// How far the plane of its wafer tilts [rad].
+    /// Angle between the wafer's planes before and after [rad].
     #[must_use]
     pub fn tilting(&self) -> f64 {
         let (before, after) = (self.before.rotation.matrix(), self.after.rotation.matrix());
@@ -50,7 +51,7 @@ impl EffectorDisplacement {
 }
 
 impl Arm {
-    /// Adds where its links are, from the first on.
+    /// Appends the poses of the arm's links, from the first on.
     pub(crate) fn links(&self, base_from_platform: &Pose, positions: &[f64], to: &mut Vec<Pose>) {
         let mut link = base_from_platform * Translation3::from(self.mount);
         let mut length = Translation3::identity();
@@ -60,7 +61,7 @@ impl Arm {
             let rise = Translation3::new(0.0, 0.0, joint.rise);
             link = link * length * rise;
             match joint.kind {
-                AxisKind::Rotary => link *= about_normal(value),
+                AxisKind::Rotary => link *= rotation_about_z(value),
                 AxisKind::Linear => link *= Translation3::new(value, 0.0, 0.0),
             }
             length = Translation3::new(joint.length, joint.offset, 0.0);
@@ -70,27 +71,21 @@ impl Arm {
 }
 
 impl Effector {
-    /// Where its wafer is on the last link.
+    /// Pose of the wafer on the last link.
     pub(crate) fn link_from_wafer(&self) -> Pose {
-        Pose::from_parts(self.wafer_center.into(), about_normal(self.heading))
+        Pose::from_parts(self.wafer_center.into(), rotation_about_z(self.heading))
     }
 }
 
-/// A turn about z.
-pub(super) fn about_normal(angle: f64) -> Rotation3<f64> {
-    let (sin, cos) = angle.sin_cos();
-    Rotation3::from_matrix_unchecked(Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0))
-}
-
 impl HybridRobot {
-    /// Where everything is for given positions.
+    /// Poses of all links and wafers in given positions.
     ///
     /// ```text
     ///    base_from_wafer  =  base_from_platform(rods) · platform_from_link(motors) · link_from_wafer
     /// ```
     ///
     /// # Arguments
-    /// * `positions` – of all axes, rods first ([m], [rad])
+    /// * `positions` – positions of all axes, rods first ([m], [rad])
     ///
     /// # Errors
     /// [`CellError::WrongLength`], [`CellError::NotFinite`], and those of the platform model.
@@ -110,7 +105,7 @@ impl HybridRobot {
         Ok(ChainPose { platform, base_from_link, base_from_wafer })
     }
 
-    /// Where the wafer of one effector is: its centre on the resting plane, x along its heading.
+    /// Pose of the wafer of one effector: origin at its centre on the resting plane, x along its heading.
     ///
     /// # Errors
     /// As [`Self::forward`], and [`CellError::NoSuchEffector`].
@@ -121,7 +116,7 @@ impl HybridRobot {
         Ok(self.platform_and_effector(positions, id)?.1)
     }
 
-    /// Where the platform is, and the wafer of one effector as by [`Self::effector_pose`].
+    /// Pose of the platform, and that of one effector's wafer as by [`Self::effector_pose`].
     ///
     /// # Errors
     /// As [`Self::effector_pose`].
@@ -139,7 +134,7 @@ impl HybridRobot {
         Ok((base_from_platform, base_from_platform * self.wafer(id, positions)))
     }
 
-    /// What going from one set of positions to another does to all effectors but one: they share the tilt, and may share motors.
+    /// Displacements of all other effectors by a change of positions: effectors share the tilt, and may share motors.
     ///
     /// # Errors
     /// As [`Self::forward`].
@@ -169,7 +164,7 @@ impl HybridRobot {
         })
     }
 
-    /// Axes that move an effector's wafer, rods first, as indices.
+    /// Indices of the axes that move an effector's wafer, rods first.
     ///
     /// # Errors
     /// [`CellError::NoSuchEffector`]
@@ -181,14 +176,14 @@ impl HybridRobot {
         Ok(axes)
     }
 
-    /// Where the platform is over its rods.
+    /// Pose of the platform over its rods.
     #[inline]
     pub(crate) fn platform(&self, positions: &[f64]) -> Result<PlatformPose, CellError> {
         let rods = [positions[0], positions[1], positions[2]];
         Ok(self.model.forward(&self.gpr, rods)?)
     }
 
-    /// platform_from_wafer.
+    /// Pose `platform_from_wafer`.
     fn wafer(&self, id: EffectorId, positions: &[f64]) -> Pose {
         ArmChain::new(self, id).wafer(positions)
     }
@@ -197,7 +192,7 @@ impl HybridRobot {
         self.check_each("position", positions)
     }
 
-    /// Whether there is one finite number for each axis.
+    /// Checks that there is one finite number for each axis.
     pub(super) fn check_each(&self, what: &str, values: &[f64]) -> Result<(), CellError> {
         if values.len() != self.axes.len() {
             let (found, expected) = (values.len(), self.axes.len());

@@ -1,4 +1,4 @@
-//! How fast a wafer goes when an axis does.
+//! Velocities of a wafer by those of the axes.
 
 use jointplay_core::gpr::PlatformPose;
 use jointplay_core::virtualization::BuiltIn;
@@ -6,36 +6,36 @@ use nalgebra::{Rotation3, Vector3};
 
 use super::acceleration::turn_between;
 use super::arm_chain::ArmChain;
-use super::{EffectorId, HybridRobot, MAX_AXES, RODS};
+use super::hybrid_robot::{EffectorId, HybridRobot, MAX_AXES, RODS};
 use crate::CellError;
 
 /// Half the step of differences over rods, where the model has no derivative in closed form [m].
 const STEP: f64 = 1e-5;
 
-/// Velocity of a wafer by each axis, in the base frame.
+/// Velocity of a wafer by that of each axis, in the base frame.
 ///
 /// ```text
 ///    v = Σ_a linear_a ȧ        ω = Σ_a angular_a ȧ
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EffectorJacobian {
-    /// Of the wafer's centre, by axis [m/m or m/rad]; zero for axes that there are not.
+    /// Velocity of the wafer's centre by axis [m/m or m/rad]; zero for entries beyond the last axis.
     pub linear: [Vector3<f64>; MAX_AXES],
-    /// Angular velocity of the wafer, by axis [rad/m or rad/rad].
+    /// Angular velocity of the wafer by axis [rad/m or rad/rad].
     pub angular: [Vector3<f64>; MAX_AXES],
 }
 
-/// Of O_p, and angular.
+/// Velocity of O_p, and angular velocity of the platform.
 type Velocity = (Vector3<f64>, Vector3<f64>);
 
 impl HybridRobot {
-    /// How fast the wafer of an effector goes by each axis.
+    /// Jacobian of an effector's wafer.
     ///
     /// # Errors
     /// As [`Self::effector_pose`].
     ///
     /// # Numerics
-    /// Closed form; for virtualizations other than planar, the part of the rods by central differences with a step of 10⁻⁵ m, to about 10⁻⁸ of itself.
+    /// Closed form; for virtualizations other than planar, the columns of the rods by central differences with a step of 10⁻⁵ m, with a relative error of about 10⁻⁸.
     /// Does not allocate.
     pub fn effector_jacobian(
         &self,
@@ -47,7 +47,7 @@ impl HybridRobot {
         self.jacobian_by(&ArmChain::new(self, id), positions)
     }
 
-    /// The same, the arm to the effector known.
+    /// As [`Self::effector_jacobian`], the arm to the effector known.
     pub(crate) fn jacobian_by(
         &self,
         planar: &ArmChain,
@@ -75,10 +75,10 @@ impl HybridRobot {
         Ok(jacobian)
     }
 
-    /// Velocity of O_p and angular velocity of the platform, by rod.
+    /// Velocity of O_p and angular velocity of the platform, by each rod.
     ///
     /// The planar model keeps the centroid of the sockets on that of the balls, and Σ b_k × d_k = 0 about it, b_k and d_k from the centroid to socket and ball;
-    /// differentiated, the turn about the normal is n · Σ b_k × ḋ_k / Σ b_k · d_k.
+    /// differentiated, the rotation about the normal is n · Σ b_k × ḋ_k / Σ b_k · d_k.
     fn platform_velocities(&self, platform: &PlatformPose) -> Result<[Velocity; RODS], CellError> {
         let mut velocities = [(Vector3::zeros(), Vector3::zeros()); RODS];
         if self.model.virtualization != BuiltIn::Planar {
@@ -107,7 +107,7 @@ impl HybridRobot {
         let upward = (balls[1] - balls[0]).cross(&(balls[2] - balls[0]));
         let area = upward.dot(&normal);
         for (k, velocity) in velocities.iter_mut().enumerate() {
-            // The plane turns about the line through the two other balls.
+            // The plane rotates about the line through the two other balls.
             let side = balls[(k + 2) % 3] - balls[(k + 1) % 3];
             let changed = Vector3::z().cross(&side) * -1.0 / area;
             let tilting = normal.cross(&(changed - normal * normal.dot(&changed)));

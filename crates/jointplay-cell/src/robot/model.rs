@@ -1,4 +1,4 @@
-//! Where the platform sits over the rods.
+//! Pose of the platform over the rods.
 
 use jointplay_core::Error;
 use jointplay_core::bulk::{Column, Quantity, Status, StatusCounts};
@@ -7,26 +7,26 @@ use jointplay_core::virtualization::{
     BuiltIn, Offset, Planar, Polar, Radial, SolveOptions, Virtualization,
 };
 
-/// A virtualization and how its displacements are found.
+/// A virtualization, and the options of its solver.
 ///
-/// The plane of the platform is geometry alone; where the platform stands within it is this model's say.
+/// The plane of the platform follows from geometry alone; the virtualization determines its position and rotation within the plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlatformModel {
-    /// Which virtualization.
+    /// The virtualization.
     pub virtualization: BuiltIn,
-    /// How its displacements are found.
+    /// Options of its solver.
     pub options: SolveOptions,
 }
 
 impl Default for PlatformModel {
-    /// The planar virtualization in closed form.
+    /// The planar virtualization, solved in closed form.
     fn default() -> Self {
         Self { virtualization: BuiltIn::Planar, options: SolveOptions::default() }
     }
 }
 
 impl PlatformModel {
-    /// Where the platform is for given rods [m].
+    /// Pose of the platform for given rods [m].
     ///
     /// # Errors
     /// Those of [`Gpr::forward`].
@@ -40,7 +40,7 @@ impl PlatformModel {
         }
     }
 
-    /// The same of many, see [`Gpr::forward_many`].
+    /// Poses for many sets of rods, see [`Gpr::forward_many`].
     ///
     /// # Errors
     /// Those of [`Gpr::forward_many`].
@@ -54,7 +54,7 @@ impl PlatformModel {
         gpr.forward_many(rods, self.virtualization(), &self.options, status, wanted)
     }
 
-    /// How far the virtual joints of a pose are from nominal, see [`Gpr::displacement`] [m].
+    /// Displacement of the virtual joints of a pose from nominal, see [`Gpr::displacement`] [m].
     pub(crate) fn displacement(&self, gpr: &Gpr, pose: &PlatformPose) -> f64 {
         gpr.displacement(pose, self.virtualization())
     }

@@ -1,10 +1,10 @@
-//! Positions of all axes, without allocating.
+//! Positions of all axes without allocation.
 
 use std::ops::{Deref, DerefMut};
 
-use super::MAX_AXES;
+use super::hybrid_robot::MAX_AXES;
 
-/// Positions of up to [`MAX_AXES`] axes, rods first ([m], [rad]); reads as a slice.
+/// Positions of up to [`MAX_AXES`] axes, rods first ([m], [rad]); dereferences to a slice.
 #[derive(Clone, Copy, PartialEq)]
 pub struct Positions {
     values: [f64; MAX_AXES],
@@ -12,10 +12,10 @@ pub struct Positions {
 }
 
 impl Positions {
-    /// The positions of a slice.
+    /// Copies the positions of a slice.
     ///
     /// # Panics
-    /// If it has more than [`MAX_AXES`] entries.
+    /// The slice has more than [`MAX_AXES`] entries.
     #[must_use]
     pub fn new(positions: &[f64]) -> Self {
         let mut values = [0.0; MAX_AXES];

@@ -1,13 +1,13 @@
-//! How far an effector comes.
+//! Range of distances that an effector reaches.
 
-use super::{EffectorId, HybridRobot, RODS};
+use super::hybrid_robot::{EffectorId, HybridRobot, RODS};
 use crate::CellError;
 
-/// Positions of each axis from which extremes are searched.
+/// Number of positions of each axis on the grid of starts.
 const STARTS: usize = 7;
-/// Starts that are followed, the best of all.
+/// Number of starts that are followed, the best of all.
 const FOLLOWED: usize = 24;
-/// A search ends where its steps are that share of an axis' range.
+/// Step below which a search ends, as a share of an axis' range.
 const FINEST: f64 = 1e-9;
 
 impl HybridRobot {
@@ -17,12 +17,12 @@ impl HybridRobot {
     /// As [`Self::effector_pose`].
     ///
     /// # Numerics
-    /// A search by steps of all motors from the best of a grid of starts, down to a billionth of their ranges.
+    /// Hill climbing by steps of all motors from the best of a grid of starts, down to a billionth of their ranges.
     pub fn reach(&self, id: EffectorId) -> Result<[f64; 2], CellError> {
         let home: Vec<f64> = self.axes.iter().map(|axis| axis.home).collect();
         let motors: Vec<usize> =
             self.axes_of(id)?.into_iter().filter(|&axis| axis >= RODS).collect();
-        // Squared, which is smooth at the axis too.
+        // The squared distance is smooth at the axis too.
         let distance = |positions: &[f64]| {
             let center = self.effector_pose(positions, id)?.translation.vector;
             Ok::<f64, CellError>(center.x * center.x + center.y * center.y)
@@ -53,7 +53,7 @@ impl HybridRobot {
         Ok(ends)
     }
 
-    /// The greatest gain that steps of the motors lead to from a start.
+    /// The largest gain that steps of the motors lead to from a start.
     fn climbed(
         &self,
         motors: &[usize],
@@ -63,7 +63,7 @@ impl HybridRobot {
         let mut share = 1.0 / (STARTS - 1) as f64;
         while share > FINEST {
             let mut better = false;
-            // Along every axis, and along all together: valleys do not run along axes.
+            // Steps along every axis, and along all axes together: ridges do not run along axes.
             for direction in 0..3_usize.pow(u32::try_from(motors.len()).unwrap_or(0)) {
                 let mut positions = at.clone();
                 let mut rest = direction;

@@ -1,33 +1,33 @@
-//! What makes a robot.
+//! Conditions that the description of a robot has to fulfil.
 
 use std::collections::BTreeSet;
 
 use nalgebra::Vector2;
 
 use super::arm_chain::ArmChain;
-use super::{
+use super::hybrid_robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, MAX_ARMS, MAX_AXES,
     MAX_JOINTS, RODS,
 };
 use crate::CellError;
 use crate::wafer::Droop;
 
-/// Most effectors of an arm.
+/// Largest number of effectors of an arm.
 const MAX_EFFECTORS: usize = 4;
 
-/// Widest range of a turning axis: ten turns [rad].
+/// Largest range of a rotary axis: ten revolutions [rad].
 const WIDEST_TURN: f64 = 10.0 * std::f64::consts::TAU;
 
-/// Reaches of a droop's rows differ by this at least [m].
+/// Least difference of reach between rows of a droop table [m].
 const ROWS_APART: f64 = 1e-6;
-/// And none is farther [m].
+/// Largest reach of a droop table [m].
 const LONGEST_REACH: f64 = 100.0;
 
-/// Velocities whose parallelogram is flatter than this share of their squares have one direction.
+/// Share of their squares below which the parallelogram of two velocities is flat: they have one direction.
 const FLAT: f64 = 1e-9;
 
 impl AxisKind {
-    /// `m` or `rad`.
+    /// Unit of positions: `m` or `rad`.
     #[must_use]
     pub fn unit(self) -> &'static str {
         match self {
@@ -44,10 +44,10 @@ impl AxisKind {
     }
 }
 
-/// The part of a robot that a fault is about.
+/// Part of a robot.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RobotPart {
-    /// All of it.
+    /// The whole robot.
     Robot,
     /// An axis, by index.
     Axis(usize),
@@ -68,24 +68,24 @@ impl RobotPart {
 }
 
 impl HybridRobot {
-    /// The robot, if it is one: names are unique, counts possible, numbers finite, limits in order, home positions within them, and each arm can be moved in its plane.
+    /// The robot with its conditions checked: names are unique, counts possible, numbers finite, limits in order, home positions within them, and each arm can move its wafers in its plane.
     ///
-    /// All other functions of a robot take this for granted, and may panic on one that was never checked.
+    /// All other functions of a robot assume these conditions, and may panic on a robot that was never checked.
     ///
     /// # Errors
-    /// Of [`CellError`], the first fault found.
+    /// [`CellError`] of the first condition that is violated.
     pub fn checked(self) -> Result<Self, CellError> {
         match self.check() {
-            // Limits of axes and tilt are checked of whole positions.
+            // Limits of axes and tilt are checked for whole sets of positions.
             Ok(()) => Ok(Self { gpr: self.gpr.without_limit_checks(), ..self }),
             Err((_, error)) => Err(*error),
         }
     }
 
-    /// What [`Self::checked`] checks, with the part that is at fault.
+    /// Checks the conditions of [`Self::validated`]; the error names the part that violates one.
     ///
     /// # Errors
-    /// The first fault found.
+    /// The first condition that is violated.
     pub fn check(&self) -> Result<(), (RobotPart, Box<CellError>)> {
         let whole = RobotPart::Robot.at_fault();
         if self.name.trim().is_empty() {
@@ -183,7 +183,7 @@ impl HybridRobot {
             self.check_joint(joint, of).map_err(RobotPart::Joint(index, k).at_fault())?;
             motors.extend(joint.drives.iter().map(|&(axis, _)| axis));
         }
-        // More could not be told apart, and their positions would be anyone's choice.
+        // More motors than joints could not be told apart: their positions would be arbitrary.
         count(&of("motors"), motors.len(), 1, arm.joints.len()).map_err(&at_fault)?;
         for (k, effector) in arm.effectors.iter().enumerate() {
             let id = EffectorId { arm: index, effector: k };
@@ -256,14 +256,14 @@ impl HybridRobot {
         Ok(())
     }
 
-    /// Independent directions in which an effector's motors move its wafer, the most over a few positions.
+    /// Number of independent directions in which an effector's motors move its wafer, the largest over a few positions.
     fn directions(&self, id: EffectorId) -> usize {
         let planar = ArmChain::new(self, id);
         let axes = planar.axes();
         let at = |share: f64| {
             let mut own = [0.0; MAX_JOINTS];
             for (k, (own, &axis)) in own.iter_mut().zip(axes).enumerate() {
-                // Unlike shares, so that no arm is stretched by all of them.
+                // Different shares for each axis: no arm is stretched in all of the positions.
                 let share = (share + 0.211 * k as f64).fract();
                 *own = self.axes[axis].min + share * (self.axes[axis].max - self.axes[axis].min);
             }
@@ -282,7 +282,7 @@ impl HybridRobot {
     }
 }
 
-/// Rows of a table have to come in the order of their reach.
+/// Checks that the numbers of a droop are valid, and that the rows of a table are sorted by reach.
 fn check_droop(droop: &Droop, of: impl Fn(&str) -> String) -> Result<(), CellError> {
     match droop {
         Droop::Rigid => Ok(()),
@@ -343,7 +343,7 @@ fn count(what: &str, found: usize, min: usize, max: usize) -> Result<(), CellErr
     }
 }
 
-/// The index of a name that is empty or another one's, and what is wrong with it.
+/// Checks that names are unique; the error has the index of a name that is empty or repeated.
 fn unique<'a>(
     what: &'static str,
     names: impl Iterator<Item = &'a String>,

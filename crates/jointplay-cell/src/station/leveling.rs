@@ -3,7 +3,8 @@
 use jointplay_core::spatial::Tilt;
 use nalgebra::Vector3;
 
-use super::{Station, teach};
+use super::description::Station;
+use super::teach;
 use crate::robot::WaferTarget;
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;

@@ -3,7 +3,7 @@
 use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{Point3, Vector3};
 
-use super::{Approach, SlotId, Station};
+use super::description::{Approach, SlotId, Station};
 use crate::CellError;
 use crate::robot::{EffectorId, WaferTarget};
 use crate::wafer::Unreachable;
@@ -188,8 +188,8 @@ impl Cell {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Origin, Stroke, teach};
     use super::*;
+    use crate::station::{Origin, Stroke, teach};
     use jointplay_core::spatial::Tilt;
 
     fn station(approach: Approach, retract_reach: f64) -> Station {

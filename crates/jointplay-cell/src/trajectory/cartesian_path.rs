@@ -1,285 +1,275 @@
-//! All axes so that a wafer's centre runs along a straight line, its plane turning evenly.
+//! Paths of all axes on which a wafer's centre moves along a straight line and its plane rotates evenly.
 
 use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::spline::Spline;
-use crate::robot::{AxisKind, EffectorJacobian, HybridRobot};
+use crate::CellError;
+use crate::robot::{EffectorJacobian, wrap_angle};
+use crate::wafer::Unreachable;
 
-/// Where the line leads, and which axes may follow it.
-pub(crate) struct Task<'a> {
-    /// Positions of all axes at its start.
+/// A straight line of a wafer, and the axes that follow it.
+pub(crate) struct CartesianLine<'a> {
+    /// Positions of all axes at the start of the line [m or rad].
     pub(crate) from: &'a [f64],
-    /// Positions of all axes at its end.
+    /// Positions of all axes at the end of the line [m or rad].
     pub(crate) to: &'a [f64],
-    /// Axes that move the effector.
+    /// Indices of the axes that move the effector.
     pub(crate) variables: Vec<usize>,
-    /// Turn of the effector against the platform from start to end by the arm's joints, where its motors leave it free to turn [rad].
+    /// Rotation of the effector relative to the platform from start to end, summed over the arm's joints; `None` where the motors determine the heading [rad].
     pub(crate) turn: Option<f64>,
     /// Pose of the wafer in the base frame for positions of all axes.
-    pub(crate) pose: &'a dyn Fn(&[f64]) -> Result<Pose, String>,
-    /// How fast the wafer goes by each axis, about.
-    pub(crate) jacobian: &'a dyn Fn(&[f64]) -> Result<EffectorJacobian, String>,
-    /// Largest distance of the wafer's centre from the straight line [m].
-    pub(crate) deviation: f64,
+    pub(crate) pose: &'a dyn Fn(&[f64]) -> Result<Pose, Unreachable>,
+    /// Approximate Jacobian of the wafer's pose by all axes.
+    pub(crate) jacobian: &'a dyn Fn(&[f64]) -> Result<EffectorJacobian, CellError>,
+    /// Largest allowed distance of the wafer's centre from the straight line [m].
+    pub(crate) max_deviation: f64,
 }
 
-/// Positions of all axes along a line.
+/// Positions of all axes along a Cartesian line.
 #[derive(Debug, Clone)]
-pub(crate) struct Line {
-    /// Over the share of the way.
+pub(crate) struct CartesianPath {
+    /// Positions of all axes over the path parameter, the share of the line from 0 to 1.
     pub(crate) spline: Spline,
-    /// Its length [m].
+    /// Length of the line [m].
     pub(crate) length: f64,
     /// Largest distance found of the wafer's centre from the straight line [m].
     pub(crate) deviation: f64,
-    /// Largest angle found between the wafer's plane and the one that turns evenly [rad].
-    pub(crate) plane: f64,
+    /// Largest angle found between the wafer's plane and the plane that rotates evenly [rad].
+    pub(crate) plane_deviation: f64,
 }
 
-/// Why a line cannot be followed.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Stuck {
-    /// Share of the way.
-    pub(crate) at: f64,
-    /// Place of the wafer's centre there by the line, in the base frame; `None` where the line has none [m].
-    pub(crate) place: Option<Vector3<f64>>,
-    /// What is the matter.
-    pub(crate) why: Obstacle,
+/// A Cartesian line that the axes cannot follow.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("at share {share} of the line{}: {kind}", at(position.as_ref()))]
+pub struct PathError {
+    /// Share of the line at which the axes stop, from 0 to 1.
+    pub share: f64,
+    /// Position of the wafer's centre there on the line, in the base frame; `None` where the line is not known [m].
+    pub position: Option<Vector3<f64>>,
+    /// The obstacle.
+    pub kind: PathErrorKind,
 }
 
-/// What keeps the axes from following a line.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Obstacle {
-    /// The robot cannot be computed there, for a reason in words.
-    Robot(String),
-    /// The effector cannot move in all directions.
+fn at(position: Option<&Vector3<f64>>) -> String {
+    position.map_or_else(String::new, |p| format!(" (x {}, y {}, z {} m)", p.x, p.y, p.z))
+}
+
+/// Obstacle on a Cartesian line.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PathErrorKind {
+    /// The pose of the wafer cannot be computed.
+    #[error(transparent)]
+    Pose(Box<Unreachable>),
+    /// The arm is in a singular position: the effector cannot move in all directions.
+    #[error("the arm is in a singular position")]
     Singular,
-    /// No positions of the axes hold the wafer there.
+    /// No positions of the axes hold the wafer on the line.
+    #[error(
+        "the effector does not reach the line: {distance} m and {tilt} rad of tilt are missing"
+    )]
     NotReached {
         /// Distance that is missing [m].
         distance: f64,
-        /// Angle of the plane that is missing [rad].
+        /// Angle between the planes that is missing [rad].
         tilt: f64,
-        /// Turn about the normal that is missing, where the line asks for one [rad].
+        /// Rotation about the normal that is missing, where the line prescribes one [rad].
         heading: Option<f64>,
     },
-    /// The line leads to other positions than those of its end.
+    /// The line ends in other positions of the axes than those asked for.
+    #[error(
+        "the line leads to another branch than that of its end: axis {axis} differs by {difference} m or rad"
+    )]
     OtherBranch {
-        /// Axis that is off most, by index.
+        /// Index of the axis with the largest difference.
         axis: usize,
-        /// By how much [m or rad].
-        off: f64,
+        /// Difference of its position [m or rad].
+        difference: f64,
     },
-    /// The axes jump from one branch to another.
-    Jump,
-    /// The axes leave the line, however closely they are computed.
-    Leaves {
-        /// How far [m].
+    /// The axes are discontinuous: they jump from one branch to another.
+    #[error("the axes jump from one branch to another")]
+    BranchJump,
+    /// The spline does not converge to the line.
+    #[error("the wafer deviates from the line by {deviation} m with {points} points")]
+    NotConverged {
+        /// Remaining distance from the line [m].
         deviation: f64,
-        /// At how many points they were computed.
+        /// Number of points of the spline.
         points: usize,
     },
 }
 
-impl Stuck {
-    /// What is missing, where, and what can be changed.
-    pub(crate) fn told(&self, robot: &HybridRobot) -> String {
-        let share = 100.0 * self.at;
-        let place = self.place.map_or_else(String::new, |place| {
-            let [x, y, z] = [place.x, place.y, place.z].map(|value| value * 1e3);
-            format!(", at x {x:.1}, y {y:.1}, z {z:.1} mm")
-        });
-        let change = "change the radius of the station, `retract_mm`, the heading (`yaw_deg`, `approach`) or the posture in which the line starts, or move the axes instead";
-        let why = match &self.why {
-            Obstacle::Robot(why) => why.clone(),
-            Obstacle::Singular => format!(
-                "the arm is in a singular position, in which the effector cannot follow the line in all directions; {change}"
-            ),
-            Obstacle::NotReached { distance, tilt, heading } => {
-                let heading = heading.map_or_else(String::new, |heading| {
-                    format!(", {:.2}° of heading", heading.to_degrees())
-                });
-                format!(
-                    "the effector does not reach the line: {:.3} mm, {:.3} mrad of tilt{heading} are missing; {change}",
-                    distance * 1e3,
-                    tilt * 1e3
-                )
-            }
-            Obstacle::OtherBranch { axis, off } => {
-                let axis = &robot.axes[*axis];
-                let off = match axis.kind {
-                    AxisKind::Rotary => format!("{:.3}°", off.to_degrees()),
-                    AxisKind::Linear => format!("{:.3} mm", off * 1e3),
-                };
-                format!(
-                    "the line leads to another posture than that of its end, axis {} is off by {off}: both ends are on different branches of the arm; {change}",
-                    axis.name
-                )
-            }
-            Obstacle::Jump => {
-                format!("the axes jump from one branch of the arm to another; {change}")
-            }
-            Obstacle::Leaves { deviation, points } => format!(
-                "the wafer is {:.3} mm off the line after {points} points: it passes too near a singular position; {change}",
-                deviation * 1e3
-            ),
-        };
-        format!("{share:.1} % along the line{place}: {why}")
-    }
-}
+/// Number of intervals that the spline of a line starts with; intervals are divided where the spline deviates.
+const INITIAL_INTERVALS: usize = 12;
+/// Number of intervals beyond which a line counts as one that cannot be followed: a smooth line takes some dozens.
+const MAX_INTERVALS: usize = 1024;
+/// Width of the narrowest interval that is divided, as a share of the line: a deviation within less is a jump.
+const MIN_INTERVAL: f64 = 1e-7;
+/// Largest number of halvings of the distance to the next point.
+const MAX_HALVINGS: usize = 10;
+/// Residual at which a point counts as found [m and rad]: a thousandth of the tolerance of inverse kinematics.
+const POINT_TOLERANCE: f64 = 1e-12;
+/// Number of Newton steps after which a point counts as out of reach.
+const MAX_ITERATIONS: usize = 30;
+/// Residual up to which a point is accepted that does not converge further [m and rad]: round-off near singular positions.
+const ACCEPTED_RESIDUAL: f64 = 1e-9;
+/// Largest difference of the end positions from those that the line leads to [m or rad].
+const SAME_BRANCH: f64 = 1e3 * ACCEPTED_RESIDUAL;
 
-/// Intervals that a line starts with; it is divided further where the spline strays.
-const FIRST_INTERVALS: usize = 12;
-/// Intervals beyond which a line counts as one that cannot be followed: a smooth one takes some dozens.
-const MOST_INTERVALS: usize = 1024;
-/// Share of the way below which an interval is not divided: what still strays there jumps.
-const NARROWEST: f64 = 1e-7;
-/// How often an interval may be halved to reach the next point from the one before.
-const MOST_HALVINGS: usize = 10;
-/// Residual at which a point counts as found [m and rad]: a thousandth of what inverse kinematics is held to.
-const FOUND: f64 = 1e-12;
-/// Steps of Newton's method before a point counts as out of reach.
-const MOST_ITERATIONS: usize = 30;
-/// Turns and lengths by which the ends of a line may miss what its axes come to, as round-off of a target that was reached.
-const SAME: f64 = 1e-9;
+/// A point of a path: path parameter and positions of all axes.
+type PathPoint = (f64, Vec<f64>);
 
-impl Task<'_> {
+impl CartesianLine<'_> {
     /// Positions of all axes along the line.
     ///
-    /// At each point they are the ones nearest to the even way of each axis among those that hold the wafer in place:
+    /// Of all positions that hold the wafer on the line, each point has those nearest to the straight path of the axes:
     ///
     /// ```text
-    ///    min |q − q_even(s)|²   so that   center(q) = c(s),  normal(q) = n(s),  heading(q) = h(s)
+    ///    min |q − q_straight(s)|²   subject to   center(q) = c(s),  normal(q) = n(s),  heading(q) = h(s)
     /// ```
-    /// Both ends are met exactly, and an arm with more axes than it needs moves all of them gently.
-    /// Between the points runs a cubic spline, refined until it keeps to the line.
+    /// Both ends are met exactly, and the motion of an arm with redundant axes is distributed over all of them.
+    /// The points are interpolated by a cubic spline, refined until it is within the allowed deviation.
     ///
     /// # Errors
-    /// Where a point cannot be reached from the one before, by share of the way.
-    pub(crate) fn follow(&self) -> Result<Line, Stuck> {
-        let nowhere = |at: f64| move |why| Stuck { at, place: None, why: Obstacle::Robot(why) };
-        let start = (self.pose)(self.from).map_err(nowhere(0.0))?;
-        let end = (self.pose)(self.to).map_err(nowhere(1.0))?;
-        let target = Target::new(&start, &end, self.turn);
+    /// [`PathError`]: a point cannot be reached from the one before.
+    pub(crate) fn follow(&self) -> Result<CartesianPath, PathError> {
+        let unknown = |share: f64| {
+            move |error| PathError {
+                share,
+                position: None,
+                kind: PathErrorKind::Pose(Box::new(error)),
+            }
+        };
+        let start = (self.pose)(self.from).map_err(unknown(0.0))?;
+        let end = (self.pose)(self.to).map_err(unknown(1.0))?;
+        let target = LineTarget::new(&start, &end, self.turn);
         let mut points = vec![(0.0, self.from.to_vec())];
-        for interval in 1..FIRST_INTERVALS {
-            let s = interval as f64 / FIRST_INTERVALS as f64;
-            self.march(&target, &mut points, s, MOST_HALVINGS)?;
+        for interval in 1..INITIAL_INTERVALS {
+            let s = interval as f64 / INITIAL_INTERVALS as f64;
+            self.continue_branch(&target, &mut points, s, MAX_HALVINGS)?;
         }
         points.push((1.0, self.to.to_vec()));
-        let before = &points[points.len() - 2];
-        self.arrived(&target, before)?;
+        self.check_goal(&target, &points[points.len() - 2])?;
         loop {
             let (knots, values): (Vec<f64>, Vec<Vec<f64>>) = points.iter().cloned().unzip();
             let spline = Spline::through(&knots, &values);
-            let mut finer: Vec<(f64, Vec<f64>)> = Vec::new();
-            let (mut deviation, mut plane) = (0.0_f64, 0.0_f64);
+            let mut added: Vec<PathPoint> = Vec::new();
+            let (mut deviation, mut plane_deviation) = (0.0_f64, 0.0_f64);
             for pair in knots.windows(2) {
-                let mut strays = false;
+                let mut deviates = false;
                 for share in [0.25, 0.5, 0.75] {
                     let s = pair[0] + share * (pair[1] - pair[0]);
                     let pose = (self.pose)(&spline.positions(s))
-                        .map_err(|why| target.stuck(s, Obstacle::Robot(why)))?;
-                    let (off, turned) = target.strays(&pose, s);
-                    deviation = deviation.max(off);
-                    plane = plane.max(turned);
-                    strays |= off > self.deviation;
+                        .map_err(|error| target.pose_error(s, error))?;
+                    let (distance, angle) = target.deviation(&pose, s);
+                    deviation = deviation.max(distance);
+                    plane_deviation = plane_deviation.max(angle);
+                    deviates |= distance > self.max_deviation;
                 }
-                if strays && pair[1] - pair[0] < NARROWEST {
-                    return Err(target.stuck(pair[0], Obstacle::Jump));
+                if deviates && pair[1] - pair[0] < MIN_INTERVAL {
+                    return Err(target.error(pair[0], PathErrorKind::BranchJump));
                 }
-                if strays {
+                if deviates {
                     let s = (pair[0] + pair[1]) / 2.0;
-                    finer.push((s, self.solve(&target, s, spline.positions(s))?));
+                    added.push((s, self.solve(&target, s, &spline.positions(s))?));
                 }
             }
-            if finer.is_empty() {
-                return Ok(Line { spline, length: target.way.norm(), deviation, plane });
+            if added.is_empty() {
+                let length = target.displacement.norm();
+                return Ok(CartesianPath { spline, length, deviation, plane_deviation });
             }
-            if points.len() + finer.len() > MOST_INTERVALS {
-                let why = Obstacle::Leaves { deviation, points: points.len() };
-                return Err(target.stuck(finer[0].0, why));
+            if points.len() + added.len() > MAX_INTERVALS {
+                let kind = PathErrorKind::NotConverged { deviation, points: points.len() };
+                return Err(target.error(added[0].0, kind));
             }
-            points.extend(finer);
+            points.extend(added);
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
         }
     }
 
-    /// From the last of the points to `s`, by halves where that is too far.
-    fn march(
+    /// Continues the branch from the last point to `s`, in halves where the step is too long for Newton's method.
+    fn continue_branch(
         &self,
-        target: &Target,
-        points: &mut Vec<(f64, Vec<f64>)>,
+        target: &LineTarget,
+        points: &mut Vec<PathPoint>,
         s: f64,
         halvings: usize,
-    ) -> Result<(), Stuck> {
-        let (last, positions) = points.last().expect("the start is there");
-        let guess: Vec<f64> = positions
-            .iter()
-            .zip(self.from.iter().zip(self.to))
-            .map(|(position, (from, to))| position + (s - last) * (to - from))
-            .collect();
-        let near = points.len() >= 2;
-        let guess = if near {
+    ) -> Result<(), PathError> {
+        let (last, positions) = points.last().expect("a path starts with its first point");
+        // Extrapolation from the last two points; from the first alone, along the straight path of the axes.
+        let guess: Vec<f64> = if points.len() >= 2 {
             let (earlier, older) = &points[points.len() - 2];
             let ratio = (s - last) / (last - earlier);
             positions.iter().zip(older).map(|(new, old)| new + ratio * (new - old)).collect()
         } else {
-            guess
+            positions
+                .iter()
+                .zip(self.from.iter().zip(self.to))
+                .map(|(position, (from, to))| position + (s - last) * (to - from))
+                .collect()
         };
-        match self.solve(target, s, guess) {
+        match self.solve(target, s, &guess) {
             Ok(found) => {
                 points.push((s, found));
                 Ok(())
             }
-            Err(stuck) if halvings == 0 => Err(stuck),
+            Err(error) if halvings == 0 => Err(error),
             Err(_) => {
                 let middle = (last + s) / 2.0;
-                self.march(target, points, middle, halvings - 1)?;
-                self.march(target, points, s, halvings - 1)
+                self.continue_branch(target, points, middle, halvings - 1)?;
+                self.continue_branch(target, points, s, halvings - 1)
             }
         }
     }
 
-    /// Whether the end is where the points lead to, and not another branch.
-    fn arrived(&self, target: &Target, before: &(f64, Vec<f64>)) -> Result<(), Stuck> {
-        let guess: Vec<f64> = before.1.clone();
-        let found = self.solve(target, 1.0, guess)?;
-        let off = self.variables.iter().map(|&axis| (axis, (found[axis] - self.to[axis]).abs()));
-        match off.max_by(|a, b| a.1.total_cmp(&b.1)) {
-            Some((axis, off)) if off > 1e3 * SAME => {
-                Err(target.stuck(1.0, Obstacle::OtherBranch { axis, off }))
+    /// Checks that the branch continued from the last point before the end leads to the end, and not to another branch.
+    fn check_goal(&self, target: &LineTarget, before: &PathPoint) -> Result<(), PathError> {
+        let found = self.solve(target, 1.0, &before.1)?;
+        let difference = |&axis: &usize| (axis, (found[axis] - self.to[axis]).abs());
+        let differences = self.variables.iter().map(difference);
+        match differences.max_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((axis, difference)) if difference > SAME_BRANCH => {
+                Err(target.error(1.0, PathErrorKind::OtherBranch { axis, difference }))
             }
             _ => Ok(()),
         }
     }
 
-    fn even(&self, s: f64) -> impl Iterator<Item = f64> + '_ {
+    /// Positions of all axes on their straight path at `s` [m or rad].
+    fn straight(&self, s: f64) -> impl Iterator<Item = f64> + '_ {
         self.from.iter().zip(self.to).map(move |(from, to)| from + s * (to - from))
     }
 
-    /// The positions nearest to the even way that hold the wafer at `s`, from a guess.
-    fn solve(&self, target: &Target, s: f64, guess: Vec<f64>) -> Result<Vec<f64>, Stuck> {
-        let stuck = |why: String| target.stuck(s, Obstacle::Robot(why));
-        let even: Vec<f64> = self.even(s).collect();
-        let mut q = even.clone();
+    /// The positions nearest to the straight path of the axes that hold the wafer at `s`, from an initial guess.
+    ///
+    /// Newton's method on the stationarity conditions of the constrained minimum:
+    ///
+    /// ```text
+    ///    [ 1  Jᵀ ] [ Δq ]     [ q_straight − q ]
+    ///    [ J  0  ] [ λ  ]  =  [ −residual      ]
+    /// ```
+    fn solve(&self, target: &LineTarget, s: f64, guess: &[f64]) -> Result<Vec<f64>, PathError> {
+        let straight: Vec<f64> = self.straight(s).collect();
+        let mut q = straight.clone();
         for &axis in &self.variables {
             q[axis] = guess[axis];
         }
         let (n, m) = (self.variables.len(), target.rows());
-        let mut residual = target.residual(&(self.pose)(&q).map_err(stuck)?, s);
-        let mut off = f64::INFINITY;
-        for iteration in 0..MOST_ITERATIONS {
-            // Newton on the conditions of the constrained minimum; curvature of the constraints, change of the droop and the turning of the heading by the tilt are left out, so that it converges by about their size.
-            let jacobian = (self.jacobian)(&q).map_err(stuck)?;
-            let upright = target.normal(s);
+        let pose = |q: &[f64]| (self.pose)(q).map_err(|error| target.pose_error(s, error));
+        let mut residual = target.residual(&pose(&q)?, s);
+        let mut error = f64::INFINITY;
+        for iteration in 0..MAX_ITERATIONS {
+            // The matrix neglects the curvature of the constraints, the change of the droop and the rotation of the heading by the tilt: they change the rate of convergence and not the solution.
+            let jacobian =
+                (self.jacobian)(&q).map_err(|error| target.pose_error(s, error.into()))?;
+            let normal = target.normal(s);
             let mut system = DMatrix::zeros(n + m, n + m);
             for (column, &axis) in self.variables.iter().enumerate() {
                 let (linear, angular) = (jacobian.linear[axis], jacobian.angular[axis]);
-                let tilting = angular.cross(&upright);
+                let tilting = angular.cross(&normal);
                 let slopes =
-                    [linear.x, linear.y, linear.z, tilting.x, tilting.y, angular.dot(&upright)];
+                    [linear.x, linear.y, linear.z, tilting.x, tilting.y, angular.dot(&normal)];
                 system[(column, column)] = 1.0;
                 for (row, &slope) in slopes[..m].iter().enumerate() {
                     system[(n + row, column)] = slope;
@@ -287,58 +277,73 @@ impl Task<'_> {
                 }
             }
             let factors = system.lu();
-            // The same matrix serves as long as it halves the error each time.
+            // A factorization is reused while each step halves the error: poses are cheaper than factorizations.
             loop {
                 let mut right = DVector::zeros(n + m);
                 for (row, &axis) in self.variables.iter().enumerate() {
-                    right[row] = even[axis] - q[axis];
+                    right[row] = straight[axis] - q[axis];
                 }
                 for row in 0..m {
                     right[n + row] = -residual[row];
                 }
                 let Some(step) = factors.solve(&right) else {
-                    return Err(target.stuck(s, Obstacle::Singular));
+                    return Err(target.error(s, PathErrorKind::Singular));
                 };
-                let mut far = 0.0_f64;
+                let mut step_size = 0.0_f64;
                 for (row, &axis) in self.variables.iter().enumerate() {
                     q[axis] += step[row];
-                    far = far.max(step[row].abs());
+                    step_size = step_size.max(step[row].abs());
                 }
-                if !far.is_finite() || far > 1e3 {
-                    return Err(target.stuck(s, target.missing(&residual)));
+                if !step_size.is_finite() || step_size > 1e3 {
+                    return Err(target.error(s, target.missing(&residual)));
                 }
-                residual = target.residual(&(self.pose)(&q).map_err(stuck)?, s);
-                let now = residual[..m].iter().fold(far, |most, value| most.max(value.abs()));
-                let slow = now > 0.5 * off;
-                off = now;
-                if now < FOUND || (slow && now < 10.0 * FOUND && iteration > 0) {
+                residual = target.residual(&pose(&q)?, s);
+                let now = residual[..m].iter().fold(step_size, |most, value| most.max(value.abs()));
+                let is_slow = now > 0.5 * error;
+                error = now;
+                if now < POINT_TOLERANCE
+                    || (is_slow && now < 10.0 * POINT_TOLERANCE && iteration > 0)
+                {
                     return Ok(q);
                 }
-                if slow {
+                if is_slow {
                     break;
                 }
             }
         }
-        if off < SAME {
+        if error < ACCEPTED_RESIDUAL {
             return Ok(q);
         }
-        Err(target.stuck(s, target.missing(&residual)))
+        Err(target.error(s, target.missing(&residual)))
     }
 }
 
-/// Where the wafer is to be along the line.
-struct Target {
+/// Target pose of the wafer over the share of a line.
+struct LineTarget {
+    /// Centre of the wafer at the start, in the base frame [m].
     start: Vector3<f64>,
-    way: Vector3<f64>,
+    /// Displacement of the centre from start to end [m].
+    displacement: Vector3<f64>,
+    /// Normal of the wafer at the start.
     from_normal: Vector3<f64>,
-    /// Unit vector across the normals in their plane, and the angle between them.
+    /// Unit vector perpendicular to `from_normal`, in the plane of both normals.
     across: Vector3<f64>,
+    /// Angle between the normals at start and end [rad].
     angle: f64,
-    /// Heading at the start, and its change.
-    heading: Option<(f64, f64)>,
+    /// Heading along the line, where the line prescribes one.
+    heading: Option<HeadingTarget>,
 }
 
-impl Target {
+/// Heading of the wafer along a line.
+#[derive(Clone, Copy)]
+struct HeadingTarget {
+    /// Heading at the start [rad].
+    start: f64,
+    /// Change of the heading from start to end [rad].
+    change: f64,
+}
+
+impl LineTarget {
     fn new(start: &Pose, end: &Pose, turn: Option<f64>) -> Self {
         let from_normal = normal(start);
         let to_normal = normal(end);
@@ -347,11 +352,12 @@ impl Target {
         let across = if sine > 0.0 { rest / sine } else { Vector3::zeros() };
         let heading = turn.map(|turn| {
             let (first, last) = (heading(start), heading(end));
-            (first, turn + wrapped(last - first - turn))
+            // The joints determine the number of revolutions, the poses the rest.
+            HeadingTarget { start: first, change: turn + wrap_angle(last - first - turn) }
         });
         Self {
             start: start.translation.vector,
-            way: end.translation.vector - start.translation.vector,
+            displacement: end.translation.vector - start.translation.vector,
             from_normal,
             across,
             angle: sine.atan2(from_normal.dot(&to_normal)),
@@ -359,61 +365,69 @@ impl Target {
         }
     }
 
-    /// Why the axes do not follow the line at a share of the way.
-    fn stuck(&self, at: f64, why: Obstacle) -> Stuck {
-        Stuck { at, place: Some(self.start + self.way * at), why }
+    /// An error at a share of the line.
+    fn error(&self, share: f64, kind: PathErrorKind) -> PathError {
+        PathError { share, position: Some(self.start + self.displacement * share), kind }
     }
 
-    /// What a residual leaves missing.
-    fn missing(&self, residual: &[f64; 6]) -> Obstacle {
+    /// The error of a pose that cannot be computed at a share of the line.
+    fn pose_error(&self, share: f64, error: Unreachable) -> PathError {
+        self.error(share, PathErrorKind::Pose(Box::new(error)))
+    }
+
+    /// The residual of a point that is not reached.
+    fn missing(&self, residual: &[f64; 6]) -> PathErrorKind {
         let [x, y, z, along, across, turn] = *residual;
-        Obstacle::NotReached {
+        PathErrorKind::NotReached {
             distance: x.hypot(y).hypot(z),
             tilt: along.hypot(across),
             heading: self.heading.map(|_| turn.abs()),
         }
     }
 
+    /// Number of constraints: centre, normal, and the heading where it is prescribed.
     fn rows(&self) -> usize {
         5 + usize::from(self.heading.is_some())
     }
 
+    /// Normal of the wafer at a share of the line.
     fn normal(&self, s: f64) -> Vector3<f64> {
         let (sin, cos) = (s * self.angle).sin_cos();
         self.from_normal * cos + self.across * sin
     }
 
+    /// Centre [m], x and y of the normal, and heading [rad] of a pose, less those of the line.
     fn residual(&self, pose: &Pose, s: f64) -> [f64; 6] {
-        let off = pose.translation.vector - (self.start + self.way * s);
-        // Both in the base frame: an upright plane has its normal's x and y small.
+        let center = pose.translation.vector - (self.start + self.displacement * s);
+        // Both normals are near e_b3: x and y determine the difference of two unit vectors.
         let tilt = normal(pose) - self.normal(s);
-        let turned =
-            self.heading.map_or(0.0, |(first, change)| wrapped(heading(pose) - first - change * s));
-        [off.x, off.y, off.z, tilt.x, tilt.y, turned]
+        let turned = self
+            .heading
+            .map_or(0.0, |target| wrap_angle(heading(pose) - target.start - target.change * s));
+        [center.x, center.y, center.z, tilt.x, tilt.y, turned]
     }
 
-    /// Distance from the straight line, and angle from the plane that turns evenly.
-    fn strays(&self, pose: &Pose, s: f64) -> (f64, f64) {
+    /// Distance of a pose from the straight line [m], and angle of its plane to the plane that rotates evenly [rad].
+    fn deviation(&self, pose: &Pose, s: f64) -> (f64, f64) {
         let from_start = pose.translation.vector - self.start;
-        let squared = self.way.norm_squared();
-        let along =
-            if squared > 0.0 { (from_start.dot(&self.way) / squared).clamp(0.0, 1.0) } else { 0.0 };
-        let aside = (from_start - self.way * along).norm();
-        (aside, normal(pose).cross(&self.normal(s)).norm().asin())
+        let squared = self.displacement.norm_squared();
+        let along = if squared > 0.0 {
+            (from_start.dot(&self.displacement) / squared).clamp(0.0, 1.0)
+        } else {
+            0.0
+        };
+        let distance = (from_start - self.displacement * along).norm();
+        (distance, normal(pose).cross(&self.normal(s)).norm().asin())
     }
 }
 
+/// Normal of a wafer in the base frame.
 fn normal(pose: &Pose) -> Vector3<f64> {
     pose.rotation.matrix().column(2).into_owned()
 }
 
-/// Turn about the normal, beyond the shortest rotation to it.
+/// Rotation of a wafer about its normal, beyond the shortest rotation from level to the normal [rad].
 fn heading(pose: &Pose) -> f64 {
     let turned = tilt_rotation(&normal(pose)).inverse() * pose.rotation;
     turned.matrix()[(1, 0)].atan2(turned.matrix()[(0, 0)])
-}
-
-fn wrapped(angle: f64) -> f64 {
-    use std::f64::consts::{PI, TAU};
-    (angle + PI).rem_euclid(TAU) - PI
 }

@@ -1,9 +1,9 @@
-//! What each axis may do during a step.
+//! Limits of the axes in a step.
 
 use crate::program::Step;
 use crate::robot::{EffectorId, HybridRobot, KinematicLimits, RODS};
 
-/// Whether an axis moves an effector: a rod moves all, a motor those of the arms whose joints it drives.
+/// Whether an axis moves an effector: a rod moves all effectors, a motor those of the arms whose joints it drives.
 #[must_use]
 pub fn axis_moves_effector(robot: &HybridRobot, axis: usize, effector: EffectorId) -> bool {
     axis < RODS
@@ -14,9 +14,7 @@ pub fn axis_moves_effector(robot: &HybridRobot, axis: usize, effector: EffectorI
             .any(|&(driver, ratio)| driver == axis && ratio != 0.0)
 }
 
-/// Limits of an axis during a step: empty or loaded, times the step's share of speed.
-///
-/// The loaded limits hold as soon as one effector that the axis moves carries a wafer.
+/// Limits of an axis in a step, scaled by the step's share of speed.
 #[must_use]
 pub fn scaled_axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> KinematicLimits {
     let limits = axis_limits(robot, axis, step);
@@ -27,7 +25,10 @@ pub fn scaled_axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> Kine
     }
 }
 
-/// Limits of an axis during a step, whatever share of them the program asks for.
+/// Limits of an axis in a step at full speed.
+///
+/// The loaded limits apply as soon as one effector that the axis moves carries a wafer, and the empty limits otherwise.
+#[must_use]
 pub fn axis_limits(robot: &HybridRobot, axis: usize, step: &Step) -> KinematicLimits {
     let loaded = step.loaded.iter().any(|&effector| axis_moves_effector(robot, axis, effector));
     let axis = &robot.axes[axis];

@@ -1,23 +1,23 @@
-//! One coordinate in time, by pieces of constant jerk.
+//! Jerk-limited profile of one coordinate: pieces of constant jerk.
 
 use std::hash::Hasher;
 
 /// Adds numbers to a hash, bit by bit.
-pub(super) fn put(to: &mut impl Hasher, numbers: &[f64]) {
-    numbers.iter().for_each(|number| to.write_u64(number.to_bits()));
+pub(super) fn hash_numbers(hasher: &mut impl Hasher, numbers: &[f64]) {
+    numbers.iter().for_each(|number| hasher.write_u64(number.to_bits()));
 }
 
 /// Position, velocity, acceleration and jerk of one coordinate at one time.
 pub(crate) type AxisState = [f64; 4];
 
-/// A stretch of constant jerk.
+/// A piece of a profile, in which the jerk is constant.
 #[derive(Debug, Clone, Copy)]
 struct Piece {
     start: f64,
     state: AxisState,
 }
 
-/// A coordinate from rest to rest.
+/// Position of a coordinate over time, from rest to rest.
 #[derive(Debug, Clone)]
 pub(crate) struct JerkLimitedProfile {
     pieces: Vec<Piece>,
@@ -26,93 +26,97 @@ pub(crate) struct JerkLimitedProfile {
 }
 
 impl JerkLimitedProfile {
-    /// Standing still for a while.
-    pub(crate) fn still(position: f64, duration: f64) -> Self {
+    /// A profile at rest in one position.
+    pub(crate) fn at_rest(position: f64, duration: f64) -> Self {
         let piece = Piece { start: 0.0, state: [position, 0.0, 0.0, 0.0] };
         Self { pieces: vec![piece], duration, end: position }
     }
 
-    /// From one position to another at rest, by stretches of (duration, jerk).
+    /// A profile from rest in one position to rest in another, by pieces of (duration, jerk).
     ///
-    /// What the stretches come to is scaled onto the distance, so that the end is met to round-off.
-    pub(crate) fn through(from: f64, to: f64, stretches: &[(f64, f64)]) -> Self {
-        let mut pieces = Vec::with_capacity(stretches.len());
+    /// All derivatives are scaled so that the pieces amount to the displacement, and the end is met to round-off.
+    pub(crate) fn from_pieces(from: f64, to: f64, pieces: &[(f64, f64)]) -> Self {
+        let mut profile = Vec::with_capacity(pieces.len());
         let mut state = [0.0, 0.0, 0.0, 0.0];
         let mut start = 0.0;
-        for &(duration, jerk) in stretches.iter().filter(|(duration, _)| *duration > 0.0) {
+        for &(duration, jerk) in pieces.iter().filter(|(duration, _)| *duration > 0.0) {
             state[3] = jerk;
-            pieces.push(Piece { start, state });
-            state = after(&state, duration);
+            profile.push(Piece { start, state });
+            state = advanced(&state, duration);
             start += duration;
         }
         let scale = if state[0] == 0.0 { 0.0 } else { (to - from) / state[0] };
-        for piece in &mut pieces {
+        for piece in &mut profile {
             for value in &mut piece.state {
                 *value *= scale;
             }
             piece.state[0] += from;
         }
-        Self { pieces, duration: start, end: to }
+        Self { pieces: profile, duration: start, end: to }
     }
 
-    /// Adds all that it is made of to a hash.
-    pub(crate) fn hash(&self, to: &mut impl Hasher) {
-        put(to, &[self.duration, self.end]);
+    /// Adds everything that determines the profile to a hash.
+    pub(crate) fn hash(&self, hasher: &mut impl Hasher) {
+        hash_numbers(hasher, &[self.duration, self.end]);
         for piece in &self.pieces {
-            put(to, &[piece.start]);
-            put(to, &piece.state);
+            hash_numbers(hasher, &[piece.start]);
+            hash_numbers(hasher, &piece.state);
         }
     }
 
-    /// How long it takes [s].
+    /// Duration [s].
     pub(crate) fn duration(&self) -> f64 {
         self.duration
     }
 
     /// Times at which the jerk changes, and the end [s].
-    pub(crate) fn breaks(&self) -> impl Iterator<Item = f64> + '_ {
+    pub(crate) fn jerk_discontinuities(&self) -> impl Iterator<Item = f64> + '_ {
         self.pieces.iter().map(|piece| piece.start).chain([self.duration])
     }
 
-    /// The state `time` after its start [s]; at rest outside of it.
-    pub(crate) fn at(&self, time: f64) -> AxisState {
+    /// State at a time since the start [s]; from the end on at rest.
+    pub(crate) fn state(&self, time: f64) -> AxisState {
         if time >= self.duration {
             return [self.end, 0.0, 0.0, 0.0];
         }
-        let place = self.pieces.partition_point(|piece| piece.start <= time);
-        let piece = &self.pieces[place.saturating_sub(1)];
-        after(&piece.state, (time - piece.start).max(0.0))
+        let next = self.pieces.partition_point(|piece| piece.start <= time);
+        let piece = &self.pieces[next.saturating_sub(1)];
+        advanced(&piece.state, (time - piece.start).max(0.0))
     }
 
-    /// [`Self::at`] of times that grow.
-    pub(crate) fn walk(&self) -> impl FnMut(f64) -> AxisState + '_ {
-        let mut place = 0;
+    /// As [`Self::state`], for times in growing order: each call continues the search where the last one ended.
+    pub(crate) fn states_in_order(&self) -> impl FnMut(f64) -> AxisState + '_ {
+        let mut current = 0;
         move |time| {
             if time >= self.duration {
                 return [self.end, 0.0, 0.0, 0.0];
             }
-            while self.pieces.get(place + 1).is_some_and(|piece| piece.start <= time) {
-                place += 1;
+            while self.pieces.get(current + 1).is_some_and(|piece| piece.start <= time) {
+                current += 1;
             }
-            let piece = &self.pieces[place];
-            after(&piece.state, (time - piece.start).max(0.0))
+            let piece = &self.pieces[current];
+            advanced(&piece.state, (time - piece.start).max(0.0))
         }
     }
 
-    /// When a curve that never goes back comes to a position [s].
-    pub(crate) fn when(&self, position: f64) -> f64 {
+    /// Time at which a profile whose velocity is never negative passes a position [s].
+    pub(crate) fn time_at(&self, position: f64) -> f64 {
         let next = self.pieces.partition_point(|piece| piece.state[0] < position);
         let piece = &self.pieces[next.saturating_sub(1)];
         let end = self.pieces.get(next).map_or(self.duration, |next| next.start);
         let (mut early, mut late) = (0.0, end - piece.start);
         for _ in 0..30 {
             let middle = 0.5 * (early + late);
-            if after(&piece.state, middle)[0] < position { early = middle } else { late = middle }
+            if advanced(&piece.state, middle)[0] < position {
+                early = middle;
+            } else {
+                late = middle;
+            }
         }
         piece.start + late
     }
 
-    /// The same way, `factor` times as long.
+    /// The profile stretched in time by a factor.
     pub(crate) fn slowed(&self, factor: f64) -> Self {
         let by = 1.0 / factor;
         let pieces = self.pieces.iter().map(|piece| Piece {
@@ -128,7 +132,8 @@ impl JerkLimitedProfile {
     }
 }
 
-fn after(state: &AxisState, t: f64) -> AxisState {
+/// A state after a time [s] at its constant jerk.
+fn advanced(state: &AxisState, t: f64) -> AxisState {
     let [p, v, a, j] = *state;
     [p + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0), a + t * j, j]
 }
@@ -138,33 +143,36 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ends_are_met_and_states_are_derivatives_of_each_other() {
-        let curve = JerkLimitedProfile::through(
+    fn profile_meets_its_end_and_its_state_holds_derivatives() {
+        let profile = JerkLimitedProfile::from_pieces(
             1.0,
             3.0,
             &[(0.5, 8.0), (0.5, -8.0), (0.0, 5.0), (0.5, -8.0), (0.5, 8.0)],
         );
-        assert_eq!(curve.at(0.0)[..3], [1.0, 0.0, 0.0]);
-        assert_eq!(curve.at(curve.duration()), [3.0, 0.0, 0.0, 0.0]);
-        let before = curve.at(curve.duration() - 1e-9);
+        assert_eq!(profile.state(0.0)[..3], [1.0, 0.0, 0.0]);
+        assert_eq!(profile.state(profile.duration()), [3.0, 0.0, 0.0, 0.0]);
+        let before = profile.state(profile.duration() - 1e-9);
         assert!((before[0] - 3.0).abs() < 1e-14 && before[1].abs() < 1e-7);
         for t in [0.1, 0.7, 1.3, 1.9] {
-            let (h, now) = (1e-5, curve.at(t));
-            let (past, next) = (curve.at(t - h), curve.at(t + h));
+            let (h, now) = (1e-5, profile.state(t));
+            let (past, next) = (profile.state(t - h), profile.state(t + h));
             for order in 0..3 {
                 let slope = (next[order] - past[order]) / (2.0 * h);
                 assert!((slope - now[order + 1]).abs() < 1e-6, "{t} {order}");
             }
         }
-        let mut walk = curve.walk();
+        let mut in_order = profile.states_in_order();
         for k in 0..=40 {
             let t = 0.05 * f64::from(k);
-            assert_eq!(walk(t), curve.at(t));
-            let when = curve.when(curve.at(t)[0]);
-            assert!((when - t).abs() < 1e-5 && curve.at(when)[0] >= curve.at(t)[0] - 1e-15, "{t}");
+            assert_eq!(in_order(t), profile.state(t));
+            let found = profile.time_at(profile.state(t)[0]);
+            assert!(
+                (found - t).abs() < 1e-5 && profile.state(found)[0] >= profile.state(t)[0] - 1e-15,
+                "{t}"
+            );
         }
-        let slow = curve.slowed(2.0);
+        let slow = profile.slowed(2.0);
         assert_eq!(slow.duration(), 4.0);
-        assert!((slow.at(1.4)[1] - curve.at(0.7)[1] / 2.0).abs() < 1e-14);
+        assert!((slow.state(1.4)[1] - profile.state(0.7)[1] / 2.0).abs() < 1e-14);
     }
 }

@@ -1,95 +1,102 @@
-//! A step at many times, axis by axis.
+//! States of the moving axes of a step at many times.
 
 use super::profile::AxisState;
-use super::{Segment, Trajectory, on_line};
+use super::segment::{Segment, derivatives_along_path};
+use super::trajectory::Trajectory;
 
-/// What the axes of a step do at times that grow.
+/// States of the moving axes of a step at times in growing order.
 ///
-/// It is used for one step after the other, so that its room is taken once.
+/// A sampler is used for one step after the other, so that its memory is allocated once.
 #[derive(Default)]
 pub(crate) struct AxisSampler {
-    /// Axes that do anything in the step, as indices in growing order.
+    /// Indices of the axes that move in the step, in growing order.
     moving: Vec<usize>,
-    /// Of each of them, by time; there may be more than there are axes that move.
+    /// States of each moving axis, by time; spare entries keep their memory for steps with more moving axes.
     states: Vec<Vec<AxisState>>,
-    /// Where along a line they are, and in which interval of it.
+    /// Interval of the spline and state of the path parameter at each time, where the step is a line.
     along: Vec<(usize, AxisState)>,
 }
 
 impl AxisSampler {
-    /// Takes up a step.
+    /// Samples a step.
     ///
     /// # Arguments
-    /// * `times` – since its start, growing [s]
-    pub(crate) fn take(&mut self, motion: &Trajectory, index: usize, times: &[f64]) {
-        let (step, way) = (&motion.steps[index], &*motion.ways[index]);
-        self.moving = motion.moving(index);
+    /// * `times` – since the start of the step, in growing order [s]
+    pub(crate) fn sample_step(&mut self, trajectory: &Trajectory, index: usize, times: &[f64]) {
+        let (step, segment) = (&trajectory.steps[index], &**trajectory.segments[index]);
+        self.moving = trajectory.moving_axes(index);
         if self.states.len() < self.moving.len() {
             self.states.resize_with(self.moving.len(), Vec::new);
         }
-        let [lead, tail] = motion.overlaps(index);
-        let duration = way.duration();
-        let own = |since: f64| (since + lead).max(0.0);
-        if let Segment::Line { line, pace } = way {
-            let (mut at, mut interval) = (pace.walk(), line.spline.walk());
+        let overlaps = trajectory.half_overlaps(index);
+        let duration = segment.duration();
+        let in_segment = |since: f64| (since + overlaps.previous).max(0.0);
+        if let Segment::Line { path, parameter } = segment {
+            let mut state = parameter.states_in_order();
+            let mut interval = path.spline.intervals_in_order();
             self.along.clear();
             self.along.extend(times.iter().map(|&since| {
-                let along = at(own(since));
+                let along = state(in_segment(since));
                 (interval(along[0]), along)
             }));
         }
         for (&axis, states) in self.moving.iter().zip(&mut self.states) {
             states.clear();
             let end = [step.to[axis], 0.0, 0.0, 0.0];
-            let ended = |since: f64| own(since) >= duration;
-            match way {
+            let ended = |since: f64| in_segment(since) >= duration;
+            match segment {
                 Segment::Dwell { .. } => states.extend(times.iter().map(|_| end)),
-                Segment::PointToPoint(together) => {
-                    let mut at = together.curves[axis].walk();
-                    let mut state = |since: f64| if ended(since) { end } else { at(own(since)) };
+                Segment::PointToPoint(profile) => {
+                    let mut in_order = profile.axes[axis].states_in_order();
+                    let mut state =
+                        |since: f64| if ended(since) { end } else { in_order(in_segment(since)) };
                     states.extend(times.iter().map(|&since| state(since)));
                 }
-                Segment::Line { line, .. } => {
+                Segment::Line { path, .. } => {
                     let state = |since: f64, &(interval, along): &(usize, AxisState)| {
-                        if ended(since) { end } else { on_line(line, interval, axis, along) }
+                        if ended(since) {
+                            end
+                        } else {
+                            derivatives_along_path(path, interval, axis, along)
+                        }
                     };
                     let along = times.iter().zip(&self.along);
                     states.extend(along.map(|(&since, along)| state(since, along)));
                 }
             }
-            if [lead, tail] == [0.0; 2] {
+            if overlaps.previous == 0.0 && overlaps.next == 0.0 {
                 continue;
             }
-            // What the step before, or the next, does beyond the corner.
             for (&since, state) in times.iter().zip(states.iter_mut()) {
-                if since < lead {
-                    let before = &motion.ways[index - 1];
-                    let since = before.duration() + since - lead;
-                    let other = before.state(&motion.steps[index - 1], axis, since);
-                    add(state, other, step.from[axis]);
+                if since < overlaps.previous {
+                    let previous = &trajectory.segments[index - 1];
+                    let time = previous.duration() + since - overlaps.previous;
+                    let other = previous.state(&trajectory.steps[index - 1], axis, time);
+                    superpose(state, other, step.from[axis]);
                 }
-                let next = own(since) - (duration - 2.0 * tail);
-                if tail > 0.0 && next > 0.0 && index + 1 < motion.steps.len() {
-                    let other = motion.ways[index + 1].state(&motion.steps[index + 1], axis, next);
-                    add(state, other, step.to[axis]);
+                let time = in_segment(since) - (duration - 2.0 * overlaps.next);
+                if overlaps.next > 0.0 && time > 0.0 && index + 1 < trajectory.steps.len() {
+                    let next = &trajectory.segments[index + 1];
+                    let other = next.state(&trajectory.steps[index + 1], axis, time);
+                    superpose(state, other, step.to[axis]);
                 }
             }
         }
     }
 
-    /// Axes that do anything in the step, as indices in growing order.
+    /// Indices of the axes that move in the step, in growing order.
     pub(crate) fn moving(&self) -> &[usize] {
         &self.moving
     }
 
-    /// Of each of [`Self::moving`], by time.
+    /// States of each of [`Self::moving`], by time.
     pub(crate) fn states(&self) -> &[Vec<AxisState>] {
         &self.states[..self.moving.len()]
     }
 }
 
-/// Adds what another step does beyond a corner.
-fn add(state: &mut AxisState, other: AxisState, corner: f64) {
+/// Adds the displacement of another segment from the corner that both share, and its derivatives.
+fn superpose(state: &mut AxisState, other: AxisState, corner: f64) {
     state[0] += other[0] - corner;
     for order in 1..4 {
         state[order] += other[order];

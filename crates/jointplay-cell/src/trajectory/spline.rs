@@ -1,25 +1,25 @@
-//! Positions of all axes along a path: cubic pieces with continuous first and second derivatives.
+//! Positions of all axes over a path parameter: cubic pieces with continuous first and second derivatives.
 
 use std::hash::Hasher;
 
-use super::profile::put;
+use super::profile::hash_numbers;
 
-/// Value and three derivatives of one axis.
+/// Position of one axis with its first three derivatives by the path parameter.
 pub(crate) type Jet = [f64; 4];
 
-/// A cubic spline through positions of all axes, knots growing from 0 to 1.
+/// A cubic spline through positions of all axes, over knots that grow from 0 to 1.
 #[derive(Debug, Clone)]
 pub(crate) struct Spline {
     knots: Vec<f64>,
-    /// For each interval, each axis' jet at its start.
+    /// Jets of all axes at the start of each interval.
     jets: Vec<Vec<Jet>>,
 }
 
 impl Spline {
-    /// Through `values` at `knots`, at least four; the first two pieces are one cubic, and the last two.
+    /// The spline through `values` at `knots`, at least four; the first two intervals share one cubic, and so do the last two.
     ///
     /// # Numerics
-    /// A tridiagonal system an axis, dominated by its diagonal; off a smooth path by the fourth power of the interval.
+    /// One diagonally dominant tridiagonal system for each axis; the error on a smooth path falls with the fourth power of the interval.
     ///
     /// # Source
     /// [deBoor], chapter IV, the "not-a-knot" end condition
@@ -41,19 +41,19 @@ impl Spline {
         Self { knots: knots.to_vec(), jets }
     }
 
-    /// Straight from one position of all axes to another.
+    /// The straight path from one position of all axes to another.
     pub(crate) fn straight(from: &[f64], to: &[f64]) -> Self {
         let jet = |(from, to): (&f64, &f64)| [*from, to - from, 0.0, 0.0];
         Self { knots: vec![0.0, 1.0], jets: vec![from.iter().zip(to).map(jet).collect()] }
     }
 
-    /// The interval that holds `s`.
+    /// Index of the interval that holds `s`.
     pub(crate) fn interval(&self, s: f64) -> usize {
         self.knots.partition_point(|&knot| knot <= s).clamp(1, self.jets.len()) - 1
     }
 
-    /// [`Self::interval`] of parameters that grow.
-    pub(crate) fn walk(&self) -> impl FnMut(f64) -> usize + '_ {
+    /// As [`Self::interval`], for parameters in growing order: each call continues the search where the last one ended.
+    pub(crate) fn intervals_in_order(&self) -> impl FnMut(f64) -> usize + '_ {
         let mut interval = 0;
         move |s| {
             while interval + 1 < self.jets.len() && self.knots[interval + 1] <= s {
@@ -63,54 +63,54 @@ impl Spline {
         }
     }
 
-    /// The jet of an axis at `s` by the cubic of an interval.
+    /// Jet of an axis at `s`, by the cubic of an interval.
     pub(crate) fn jet(&self, interval: usize, axis: usize, s: f64) -> Jet {
-        after(&self.jets[interval][axis], s - self.knots[interval])
+        advanced(&self.jets[interval][axis], s - self.knots[interval])
     }
 
-    /// For each interval, each axis' jet at its start.
+    /// Jets of all axes at the start of each interval.
     pub(crate) fn jets(&self) -> impl Iterator<Item = &[Jet]> {
         self.jets.iter().map(Vec::as_slice)
     }
 
-    /// Whether an axis does anything along it.
+    /// Whether an axis moves along the path.
     pub(crate) fn moves(&self, axis: usize) -> bool {
         self.jets.iter().any(|jets| jets[axis][1..] != [0.0; 3])
     }
 
-    /// Positions of all axes at `s`.
+    /// Positions of all axes at `s` [m or rad].
     pub(crate) fn positions(&self, s: f64) -> Vec<f64> {
         let interval = self.interval(s);
         (0..self.jets[interval].len()).map(|axis| self.jet(interval, axis, s)[0]).collect()
     }
 
-    /// Largest slope of an axis, up or down: at a knot, or where the curvature of a piece is zero.
-    pub(crate) fn steepest(&self, axis: usize) -> f64 {
+    /// Largest absolute slope of an axis: it is at a knot, or where the curvature of a piece is zero.
+    pub(crate) fn max_slope(&self, axis: usize) -> f64 {
         let pieces = self.jets.iter().zip(self.knots.windows(2));
         pieces.fold(0.0, |most, (jets, ends)| {
             let [_, slope, curvature, third] = jets[axis];
             let whole = ends[1] - ends[0];
             let turn = (-curvature / third).clamp(0.0, whole);
             let at = |t: f64| (slope + t * (curvature + t * third / 2.0)).abs();
-            // A piece without a third derivative has no turn: that is no number, and never the most.
+            // Without a third derivative `turn` is NaN, which `max` passes over.
             most.max(at(0.0)).max(at(whole)).max(at(turn))
         })
     }
 
-    /// Adds all that it is made of to a hash.
-    pub(crate) fn hash(&self, to: &mut impl Hasher) {
-        put(to, &self.knots);
-        self.jets().flatten().for_each(|jet| put(to, jet));
+    /// Adds everything that determines the path to a hash.
+    pub(crate) fn hash(&self, hasher: &mut impl Hasher) {
+        hash_numbers(hasher, &self.knots);
+        self.jets().flatten().for_each(|jet| hash_numbers(hasher, jet));
     }
 
-    /// Where the pieces meet, and both ends.
+    /// Path parameters at which the pieces meet, and both ends.
     pub(crate) fn knots(&self) -> &[f64] {
         &self.knots
     }
 }
 
-/// A jet farther on by the same cubic.
-pub(crate) fn after([y, slope, curvature, third]: &Jet, t: f64) -> Jet {
+/// A jet advanced along its cubic.
+pub(crate) fn advanced([y, slope, curvature, third]: &Jet, t: f64) -> Jet {
     [
         y + t * (slope + t * (curvature / 2.0 + t * third / 6.0)),
         slope + t * (curvature + t * third / 2.0),
@@ -119,7 +119,7 @@ pub(crate) fn after([y, slope, curvature, third]: &Jet, t: f64) -> Jet {
     ]
 }
 
-/// Second derivatives at the knots.
+/// Second derivatives of one axis at the knots, by the "not-a-knot" end condition.
 fn curvatures(h: &[f64], y: &dyn Fn(usize) -> f64) -> Vec<f64> {
     let last = h.len();
     let inner = last - 1;
@@ -132,7 +132,7 @@ fn curvatures(h: &[f64], y: &dyn Fn(usize) -> f64) -> Vec<f64> {
         above[row] = h[k];
         right[row] = 6.0 * ((y(k + 1) - y(k)) / h[k] - (y(k) - y(k - 1)) / h[k - 1]);
     }
-    // The curvature beyond the first and last inner knot goes on in a straight line.
+    // The curvature is extrapolated linearly beyond the first and last inner knot, which makes the third derivative continuous there.
     let (first, end) = (h[0] / h[1], h[last - 1] / h[last - 2]);
     diagonal[0] += below[0] * (1.0 + first);
     above[0] -= below[0] * first;
@@ -158,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cubic_is_met_exactly_on_uneven_knots() {
+    fn spline_reproduces_a_cubic_on_uneven_knots() {
         let cubic = |s: f64| 1.0 + s * (-2.0 + s * (0.5 + s * 3.0));
         let knots = [0.0, 0.1, 0.35, 0.4, 0.8, 1.0];
         let values: Vec<Vec<f64>> = knots.iter().map(|&s| vec![cubic(s), -cubic(s)]).collect();
@@ -171,19 +171,19 @@ mod tests {
             }
             assert!((spline.positions(s)[1] + cubic(s)).abs() < 1e-13);
         }
-        // Its slope is −2 + s + 9 s²; of 4 s (1 − s)² it is 4 (1 − s) (1 − 3 s), which turns at 2/3.
-        assert!((spline.steepest(0) - 8.0).abs() < 1e-11);
+        // The slope of the cubic is −2 + s + 9 s²; that of 4 s (1 − s)² is 4 (1 − s) (1 − 3 s), with its extremum at 2/3.
+        assert!((spline.max_slope(0) - 8.0).abs() < 1e-11);
         let values: Vec<Vec<f64>> = knots
             .iter()
             .map(|&s: &f64| vec![4.0 * s * (1.0 - s).powi(2) - 3.5 * s, 2.0 * s])
             .collect();
         let spline = Spline::through(&knots, &values);
-        assert!((spline.steepest(0) - (4.0 / 3.0 + 3.5)).abs() < 1e-11);
-        assert!((spline.steepest(1) - 2.0).abs() < 1e-12);
+        assert!((spline.max_slope(0) - (4.0 / 3.0 + 3.5)).abs() < 1e-11);
+        assert!((spline.max_slope(1) - 2.0).abs() < 1e-12);
     }
 
     #[test]
-    fn halving_the_intervals_takes_the_error_by_sixteen() {
+    fn error_falls_with_the_fourth_power_of_the_interval() {
         let error = |pieces: u32| {
             let knots: Vec<f64> = (0..=pieces).map(|k| f64::from(k) / f64::from(pieces)).collect();
             let values: Vec<Vec<f64>> = knots.iter().map(|s| vec![(3.0 * s).sin()]).collect();

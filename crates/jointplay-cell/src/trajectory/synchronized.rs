@@ -1,4 +1,4 @@
-//! All axes from rest to rest in the same time, each on its own way.
+//! Point-to-point moves: all axes from rest to rest, ending at the same time.
 
 use rsruckig::prelude::{
     InputParameter, RuckigResult, Synchronization, ThrowErrorHandler, Trajectory,
@@ -8,77 +8,81 @@ use rsruckig::ruckig::Ruckig;
 use super::profile::JerkLimitedProfile;
 use crate::robot::KinematicLimits;
 
-/// Axes that go from rest to rest together, and the one that takes the whole time.
+/// Profiles of all axes from rest to rest, synchronized in time.
 #[derive(Debug, Clone)]
 pub(crate) struct SynchronizedProfile {
-    /// In the order of the axes.
-    pub(crate) curves: Vec<JerkLimitedProfile>,
-    /// How long all take [s].
+    /// Profile of each axis, in the order of the axes.
+    pub(crate) axes: Vec<JerkLimitedProfile>,
+    /// Duration that all profiles have [s].
     pub(crate) duration: f64,
-    /// The axis that would be last if each went as fast as it may; `None` where none moves.
-    pub(crate) slowest: Option<usize>,
+    /// Axis with the longest minimum duration, which determines that of all; `None` where no axis moves.
+    pub(crate) limiting_axis: Option<usize>,
 }
 
-/// Shares by which jerks are lowered, one after the other, where the planner finds nothing.
-///
-/// An axis whose way is the least that takes it to its acceleration limit, 2 a³ / j², has a profile of two kinds at once, and within round-off of that the planner may find neither.
-const LOWERED: [f64; 4] = [0.0, 1e-12, 1e-10, 1e-8];
+impl SynchronizedProfile {
+    /// All profiles stretched in time by a factor.
+    pub(super) fn slowed(&self, factor: f64) -> Self {
+        Self {
+            axes: self.axes.iter().map(|profile| profile.slowed(factor)).collect(),
+            duration: self.duration * factor,
+            limiting_axis: self.limiting_axis,
+        }
+    }
+}
 
-/// The fastest time-synchronised motion within jerk, acceleration and velocity limits.
+/// Shares by which the jerk limits are lowered, one after the other, until the planner finds a profile.
+///
+/// Where the displacement is the least one at which an axis reaches its acceleration limit, 2 a³ / j², two kinds of profile coincide.
+/// Within round-off of that displacement the planner may find neither, and jerk limits lowered by far less than any tolerance separate the two.
+const LOWERED_JERK_SHARES: [f64; 4] = [0.0, 1e-12, 1e-10, 1e-8];
+
+/// The fastest time-synchronized move within velocity, acceleration and jerk limits.
 ///
 /// # Errors
 /// [`NoProfile`]
 ///
 /// # Source
 /// [Ruckig]
-pub(crate) fn together(
+pub(crate) fn synchronized_profile(
     from: &[f64],
     to: &[f64],
     limits: impl Fn(usize) -> KinematicLimits,
 ) -> Result<SynchronizedProfile, NoProfile> {
     let moving: Vec<usize> = (0..from.len()).filter(|&axis| from[axis] != to[axis]).collect();
-    let mut curves: Vec<Option<JerkLimitedProfile>> = vec![None; from.len()];
-    let (mut duration, mut slowest) = (0.0, None);
-    if !moving.is_empty() {
-        let count = moving.len();
-        let allowed: Vec<KinematicLimits> = moving.iter().map(|&axis| limits(axis)).collect();
-        let mut attempts = LOWERED.iter().map(|&lowered| (Units::SI, lowered));
-        let found = attempts.find_map(|(units, lowered)| {
-            planned((&moving, from, to), &allowed, (units, lowered)).map(|found| (units, found))
+    if moving.is_empty() {
+        let axes = from.iter().map(|&position| JerkLimitedProfile::at_rest(position, 0.0));
+        return Ok(SynchronizedProfile {
+            axes: axes.collect(),
+            duration: 0.0,
+            limiting_axis: None,
         });
-        let found = found.or_else(|| {
-            // Far from the order of 1 the planner's own tolerances decide.
-            let units = Units::of((&moving, from, to), &allowed)?;
-            planned((&moving, from, to), &allowed, (units, 0.0)).map(|found| (units, found))
-        });
-        let (units, planned) = found.ok_or_else(|| NoProfile::of((&moving, from, to), &allowed))?;
-        duration = planned.duration * units.time;
-        let alone = &planned.independent_min_durations;
-        slowest =
-            (0..count).max_by(|&a, &b| alone[a].total_cmp(&alone[b])).map(|place| moving[place]);
-        for (place, &axis) in moving.iter().enumerate() {
-            let profile = &planned.profiles[0][place];
-            let jerk = units.length / units.time.powi(3);
-            let stretches = profile.t.into_iter().zip(profile.j);
-            let stretches: Vec<(f64, f64)> =
-                stretches.map(|(time, value)| (time * units.time, value * jerk)).collect();
-            curves[axis] = Some(JerkLimitedProfile::through(from[axis], to[axis], &stretches));
-        }
     }
-    let curves = curves
-        .into_iter()
-        .zip(from)
-        .map(|(curve, &position)| {
-            curve.unwrap_or_else(|| JerkLimitedProfile::still(position, duration))
-        })
-        .collect();
-    Ok(SynchronizedProfile { curves, duration, slowest })
+    let limits = moving.iter().map(|&axis| limits(axis)).collect();
+    let request = Move { moving, from, to, limits };
+    let mut attempts = LOWERED_JERK_SHARES.iter();
+    let found = attempts.find_map(|&share| Some((Units::SI, request.plan(Units::SI, share)?)));
+    let found = found.or_else(|| {
+        // The planner's tolerances are absolute: numbers far from 1 are planned in units in which they are near 1.
+        let units = request.natural_units()?;
+        Some((units, request.plan(units, 0.0)?))
+    });
+    let (units, planned) = found.ok_or_else(|| NoProfile::new(&request))?;
+    Ok(request.profiles(units, &planned))
 }
 
-/// Axes that move, by index, and where all of them start and end.
-type Move<'a> = (&'a [usize], &'a [f64], &'a [f64]);
+/// A move to plan.
+struct Move<'a> {
+    /// Indices of the axes that move.
+    moving: Vec<usize>,
+    /// Start positions of all axes [m or rad].
+    from: &'a [f64],
+    /// End positions of all axes [m or rad].
+    to: &'a [f64],
+    /// Limits of each moving axis.
+    limits: Vec<KinematicLimits>,
+}
 
-/// What lengths and times are counted in.
+/// Units of length (or angle) and time.
 #[derive(Debug, Clone, Copy)]
 struct Units {
     /// [m or rad]
@@ -93,74 +97,101 @@ impl Units {
     fn are_si(self) -> bool {
         self.length == 1.0 && self.time == 1.0
     }
+}
 
-    /// Units in which the longest displacement and the time that its jerk alone asks for are 1.
-    fn of((moving, from, to): Move<'_>, limits: &[KinematicLimits]) -> Option<Self> {
-        let far = |&axis: &usize| (to[axis] - from[axis]).abs();
-        let length = moving.iter().map(far).fold(0.0, f64::max);
-        let times = moving.iter().zip(limits).map(|(axis, allowed)| far(axis) / allowed.jerk);
+impl Move<'_> {
+    /// Absolute displacement of each moving axis [m or rad].
+    fn displacements(&self) -> impl Iterator<Item = f64> + '_ {
+        self.moving.iter().map(|&axis| (self.to[axis] - self.from[axis]).abs())
+    }
+
+    /// Units in which the longest displacement is 1, and so is the longest time that a displacement takes at the jerk limit alone.
+    fn natural_units(&self) -> Option<Units> {
+        let length = self.displacements().fold(0.0, f64::max);
+        let times = self.displacements().zip(&self.limits);
+        let times = times.map(|(displacement, limits)| displacement / limits.jerk);
         let time = times.fold(0.0, f64::max).cbrt();
-        (length.is_normal() && time.is_normal()).then_some(Self { length, time })
+        (length.is_normal() && time.is_normal()).then_some(Units { length, time })
+    }
+
+    /// Profiles in the units given, the jerk limits lowered by a share; `None` where the planner finds none.
+    fn plan(&self, units: Units, lowered_share: f64) -> Option<Trajectory<0>> {
+        let count = self.moving.len();
+        let mut input = InputParameter::<0>::new(Some(count));
+        input.synchronization = Synchronization::Time;
+        let Units { length, time } = units;
+        for (index, (&axis, limits)) in self.moving.iter().zip(&self.limits).enumerate() {
+            // In units other than SI, a short displacement far from zero would be lost in round-off.
+            let zero = if units.are_si() { 0.0 } else { self.from[axis] };
+            input.current_position[index] = (self.from[axis] - zero) / length;
+            input.target_position[index] = (self.to[axis] - zero) / length;
+            input.max_velocity[index] = limits.velocity * time / length;
+            input.max_acceleration[index] = limits.acceleration * time * time / length;
+            input.max_jerk[index] = (1.0 - lowered_share) * limits.jerk * time.powi(3) / length;
+        }
+        let mut planner = Ruckig::<0, ThrowErrorHandler>::new(Some(count), 1e-3);
+        let mut planned = Trajectory::<0>::new(Some(count));
+        match planner.calculate(&input, &mut planned) {
+            Ok(RuckigResult::Working | RuckigResult::Finished) => {
+                // The planner takes a very short displacement for none, and returns a move without duration.
+                (planned.duration.is_finite() && planned.duration > 0.0).then_some(planned)
+            }
+            // Other results and errors print the planner's state, and contain nothing else that is of use.
+            Ok(_) | Err(_) => None,
+        }
+    }
+
+    /// The profiles of all axes that the planner found.
+    fn profiles(&self, units: Units, planned: &Trajectory<0>) -> SynchronizedProfile {
+        let duration = planned.duration * units.time;
+        let minimum = &planned.independent_min_durations;
+        let limiting = (0..self.moving.len()).max_by(|&a, &b| minimum[a].total_cmp(&minimum[b]));
+        let mut axes: Vec<JerkLimitedProfile> = self
+            .from
+            .iter()
+            .map(|&position| JerkLimitedProfile::at_rest(position, duration))
+            .collect();
+        let jerk = units.length / units.time.powi(3);
+        for (index, &axis) in self.moving.iter().enumerate() {
+            let profile = &planned.profiles[0][index];
+            let pieces = profile.t.into_iter().zip(profile.j);
+            let pieces: Vec<(f64, f64)> =
+                pieces.map(|(time, value)| (time * units.time, value * jerk)).collect();
+            axes[axis] = JerkLimitedProfile::from_pieces(self.from[axis], self.to[axis], &pieces);
+        }
+        SynchronizedProfile { axes, duration, limiting_axis: limiting.map(|k| self.moving[k]) }
     }
 }
 
-/// No profile was found for a motion of axes from rest to rest.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+/// No profile was found for a point-to-point move.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "no jerk-limited profile was found for axes that move by {least:.3e} to {most:.3e} (m or rad), with speeds up to {velocity:.3e}, accelerations up to {acceleration:.3e} and jerks up to {jerk:.3e} in the same unit and s; bring distance and limits closer to each other"
+    "no jerk-limited profile was found for axes that move by {min_displacement:.3e} to {max_displacement:.3e} (m or rad), with velocities up to {velocity:.3e}, accelerations up to {acceleration:.3e} and jerks up to {jerk:.3e} in the same unit and s; bring distance and limits closer to each other"
 )]
-pub(crate) struct NoProfile {
-    /// Least and largest displacement of an axis that moves [m or rad].
-    pub(crate) least: f64,
-    pub(crate) most: f64,
-    /// Largest limits among them [m/s or rad/s, and so on].
-    pub(crate) velocity: f64,
-    pub(crate) acceleration: f64,
-    pub(crate) jerk: f64,
+pub struct NoProfile {
+    /// Least displacement of a moving axis [m or rad].
+    pub min_displacement: f64,
+    /// Largest displacement of a moving axis [m or rad].
+    pub max_displacement: f64,
+    /// Largest velocity limit of a moving axis [m/s or rad/s].
+    pub velocity: f64,
+    /// Largest acceleration limit of a moving axis [m/s² or rad/s²].
+    pub acceleration: f64,
+    /// Largest jerk limit of a moving axis [m/s³ or rad/s³].
+    pub jerk: f64,
 }
 
 impl NoProfile {
-    fn of((moving, from, to): Move<'_>, limits: &[KinematicLimits]) -> Self {
-        let far = || moving.iter().map(|&axis| (to[axis] - from[axis]).abs());
-        let most = |of: fn(&KinematicLimits) -> f64| limits.iter().map(of).fold(0.0, f64::max);
+    fn new(request: &Move<'_>) -> Self {
+        let largest =
+            |of: fn(&KinematicLimits) -> f64| request.limits.iter().map(of).fold(0.0, f64::max);
         Self {
-            least: far().fold(f64::INFINITY, f64::min),
-            most: far().fold(0.0, f64::max),
-            velocity: most(|of| of.velocity),
-            acceleration: most(|of| of.acceleration),
-            jerk: most(|of| of.jerk),
+            min_displacement: request.displacements().fold(f64::INFINITY, f64::min),
+            max_displacement: request.displacements().fold(0.0, f64::max),
+            velocity: largest(|limits| limits.velocity),
+            acceleration: largest(|limits| limits.acceleration),
+            jerk: largest(|limits| limits.jerk),
         }
-    }
-}
-
-/// A profile of each axis in the units given; `None` where the planner finds none.
-fn planned(
-    (moving, from, to): Move<'_>,
-    limits: &[KinematicLimits],
-    (units, lowered): (Units, f64),
-) -> Option<Trajectory<0>> {
-    let count = moving.len();
-    let mut input = InputParameter::<0>::new(Some(count));
-    input.synchronization = Synchronization::Time;
-    let Units { length, time } = units;
-    for (place, (&axis, allowed)) in moving.iter().zip(limits).enumerate() {
-        // In other units, a short displacement far from zero would be round-off.
-        let zero = if units.are_si() { 0.0 } else { from[axis] };
-        input.current_position[place] = (from[axis] - zero) / length;
-        input.target_position[place] = (to[axis] - zero) / length;
-        input.max_velocity[place] = allowed.velocity * time / length;
-        input.max_acceleration[place] = allowed.acceleration * time * time / length;
-        input.max_jerk[place] = (1.0 - lowered) * allowed.jerk * time.powi(3) / length;
-    }
-    let mut planner = Ruckig::<0, ThrowErrorHandler>::new(Some(count), 1e-3);
-    let mut planned = Trajectory::<0>::new(Some(count));
-    match planner.calculate(&input, &mut planned) {
-        Ok(RuckigResult::Working | RuckigResult::Finished) => {
-            // What moves takes time; to the planner, a very short way is none.
-            (planned.duration.is_finite() && planned.duration > 0.0).then_some(planned)
-        }
-        // Its other answers and its errors print its own state, and say no more than this.
-        Ok(_) | Err(_) => None,
     }
 }
 
@@ -169,12 +200,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_way_that_just_takes_an_axis_to_its_acceleration_is_planned() {
-        // 30 mm at 1.5 m/s² and 15 m/s³ are 2 a³ / j²; rods as a lift had them.
+    fn displacement_that_just_reaches_the_acceleration_limit_is_planned() {
+        // 30 mm at 1.5 m/s² and 15 m/s³ are 2 a³ / j²; rod positions of a lift.
         let from = [0.5409999998136328, 0.5410000002384691, 0.5409999999274673];
         let to = [0.5709999998136328, 0.5710000002384691, 0.5709999999274673];
         let limits = KinematicLimits { velocity: 0.3, acceleration: 1.5, jerk: 15.0 };
-        let found = together(&from, &to, |_| limits).unwrap();
+        let found = synchronized_profile(&from, &to, |_| limits).unwrap();
         assert!((found.duration - 0.4).abs() < 1e-9, "{}", found.duration);
         for k in 0..4000_u32 {
             let random = |by: u32| f64::from(k.wrapping_mul(by) % 997) / 997.0;
@@ -183,33 +214,33 @@ mod tests {
                 acceleration: 0.5 + 5.0 * random(31),
                 jerk: 10.0 + 100.0 * random(57),
             };
-            let way = 2.0 * limits.acceleration.powi(3) / limits.jerk.powi(2);
+            let displacement = 2.0 * limits.acceleration.powi(3) / limits.jerk.powi(2);
             let from = random(71);
-            let found = together(&[from], &[from + way], |_| limits).unwrap();
+            let found = synchronized_profile(&[from], &[from + displacement], |_| limits).unwrap();
             let expected = 4.0 * limits.acceleration / limits.jerk;
             assert!((found.duration / expected - 1.0).abs() < 1e-9, "{k}: {}", found.duration);
         }
     }
 
     #[test]
-    fn a_single_axis_takes_the_time_of_the_closed_form() {
+    fn duration_of_one_axis_is_that_of_the_closed_form() {
         // Long enough to reach all limits: t = d/v + v/a + a/j.
         let limits = KinematicLimits { velocity: 1.0, acceleration: 4.0, jerk: 40.0 };
-        let found = together(&[0.5, 2.0], &[-1.5, 2.0], |_| limits).unwrap();
+        let found = synchronized_profile(&[0.5, 2.0], &[-1.5, 2.0], |_| limits).unwrap();
         assert!((found.duration - (2.0 + 0.25 + 0.1)).abs() < 1e-12, "{}", found.duration);
-        assert_eq!(found.slowest, Some(0));
-        assert_eq!(found.curves[1].at(1.0), [2.0, 0.0, 0.0, 0.0]);
-        assert_eq!(found.curves[0].at(found.duration)[0], -1.5);
+        assert_eq!(found.limiting_axis, Some(0));
+        assert_eq!(found.axes[1].state(1.0), [2.0, 0.0, 0.0, 0.0]);
+        assert_eq!(found.axes[0].state(found.duration)[0], -1.5);
     }
 
     #[test]
-    fn displacements_and_limits_of_any_size_have_a_profile_or_an_error_in_own_words() {
+    fn displacements_and_limits_of_any_size_have_a_profile_or_a_typed_error() {
         // Jerk alone limits: t = 4 (d / 2 j)^(1/3); by an independent closed form.
         for far in [1e-12, 1e-9, 1e-3, 1.0] {
             for jerk in [1e-9, 1e-3, 1.0, 1e6, 1e15] {
                 let limits = KinematicLimits { velocity: 1e30, acceleration: 1e30, jerk };
                 let expected = 4.0 * (far / (2.0 * jerk)).cbrt();
-                match together(&[0.5], &[0.5 + far], |_| limits) {
+                match synchronized_profile(&[0.5], &[0.5 + far], |_| limits) {
                     Ok(found) => {
                         let off = (found.duration / expected - 1.0).abs();
                         // The displacement itself is round-off of 0.5.
@@ -225,9 +256,9 @@ mod tests {
     }
 
     #[test]
-    fn nothing_to_do_takes_no_time() {
+    fn move_without_displacement_has_no_duration() {
         let limits = KinematicLimits { velocity: 1.0, acceleration: 1.0, jerk: 1.0 };
-        let found = together(&[0.5], &[0.5], |_| limits).unwrap();
-        assert_eq!((found.duration, found.slowest), (0.0, None));
+        let found = synchronized_profile(&[0.5], &[0.5], |_| limits).unwrap();
+        assert_eq!((found.duration, found.limiting_axis), (0.0, None));
     }
 }

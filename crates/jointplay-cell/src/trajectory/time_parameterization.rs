@@ -1,314 +1,373 @@
-//! How fast a path is run through: one parameter in time, so that every axis stays within its limits.
+//! Time parameterization of a path: its parameter over time, within the limits of all axes.
+//!
+//! For a path q(s), the axes move with
+//!
+//! ```text
+//!    q̇ = q' ṡ        q̈ = q'' ṡ² + q' s̈        q⃛ = q''' ṡ³ + 3 q'' ṡ s̈ + q' s⃛
+//! ```
+//! Limits of velocity and acceleration bound ṡ² and s̈ at each s: the fastest parameterization under them is found by reachability analysis ([TOPPRA]).
+//! It switches the acceleration at once; a moving average over time bounds the jerk.
+//! Because the average passes each s at another time, the result is verified on a fine grid and slowed as a whole until all limits hold.
 
-use super::profile::JerkLimitedProfile;
+use super::profile::{AxisState, JerkLimitedProfile};
 use super::spline::{self, Jet, Spline};
-use super::synchronized::{NoProfile, together};
+use super::synchronized::{NoProfile, synchronized_profile};
 use crate::robot::KinematicLimits;
 
-/// Stages at which the fastest way under speed and acceleration limits is decided.
-const STAGES: usize = 80;
-/// Times at which a candidate is held against the limits while the best is looked for.
-const GLANCES: usize = 100;
-/// Times at which the best one is, besides those where its jerk or that of the path changes.
-const PROBES: usize = 1200;
-/// Slack left below each limit for what lies between the probes, as a share.
-const SLACK: f64 = 2e-3;
-/// By how much a path may exceed its limits and count as keeping them, as a share: round-off.
-const EXACT: f64 = 3e-10;
-/// Shares of the acceleration limits that the fastest way is looked for with: what is left is for the jerk.
-const SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.42, 0.28];
-/// Difference of the axes' speeds along the path up to which it counts as evenly geared, as a share.
-const EVEN: f64 = 0.02;
+/// Number of intervals between grid points of the path parameter.
+const GRID_INTERVALS: usize = 80;
+/// Number of times at which a candidate is compared with the limits while the best is searched for.
+const COARSE_SAMPLES: usize = 100;
+/// Number of times at which the result is verified, besides those where its jerk or that of the path is discontinuous.
+const VERIFICATION_SAMPLES: usize = 1200;
+/// Margin kept below each limit for the times between verified ones, as a share of the limit.
+const MARGIN: f64 = 2e-3;
+/// Share by which a limit may be exceeded by round-off.
+const ROUND_OFF: f64 = 3e-10;
+/// Shares of the acceleration limits that the fastest parameterization may use; the rest is left to the jerk.
+const ACCELERATION_SHARES: [f64; 5] = [1.0, 0.8, 0.6, 0.42, 0.28];
+/// Windows of the moving average as shares of the duration, halved k times; those first that are most often the best, because a good candidate shortens the comparison of all others.
+const WINDOW_HALVINGS: [i32; 7] = [3, 4, 2, 5, 1, 6, 7];
+/// Windows relative to the best window of the acceleration share before.
+const WINDOW_FACTORS: [f64; 5] = [1.0, 0.7, 1.4, 0.5, 2.0];
+/// Largest difference of an axis' slopes along a path that counts as straight, as a share of the slope.
+const STRAIGHT: f64 = 0.02;
 
-/// A path, what the axes may do on it, and the largest rate of its parameter [1/s].
+/// A path to parameterize, and its limits.
 pub(crate) struct TimeParameterization<'a> {
-    /// Positions over the parameter.
+    /// Positions of all axes over the path parameter.
     spline: &'a Spline,
-    /// Of each axis that moves.
+    /// Index and limits of each axis that moves.
     limits: Vec<(usize, KinematicLimits)>,
-    /// One by each of them: speed, acceleration and jerk.
-    by: Vec<[f64; 3]>,
-    /// For each interval of the spline the jets of these axes at its start.
+    /// Inverse limits of velocity, acceleration and jerk of each axis that moves.
+    inverse_limits: Vec<[f64; 3]>,
+    /// Jets of the moving axes at the start of each interval of the spline.
     jets: Vec<Jet>,
-    /// Largest rate of the parameter [1/s].
-    rate: f64,
+    /// Largest rate of the path parameter [1/s].
+    max_rate: f64,
+}
+
+/// A piece of a parameterization with constant acceleration of the path parameter.
+#[derive(Clone, Copy)]
+struct Piece {
+    /// [s]
+    duration: f64,
+    /// [1/s²]
+    acceleration: f64,
 }
 
 impl<'a> TimeParameterization<'a> {
     /// # Arguments
-    /// * `limits` – of each axis
-    /// * `rate` – the largest of the parameter [1/s]
-    pub(crate) fn new(spline: &'a Spline, limits: &[KinematicLimits], rate: f64) -> Self {
+    /// * `limits` – limits of each axis
+    /// * `max_rate` – largest rate of the path parameter [1/s]
+    pub(crate) fn new(spline: &'a Spline, limits: &[KinematicLimits], max_rate: f64) -> Self {
         let limits = limits.iter().copied().enumerate();
         let limits: Vec<(usize, KinematicLimits)> =
             limits.filter(|(axis, _)| spline.moves(*axis)).collect();
-        let by = limits.iter().map(|(_, limits)| {
+        let inverse_limits = limits.iter().map(|(_, limits)| {
             [limits.velocity, limits.acceleration, limits.jerk].map(|limit| 1.0 / limit)
         });
         let jets = spline.jets().flat_map(|jets| limits.iter().map(|&(axis, _)| jets[axis]));
-        Self { spline, by: by.collect(), jets: jets.collect(), limits, rate }
+        let (inverse_limits, jets) = (inverse_limits.collect(), jets.collect());
+        Self { spline, inverse_limits, jets, limits, max_rate }
     }
 
-    /// The parameter from 0 to 1 in time.
+    /// The path parameter over time, from 0 to 1.
     ///
-    /// A path that gears all axes evenly is run through like a single axis.
-    /// On any other the fastest way under speed and acceleration limits is found stage by stage, so that it slows down where an axis has to hurry;
-    /// averaging it over a window bounds its jerk, and what still exceeds a limit is slowed down as a whole.
-    /// Several windows are tried, and the shortest result is taken.
+    /// A path on which all axes move in proportion is parameterized like a single axis.
+    /// On any other path, candidates are the fastest parameterizations under several shares of the acceleration limits, each averaged over several windows;
+    /// the shortest candidate is returned, slowed until it keeps all limits.
     ///
     /// # Errors
     /// [`NoProfile`]
     ///
     /// # Source
-    /// [TOPPRA] for the stages; the window is own derivation: it keeps ends and rest, and its jerk is a difference of accelerations over its width
+    /// [TOPPRA] for the parameterization; own derivation for the moving average: it keeps both ends and the rest there, and its jerk is a difference of accelerations over the window
     pub(crate) fn plan(&self) -> Result<JerkLimitedProfile, NoProfile> {
         let single = self.like_one_axis()?;
-        if single.duration() == 0.0 || self.evenly_geared() {
-            return Ok(self.slower_where_it_bends(single));
+        if single.duration() == 0.0 || self.is_straight() {
+            return Ok(self.slowed_for_curvature(single));
         }
+        let best = self.best_candidate().map(|candidate| self.slowed_to_limits(candidate));
+        // The coarse duration of the single-axis profile is a lower bound: if even that is longer, the verification can be spared.
+        let single_bound =
+            self.coarse_duration(&single, f64::INFINITY).unwrap_or(0.0).max(single.duration());
+        Ok(match best {
+            Some(best) if best.duration() < single_bound => best,
+            best => {
+                let single = self.slowed_for_curvature(single);
+                best.filter(|best| best.duration() < single.duration()).unwrap_or(single)
+            }
+        })
+    }
+
+    /// The candidate that is shortest once it is slowed to the limits, by coarse samples; its timing is not yet slowed.
+    fn best_candidate(&self) -> Option<JerkLimitedProfile> {
         let mut best = (f64::INFINITY, None);
-        let mut about = None;
-        let stages: Vec<Stage> = self.stages().map(|s| self.stage(s)).collect();
-        for share in SHARES {
-            let way = self.fastest(&stages, share);
-            let starts = starts(&way);
-            let total = starts[way.len()];
-            // From the second share on only near the width that was best.
-            // Those first that are most likely the best: what they come to spares looks at the others.
-            let widths: Vec<f64> = match about {
-                None => [3, 4, 2, 5, 1, 6, 7].map(|k| total * 0.5_f64.powi(k)).into(),
-                Some(width) => [1.0, 0.7, 1.4, 0.5, 2.0].map(|by| by * width).into(),
+        let mut best_window = None;
+        let grid: Vec<GridPoint> = grid().map(|s| self.grid_point(s)).collect();
+        for share in ACCELERATION_SHARES {
+            let pieces = self.fastest_pieces(&grid, share);
+            let starts = start_times(&pieces);
+            let duration = starts[pieces.len()];
+            let windows: Vec<f64> = match best_window {
+                None => WINDOW_HALVINGS.map(|k| duration * 0.5_f64.powi(k)).into(),
+                Some(window) => WINDOW_FACTORS.map(|factor| factor * window).into(),
             };
-            let mut shortest = f64::INFINITY;
-            for width in widths {
-                let candidate = averaged(&way, &starts, width);
-                let Some(duration) = self.glance(&candidate, shortest.max(best.0)) else {
+            let mut shortest_of_share = f64::INFINITY;
+            for window in windows {
+                let candidate = moving_average(&pieces, &starts, window);
+                let longest = shortest_of_share.max(best.0);
+                let Some(duration) = self.coarse_duration(&candidate, longest) else {
                     continue;
                 };
-                if duration < shortest {
-                    (shortest, about) = (duration, Some(width));
+                if duration < shortest_of_share {
+                    (shortest_of_share, best_window) = (duration, Some(window));
                 }
                 if duration < best.0 {
                     best = (duration, Some(candidate));
                 }
             }
         }
-        let found = best.1.map(|candidate| self.within(candidate));
-        // At least so long, and longer where a limit is passed between two glances.
-        let least = self.glance(&single, f64::INFINITY).unwrap_or(0.0).max(single.duration());
-        Ok(match found {
-            Some(found) if found.duration() < least => found,
-            found => {
-                let single = self.slower_where_it_bends(single);
-                found.filter(|found| found.duration() < single.duration()).unwrap_or(single)
-            }
-        })
+        best.1
     }
 
-    /// What is planned like a single axis: where the path bends, the parameter's speed adds to what the axes do.
-    fn slower_where_it_bends(&self, single: JerkLimitedProfile) -> JerkLimitedProfile {
-        let excess = self.excess(&single);
-        if excess > 1.0 + EXACT { single.slowed(excess * (1.0 + SLACK)) } else { single }
+    /// A profile planned as if the path were straight, slowed where the curvature of the path exceeds the limits.
+    fn slowed_for_curvature(&self, single: JerkLimitedProfile) -> JerkLimitedProfile {
+        let excess = self.limit_excess(&single);
+        if excess > 1.0 + ROUND_OFF { single.slowed(excess * (1.0 + MARGIN)) } else { single }
     }
 
-    /// Constant limits of the parameter from the steepest axis, as if the path were straight.
+    /// A profile slowed until it keeps all limits, or made faster until it uses them.
+    fn slowed_to_limits(&self, profile: JerkLimitedProfile) -> JerkLimitedProfile {
+        let factor = self.limit_excess(&profile) * (1.0 + MARGIN);
+        profile.slowed(factor)
+    }
+
+    /// The profile of a single axis, with constant limits of the parameter by the largest slope of each axis.
     fn like_one_axis(&self) -> Result<JerkLimitedProfile, NoProfile> {
-        let steepest: Vec<f64> =
-            self.limits.iter().map(|&(axis, _)| self.spline.steepest(axis)).collect();
-        let least = |of: &dyn Fn(&KinematicLimits) -> f64| {
-            steepest
+        let slopes: Vec<f64> =
+            self.limits.iter().map(|&(axis, _)| self.spline.max_slope(axis)).collect();
+        let least = |limit: &dyn Fn(&KinematicLimits) -> f64| {
+            slopes
                 .iter()
                 .zip(&self.limits)
                 .filter(|(slope, _)| **slope > 0.0)
-                .map(|(slope, (_, limits))| of(limits) / slope)
+                .map(|(slope, (_, limits))| limit(limits) / slope)
                 .fold(f64::INFINITY, f64::min)
         };
         let limits = KinematicLimits {
-            velocity: least(&|limits| limits.velocity).min(self.rate),
+            velocity: least(&|limits| limits.velocity).min(self.max_rate),
             acceleration: least(&|limits| limits.acceleration),
             jerk: least(&|limits| limits.jerk),
         };
         if !limits.acceleration.is_finite() {
-            return Ok(JerkLimitedProfile::still(1.0, 0.0));
+            return Ok(JerkLimitedProfile::at_rest(1.0, 0.0));
         }
-        let found = together(&[0.0], &[1.0], |_| limits)?;
-        Ok(found.curves.into_iter().next().expect("one axis was asked for"))
+        let found = synchronized_profile(&[0.0], &[1.0], |_| limits)?;
+        Ok(found.axes.into_iter().next().expect("one axis was planned"))
     }
 
-    fn evenly_geared(&self) -> bool {
+    /// Whether all axes move nearly in proportion along the path.
+    fn is_straight(&self) -> bool {
         self.limits.iter().all(|&(axis, _)| {
-            let slopes =
-                self.stages().map(|s| self.spline.jet(self.spline.interval(s), axis, s)[1]);
-            let (least, most) =
+            let slopes = grid().map(|s| self.spline.jet(self.spline.interval(s), axis, s)[1]);
+            let (min, max) =
                 slopes.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-            most - least <= EVEN * most.abs().max(least.abs())
+            max - min <= STRAIGHT * max.abs().max(min.abs())
         })
     }
 
-    fn stages(&self) -> impl Iterator<Item = f64> {
-        (0..=STAGES).map(|stage| stage as f64 / STAGES as f64)
-    }
-
-    /// Stretches of (duration, acceleration) of the parameter, the fastest with a share of the acceleration limits.
-    fn fastest(&self, stages: &[Stage], share: f64) -> Vec<(f64, f64)> {
-        let ds = 1.0 / STAGES as f64;
-        // Squares of the rate from which the rest of the way can still be kept.
-        let mut reach = vec![0.0; STAGES + 1];
-        for k in (0..STAGES).rev() {
-            reach[k] = stages[k].fastest(share, ds, reach[k + 1]);
+    /// The fastest parameterization under the velocity limits and a share of the acceleration limits.
+    ///
+    /// The backward pass computes, for each grid point, the largest x = ṡ² from which the rest of the path can be followed (the upper end of the controllable set);
+    /// the forward pass accelerates as much as the axes allow without leaving these sets.
+    fn fastest_pieces(&self, grid: &[GridPoint], share: f64) -> Vec<Piece> {
+        let ds = 1.0 / GRID_INTERVALS as f64;
+        let mut controllable = vec![0.0; GRID_INTERVALS + 1];
+        for k in (0..GRID_INTERVALS).rev() {
+            controllable[k] = grid[k].controllable(share, ds, controllable[k + 1]);
         }
-        let mut way = Vec::with_capacity(STAGES);
+        let mut pieces = Vec::with_capacity(GRID_INTERVALS);
         let mut x = 0.0_f64;
-        for k in 0..STAGES {
-            let most = stages[k].most(share, x);
-            // Never quite to rest on the way.
-            let floor = if k + 1 < STAGES { 1e-9 * stages[k + 1].cap(share) } else { 0.0 };
-            let next = (x + 2.0 * ds * most).min(reach[k + 1]).max(floor);
+        for k in 0..GRID_INTERVALS {
+            let acceleration = grid[k].max_acceleration(share, x);
+            // The rate stays above zero between the ends: otherwise the piece would take for ever.
+            let floor = if k + 1 < GRID_INTERVALS {
+                1e-9 * grid[k + 1].max_squared_rate(share)
+            } else {
+                0.0
+            };
+            let next = (x + 2.0 * ds * acceleration).min(controllable[k + 1]).max(floor);
             let duration = 2.0 * ds / (x.sqrt() + next.sqrt());
-            way.push((duration, (next - x) / (2.0 * ds)));
+            pieces.push(Piece { duration, acceleration: (next - x) / (2.0 * ds) });
             x = next;
         }
-        way
+        pieces
     }
 
-    fn stage(&self, s: f64) -> Stage {
+    /// Constraints of all axes at one value of the path parameter.
+    fn grid_point(&self, s: f64) -> GridPoint {
         let interval = self.spline.interval(s);
-        let (mut cap, mut bends) = (self.rate * self.rate, f64::INFINITY);
+        let (mut by_velocity, mut by_curvature) = (self.max_rate * self.max_rate, f64::INFINITY);
         let mut rows = Vec::with_capacity(self.limits.len());
         for &(axis, limits) in &self.limits {
             let [_, slope, curvature, third] = self.spline.jet(interval, axis, s);
             if slope != 0.0 {
-                cap = cap.min((limits.velocity / slope).powi(2));
+                by_velocity = by_velocity.min((limits.velocity / slope).powi(2));
             }
             if curvature != 0.0 {
-                bends = bends.min(limits.acceleration / curvature.abs());
+                by_curvature = by_curvature.min(limits.acceleration / curvature.abs());
             }
             if third != 0.0 {
-                cap = cap.min((limits.jerk / third.abs()).powf(2.0 / 3.0));
+                by_velocity = by_velocity.min((limits.jerk / third.abs()).powf(2.0 / 3.0));
             }
             if slope.abs() > 1e-12 {
-                rows.push((curvature / slope, limits.acceleration / slope.abs()));
+                rows.push(ConstraintRow {
+                    curvature: curvature / slope,
+                    limit: limits.acceleration / slope.abs(),
+                });
             }
         }
-        let between = |(place, &(curvature, limit)): (usize, &(f64, f64))| {
-            let others = rows[..place].iter().filter(move |(other, _)| *other != curvature);
-            others.map(move |(other, allowed)| (limit + allowed) / (curvature - other).abs())
+        // Two axes admit a common s̈ only up to the ṡ² at which their intervals of s̈ separate.
+        let separation = |(index, row): (usize, &ConstraintRow)| {
+            let row = *row;
+            let others = rows[..index].iter();
+            let others = others.filter(move |other| other.curvature != row.curvature);
+            others.map(move |other| {
+                (row.limit + other.limit) / (row.curvature - other.curvature).abs()
+            })
         };
-        let between = rows.iter().enumerate().flat_map(between).fold(f64::INFINITY, f64::min);
-        Stage { cap, by_share: bends.min(between), rows }
+        let by_pairs = rows.iter().enumerate().flat_map(separation).fold(f64::INFINITY, f64::min);
+        GridPoint { by_velocity, by_acceleration: by_curvature.min(by_pairs), rows }
     }
 
-    /// The same, as fast as every limit is kept.
-    fn within(&self, curve: JerkLimitedProfile) -> JerkLimitedProfile {
-        let factor = self.excess(&curve) * (1.0 + SLACK);
-        curve.slowed(factor)
-    }
-
-    /// How long it would have to take so that it just keeps every limit, at a glance; `None` if no less than is asked for.
-    fn glance(&self, curve: &JerkLimitedProfile, less_than: f64) -> Option<f64> {
-        let mut worst = 1e-9;
-        for k in 1..GLANCES {
-            // All over the way first: what is too long is so somewhere near a dozen of them.
-            let k = k * 37 % GLANCES;
-            let state = curve.at(curve.duration() * k as f64 / GLANCES as f64);
-            self.exceed(&mut worst, state, self.spline.interval(state[0]));
-            if curve.duration() * worst >= less_than {
+    /// Duration at which a profile would just keep all limits, by coarse samples [s]; `None` if it is at least `less_than`.
+    fn coarse_duration(&self, profile: &JerkLimitedProfile, less_than: f64) -> Option<f64> {
+        let mut excess = 1e-9;
+        for k in 1..COARSE_SAMPLES {
+            // 37 has no common factor with the number of samples: the first dozen is spread over the whole path, which finds excesses early.
+            let k = k * 37 % COARSE_SAMPLES;
+            let state = profile.state(profile.duration() * k as f64 / COARSE_SAMPLES as f64);
+            self.raise_excess(&mut excess, state, self.spline.interval(state[0]));
+            if profile.duration() * excess >= less_than {
                 return None;
             }
         }
-        Some(curve.duration() * worst)
+        Some(profile.duration() * excess)
     }
 
-    /// The same, closely.
-    fn excess(&self, curve: &JerkLimitedProfile) -> f64 {
-        let duration = curve.duration();
-        let mut worst = 1e-9;
-        let (mut at, mut interval) = (curve.walk(), self.spline.walk());
-        for k in 1..PROBES {
-            let state = at(duration * k as f64 / PROBES as f64);
-            self.exceed(&mut worst, state, interval(state[0]));
+    /// Factor of time at which a profile just keeps all limits, by fine samples.
+    fn limit_excess(&self, profile: &JerkLimitedProfile) -> f64 {
+        let duration = profile.duration();
+        let mut excess = 1e-9;
+        let mut state = profile.states_in_order();
+        let mut interval = self.spline.intervals_in_order();
+        for k in 1..VERIFICATION_SAMPLES {
+            let state = state(duration * k as f64 / VERIFICATION_SAMPLES as f64);
+            self.raise_excess(&mut excess, state, interval(state[0]));
         }
-        // The jerk jumps where the pieces meet: both sides are looked at.
-        for t in curve.breaks() {
+        // The jerk of the parameter is discontinuous between pieces: both sides are verified.
+        for t in profile.jerk_discontinuities() {
             for t in [t - 1e-9 * duration, t + 1e-9 * duration] {
                 if t > 0.0 && t < duration {
-                    let state = curve.at(t);
-                    self.exceed(&mut worst, state, self.spline.interval(state[0]));
+                    let state = profile.state(t);
+                    self.raise_excess(&mut excess, state, self.spline.interval(state[0]));
                 }
             }
         }
-        // So does the third derivative of the path at its knots.
+        // So is the third derivative of the path at its knots.
         let knots = self.spline.knots();
         for (interval, &knot) in knots.iter().enumerate().take(knots.len() - 1).skip(1) {
-            let state = curve.at(curve.when(knot));
-            self.exceed(&mut worst, state, interval - 1);
-            self.exceed(&mut worst, state, interval);
+            let state = profile.state(profile.time_at(knot));
+            self.raise_excess(&mut excess, state, interval - 1);
+            self.raise_excess(&mut excess, state, interval);
         }
-        worst
+        excess
     }
 
-    /// Raises `worst` to the factor of time by which a state of the parameter exceeds the limits.
-    fn exceed(&self, worst: &mut f64, [s, rate, acceleration, jerk]: [f64; 4], interval: usize) {
-        let mut most = rate / self.rate;
-        let (mut squared, mut cubed) = (0.0_f64, 0.0_f64);
-        let count = self.by.len();
+    /// Raises `excess` to the factor of time at which a state of the path parameter keeps all limits.
+    ///
+    /// Time stretched by a factor divides velocities by it, accelerations by its square and jerks by its cube.
+    fn raise_excess(
+        &self,
+        excess: &mut f64,
+        [s, rate, acceleration, jerk]: AxisState,
+        interval: usize,
+    ) {
+        let mut velocity_ratio = rate / self.max_rate;
+        let (mut acceleration_ratio, mut jerk_ratio) = (0.0_f64, 0.0_f64);
+        let count = self.inverse_limits.len();
         let t = s - self.spline.knots()[interval];
-        for (jet, by) in self.jets[interval * count..][..count].iter().zip(&self.by) {
-            let [_, slope, curvature, third] = spline::after(jet, t);
+        for (jet, inverse) in
+            self.jets[interval * count..][..count].iter().zip(&self.inverse_limits)
+        {
+            let [_, slope, curvature, third] = spline::advanced(jet, t);
             let v = slope * rate;
             let a = curvature * rate * rate + slope * acceleration;
             let j = third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk;
-            most = most.max(v.abs() * by[0]);
-            squared = squared.max(a.abs() * by[1]);
-            cubed = cubed.max(j.abs() * by[2]);
+            velocity_ratio = velocity_ratio.max(v.abs() * inverse[0]);
+            acceleration_ratio = acceleration_ratio.max(a.abs() * inverse[1]);
+            jerk_ratio = jerk_ratio.max(j.abs() * inverse[2]);
         }
-        *worst = worst.max(most);
-        // Roots only of what is worse: there are far more states than worst ones.
-        if squared > *worst * *worst {
-            *worst = squared.sqrt();
+        *excess = excess.max(velocity_ratio);
+        // Powers are compared before roots are taken: few states raise the excess.
+        if acceleration_ratio > *excess * *excess {
+            *excess = acceleration_ratio.sqrt();
         }
-        if cubed > *worst * *worst * *worst {
-            *worst = cubed.cbrt();
+        if jerk_ratio > *excess * *excess * *excess {
+            *excess = jerk_ratio.cbrt();
         }
     }
 }
 
-/// What the axes allow at one point of the path.
-struct Stage {
-    /// Of each axis: its curvature and its acceleration limit, by its slope.
-    rows: Vec<(f64, f64)>,
-    /// Largest square of the rate, by speed and jerk.
-    cap: f64,
-    /// The same by acceleration: where an axis does nothing but bend, and where two of them ask for different ones.
-    by_share: f64,
+/// Grid points of the path parameter, both ends included.
+fn grid() -> impl Iterator<Item = f64> {
+    (0..=GRID_INTERVALS).map(|k| k as f64 / GRID_INTERVALS as f64)
 }
 
-impl Stage {
-    /// Largest square of the rate with a share of the acceleration limits.
-    fn cap(&self, share: f64) -> f64 {
-        self.cap.min(share * self.by_share)
+/// The acceleration constraint of one axis on the path parameter: |s̈ + curvature ṡ²| ≤ limit.
+#[derive(Clone, Copy)]
+struct ConstraintRow {
+    /// q'' / q'
+    curvature: f64,
+    /// Acceleration limit / |q'| [1/s²].
+    limit: f64,
+}
+
+/// Constraints of all axes at one grid point.
+struct GridPoint {
+    rows: Vec<ConstraintRow>,
+    /// Largest squared rate by the limits of velocity and jerk [1/s²].
+    by_velocity: f64,
+    /// Largest squared rate by the acceleration limits: where axes have no slope but curvature, and where two axes admit no common acceleration [1/s²].
+    by_acceleration: f64,
+}
+
+impl GridPoint {
+    /// Largest squared rate with a share of the acceleration limits [1/s²].
+    fn max_squared_rate(&self, share: f64) -> f64 {
+        self.by_velocity.min(share * self.by_acceleration)
     }
 
-    /// Largest acceleration of the parameter for a square of its rate.
-    fn most(&self, share: f64, x: f64) -> f64 {
-        self.rows
-            .iter()
-            .fold(1e12, |most, &(curvature, limit)| most.min(share * limit - curvature * x))
+    /// Largest acceleration of the path parameter at a squared rate x [1/s²].
+    fn max_acceleration(&self, share: f64, x: f64) -> f64 {
+        self.rows.iter().fold(1e12, |most, row| most.min(share * row.limit - row.curvature * x))
     }
 
-    /// Largest square of the rate from which one of the next stage can be kept.
+    /// Largest squared rate x from which a squared rate of at most `next` is reached at the next grid point.
     ///
     /// ```text
-    ///    −c_i x − l_i  ≤  ẍ  ≤  −c_i x + l_i        for all axes i, so that  0  ≤  x + 2 ds ẍ  ≤  next  for one ẍ
+    ///    −c_i x − l_i  ≤  s̈  ≤  −c_i x + l_i   for all axes i,   and   0  ≤  x + 2 ds s̈  ≤  next   for one s̈
     /// ```
-    /// Each of these keeps x below a bound or always holds, and all hold for x = 0; what two axes ask for is in the cap.
-    fn fastest(&self, share: f64, ds: f64, next: f64) -> f64 {
-        self.rows.iter().fold(self.cap(share), |x, &(curvature, limit)| {
-            let (grows, by) = (1.0 - 2.0 * ds * curvature, 2.0 * ds * share * limit);
-            if grows > 0.0 {
-                x.min((next + by) / grows)
-            } else if grows < 0.0 {
-                x.min(-by / grows)
+    /// Each constraint bounds x from above or always holds, because all hold for x = 0; constraints of two axes on each other are part of [`Self::max_squared_rate`].
+    fn controllable(&self, share: f64, ds: f64, next: f64) -> f64 {
+        self.rows.iter().fold(self.max_squared_rate(share), |x, row| {
+            let (slope, constant) = (1.0 - 2.0 * ds * row.curvature, 2.0 * ds * share * row.limit);
+            if slope > 0.0 {
+                x.min((next + constant) / slope)
+            } else if slope < 0.0 {
+                x.min(-constant / slope)
             } else {
                 x
             }
@@ -316,42 +375,43 @@ impl Stage {
     }
 }
 
-/// When each stretch of a way begins, and the last ends [s].
-fn starts(way: &[(f64, f64)]) -> Vec<f64> {
+/// Start time of each piece, and the end time of the last [s].
+fn start_times(pieces: &[Piece]) -> Vec<f64> {
     let mut time = 0.0;
-    let ends = way.iter().map(|(duration, _)| {
-        time += duration;
+    let ends = pieces.iter().map(|piece| {
+        time += piece.duration;
         time
     });
     std::iter::once(0.0).chain(ends).collect()
 }
 
-/// The average of a way over a window [s]: stretches of constant jerk.
+/// The moving average of a parameterization over a window of time [s]: pieces of constant jerk.
 ///
 /// ```text
 ///    s̈(t)  =  (ṡ(t) − ṡ(t − w)) / w        s⃛(t)  =  (s̈(t) − s̈(t − w)) / w
 /// ```
 ///
 /// # Arguments
-/// * `starts` – when each stretch begins, and the last ends [s]
-fn averaged(way: &[(f64, f64)], starts: &[f64], width: f64) -> JerkLimitedProfile {
-    // Where a stretch begins, now or a window ago, one after the other.
+/// * `starts` – by [`start_times`] [s]
+fn moving_average(pieces: &[Piece], starts: &[f64], window: f64) -> JerkLimitedProfile {
+    // Acceleration after so many pieces have begun; zero before the first and after the last.
     let acceleration = |begun: usize| match begun {
         0 => 0.0,
-        begun => way.get(begun - 1).map_or(0.0, |(_, acceleration)| *acceleration),
+        begun => pieces.get(begun - 1).map_or(0.0, |piece| piece.acceleration),
     };
-    let mut stretches = Vec::with_capacity(2 * starts.len());
-    let (mut now, mut before) = (0, 0);
+    let mut averaged = Vec::with_capacity(2 * starts.len());
+    // The jerk changes where a piece begins, or began a window ago: both sequences are merged in order of time.
+    let (mut leading, mut trailing) = (0, 0);
     let mut last = 0.0;
-    while before < starts.len() {
-        let ago = starts[before] + width;
-        let next = starts.get(now).copied().filter(|&start| start <= ago);
-        let time = next.unwrap_or(ago);
-        stretches.push((time - last, (acceleration(now) - acceleration(before)) / width));
+    while trailing < starts.len() {
+        let trailing_start = starts[trailing] + window;
+        let leading_start = starts.get(leading).copied().filter(|&start| start <= trailing_start);
+        let time = leading_start.unwrap_or(trailing_start);
+        averaged.push((time - last, (acceleration(leading) - acceleration(trailing)) / window));
         last = time;
-        if next.is_some() { now += 1 } else { before += 1 }
+        if leading_start.is_some() { leading += 1 } else { trailing += 1 }
     }
-    JerkLimitedProfile::through(0.0, 1.0, &stretches)
+    JerkLimitedProfile::from_pieces(0.0, 1.0, &averaged)
 }
 
 #[cfg(test)]
@@ -368,10 +428,14 @@ mod tests {
         Spline::through(&knots, &values)
     }
 
-    fn worst(spline: &Spline, curve: &JerkLimitedProfile, limits: &[KinematicLimits]) -> [f64; 3] {
+    fn worst(
+        spline: &Spline,
+        profile: &JerkLimitedProfile,
+        limits: &[KinematicLimits],
+    ) -> [f64; 3] {
         let mut worst = [0.0_f64; 3];
         for k in 1..20_000 {
-            let [s, r, a, j] = curve.at(curve.duration() * f64::from(k) / 20_000.0);
+            let [s, r, a, j] = profile.state(profile.duration() * f64::from(k) / 20_000.0);
             for (axis, limits) in limits.iter().enumerate() {
                 let [_, d1, d2, d3] = spline.jet(spline.interval(s), axis, s);
                 worst[0] = worst[0].max((d1 * r).abs() / limits.velocity);
@@ -384,33 +448,33 @@ mod tests {
     }
 
     #[test]
-    fn an_even_path_is_as_fast_as_one_axis() {
+    fn straight_path_is_as_fast_as_one_axis() {
         let (spline, limits) = (spline(|s| vec![3.0 * s, -s]), limits(2));
-        let curve = TimeParameterization::new(&spline, &limits, 1e9).plan().unwrap();
-        assert!((curve.duration() - (1.5 + 0.2 + 0.05)).abs() < 1e-9, "{}", curve.duration());
+        let profile = TimeParameterization::new(&spline, &limits, 1e9).plan().unwrap();
+        assert!((profile.duration() - (1.5 + 0.2 + 0.05)).abs() < 1e-9, "{}", profile.duration());
         let slow = TimeParameterization::new(&spline, &limits, 0.25).plan().unwrap();
         assert!(slow.duration() > 4.0);
     }
 
     #[test]
-    fn limits_hold_all_along_and_only_a_stretch_is_slow() {
-        // A turn past an axis at a distance of a tenth: fast in the middle, as near a singular position.
+    fn limits_hold_along_the_path_and_only_its_profiled_part_is_slow() {
+        // The direction to a point that is passed at a distance of a tenth: it turns fast in the middle, as near a singular position.
         let turn = |s: f64| vec![((s - 0.5) / 0.1).atan(), 2.0 * s];
         let (spline, limits) = (spline(turn), limits(2));
-        let pace = TimeParameterization::new(&spline, &limits, 1e9);
-        let curve = pace.plan().unwrap();
-        let worst = worst(&spline, &curve, &limits);
+        let parameterization = TimeParameterization::new(&spline, &limits, 1e9);
+        let profile = parameterization.plan().unwrap();
+        let worst = worst(&spline, &profile, &limits);
         assert!(worst.iter().all(|&share| share < 1.0), "{worst:?}");
-        // With the middle's limits everywhere it takes much longer.
-        let even = pace.slower_where_it_bends(pace.like_one_axis().unwrap());
+        // With the limits of the middle everywhere the path takes much longer.
+        let even = parameterization.slowed_for_curvature(parameterization.like_one_axis().unwrap());
         assert!(
-            curve.duration() < 0.8 * even.duration(),
+            profile.duration() < 0.8 * even.duration(),
             "{} {}",
-            curve.duration(),
+            profile.duration(),
             even.duration()
         );
-        let rate = |s: f64| curve.at(curve.when(s))[1];
+        let rate = |s: f64| profile.state(profile.time_at(s))[1];
         assert!(rate(0.25) > 1.2 * rate(0.5), "{} {}", rate(0.25), rate(0.5));
-        assert_eq!(curve.at(curve.duration()), [1.0, 0.0, 0.0, 0.0]);
+        assert_eq!(profile.state(profile.duration()), [1.0, 0.0, 0.0, 0.0]);
     }
 }

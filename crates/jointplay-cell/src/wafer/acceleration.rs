@@ -1,25 +1,27 @@
-//! How a wafer moves that a drooping arm carries.
+//! Velocities and accelerations of wafers on drooping arms.
 
 use nalgebra::{Vector2, Vector3};
 
-use super::compensation::{Unreachable, apply_deflection, turn};
-use super::droop::DroopError;
-use super::{Droop, FrictionMargin, SHORTEST};
+use super::deflection::{apply_deflection, deflection_rotation};
+use super::droop::{DroopError, SHORTEST};
+use super::friction::FrictionMargin;
+use super::model::Droop;
+use super::unreachable::Unreachable;
 use crate::robot::{ArmChain, AxesMotion, EffectorId, FrameMotion};
 use crate::workcell::Cell;
 
-/// Nearer to its joint an arm points nowhere [m].
+/// Horizontal distance from its joint below which an arm has no heading [m].
 const MIN_HEADING_RADIUS: f64 = 1e-9;
 
 impl Cell {
-    /// How the wafer of an effector moves, its arm drooping as if it stood; the wafer's own sag left aside.
+    /// Motion of an effector's wafer, its arm deflected as at rest; the wafer's own sag is neglected.
     ///
     /// # Errors
     /// [`Unreachable::Robot`] and [`Unreachable::Droop`].
     ///
     /// # Numerics
-    /// As [`HybridRobot::effector_motion`](crate::robot::HybridRobot::effector_motion); what an arm's end turns by the droop is off by the square of that angle.
-    /// Where the slope of a droop table jumps, at its rows, that of one side counts; what the jump itself would do to the wafer is left out.
+    /// As [`HybridRobot::effector_motion`](crate::robot::HybridRobot::effector_motion); the rotation of the arm's end by the droop has an error of the square of its angle.
+    /// Where the slope of a droop table is discontinuous, at its rows, the slope of one side is used; the jump itself is neglected.
     pub fn wafer_motion(
         &self,
         effector: EffectorId,
@@ -31,31 +33,41 @@ impl Cell {
         robot.check_motion(motion)?;
         let now = robot.platform(motion.positions)?;
         let platform = robot.platform_motion(&now, motion)?;
-        let planar = ArmChain::new(robot, effector);
-        let on_platform = planar.moving(&planar.own_rates(motion));
-        Ok(self.lowered_motion(&platform, &on_platform, effector, loaded)?)
+        let chain = ArmChain::new(robot, effector);
+        let on_platform = chain.wafer_motion(&chain.own_rates(motion));
+        Ok(self.deflected_motion(&platform, &on_platform, effector, loaded)?)
     }
 
-    /// What holds the wafer of an effector on its way, and what friction can; see [`Slip`].
+    /// Friction that a carried wafer needs, and friction that is available; see [`FrictionMargin`].
     ///
     /// # Errors
     /// As [`Self::wafer_motion`].
-    pub fn slip(
+    pub fn friction_margin(
         &self,
         effector: EffectorId,
         motion: &AxesMotion<'_>,
     ) -> Result<FrictionMargin, Unreachable> {
-        Ok(self.slip_of(effector, &self.wafer_motion(effector, motion, true)?))
+        Ok(self.friction_margin_of(effector, &self.wafer_motion(effector, motion, true)?))
     }
 
-    /// The same of a carried wafer that moves so.
-    pub(crate) fn slip_of(&self, effector: EffectorId, wafer: &FrameMotion) -> FrictionMargin {
+    /// As [`Self::friction_margin`], the motion of the wafer known.
+    pub(crate) fn friction_margin_of(
+        &self,
+        effector: EffectorId,
+        wafer: &FrameMotion,
+    ) -> FrictionMargin {
         let described = &self.robot.arms[effector.arm].effectors[effector.effector];
-        FrictionMargin::of(wafer, &self.wafer, &described.support, described.friction, self.gravity)
+        FrictionMargin::new(
+            wafer,
+            &self.wafer,
+            &described.support,
+            described.friction,
+            self.gravity,
+        )
     }
 
-    /// [`Self::wafer_motion`], the platform's known, and that of the rigid arm on it.
-    pub(crate) fn lowered_motion(
+    /// As [`Self::wafer_motion`], the motions of the platform, and of the rigid arm's wafer relative to it, known.
+    pub(crate) fn deflected_motion(
         &self,
         platform: &FrameMotion,
         on_platform: &FrameMotion,
@@ -67,70 +79,77 @@ impl Cell {
         if arm.droop == Droop::Rigid {
             return Ok(rigid);
         }
-        // Reach, seen on the platform.
+        // The reach lies in the platform plane: its derivatives follow from the motion relative to the platform.
         let [x, y, _] = arm.mount;
         let out = on_platform.base_from_frame.translation.vector.xy() - Vector2::new(x, y);
-        let [reach, growth, urge] =
-            length([out, on_platform.velocity.xy(), on_platform.acceleration.xy()]);
+        let [reach, reach_rate, reach_acceleration] =
+            length_derivatives([out, on_platform.velocity.xy(), on_platform.acceleration.xy()]);
         let load = if loaded { self.wafer.mass() } else { 0.0 };
-        let [by, first, second] = arm.droop.by_reach(reach, load, self.gravity)?;
-        let drop = second.drop * growth * growth + first.drop * urge;
-        let slopes =
-            [by.slope, first.slope * growth, second.slope * growth * growth + first.slope * urge];
-        // The turn δ, along the horizontal across the reach.
+        let [deflection, first, second] =
+            arm.droop.derivatives_by_reach(reach, load, self.gravity)?;
+        let drop_acceleration =
+            second.drop * reach_rate * reach_rate + first.drop * reach_acceleration;
+        let slopes = [
+            deflection.slope,
+            first.slope * reach_rate,
+            second.slope * reach_rate * reach_rate + first.slope * reach_acceleration,
+        ];
+        // The rotation vector δ of the deflection, along the horizontal perpendicular to the reach.
         let joint = platform.point(&Vector3::from(arm.mount));
-        let of = [rigid.base_from_frame.translation.vector, rigid.velocity, rigid.acceleration];
-        let across: [Vector2<f64>; 3] = std::array::from_fn(|order| {
-            let out = of[order] - joint[order];
+        let center = [rigid.base_from_frame.translation.vector, rigid.velocity, rigid.acceleration];
+        let perpendicular: [Vector2<f64>; 3] = std::array::from_fn(|order| {
+            let out = center[order] - joint[order];
             Vector2::new(-out.y, out.x)
         });
-        let [delta, velocity, acceleration] = along(slopes, across);
-        let turned = turn(&rigid.base_from_frame, &joint[0], by.slope);
+        let [delta, velocity, acceleration] = vector_along(slopes, perpendicular);
+        let rotation = deflection_rotation(&rigid.base_from_frame, &joint[0], deflection.slope);
+        // Angular velocity of a rotation vector, to second order in its angle.
         let omega = velocity + delta.cross(&velocity) * 0.5;
         let alpha = acceleration + delta.cross(&acceleration) * 0.5;
-        let turning = turned * rigid.angular_velocity;
+        let rigid_omega = rotation * rigid.angular_velocity;
         Ok(FrameMotion {
-            base_from_frame: apply_deflection(&rigid.base_from_frame, &joint[0], by),
-            velocity: rigid.velocity - Vector3::z() * (first.drop * growth),
-            acceleration: rigid.acceleration - Vector3::z() * drop,
-            angular_velocity: omega + turning,
+            base_from_frame: apply_deflection(&rigid.base_from_frame, &joint[0], deflection),
+            velocity: rigid.velocity - Vector3::z() * (first.drop * reach_rate),
+            acceleration: rigid.acceleration - Vector3::z() * drop_acceleration,
+            angular_velocity: omega + rigid_omega,
             angular_acceleration: alpha
-                + turned * rigid.angular_acceleration
-                + omega.cross(&turning),
+                + rotation * rigid.angular_acceleration
+                + omega.cross(&rigid_omega),
         })
     }
 }
 
-/// Length of a vector, with its first and second derivative; they are zero where it has no direction.
-fn length([vector, velocity, acceleration]: [Vector2<f64>; 3]) -> [f64; 3] {
+/// Length of a vector with its first and second derivative; they are zero where the vector has no direction.
+fn length_derivatives([vector, velocity, acceleration]: [Vector2<f64>; 3]) -> [f64; 3] {
     let length = vector.norm();
     if length <= MIN_HEADING_RADIUS {
         return [length, 0.0, 0.0];
     }
-    let growth = vector.dot(&velocity) / length;
-    let squares = velocity.norm_squared() + vector.dot(&acceleration) - growth * growth;
-    [length, growth, squares / length]
+    let rate = vector.dot(&velocity) / length;
+    let squares = velocity.norm_squared() + vector.dot(&acceleration) - rate * rate;
+    [length, rate, squares / length]
 }
 
-/// A vector of a given length along the direction of another that lies level, with its derivatives.
-fn along(lengths: [f64; 3], of: [Vector2<f64>; 3]) -> [Vector3<f64>; 3] {
-    let [h, growth, urge] = length(of);
-    if h < SHORTEST {
-        // As `turn`: there the angle grows in proportion to the horizontal reach.
-        let [l, speed, hurry] = lengths.map(|length| length / SHORTEST);
+/// A horizontal vector of a given length along the direction of another vector, with its derivatives.
+fn vector_along(lengths: [f64; 3], of: [Vector2<f64>; 3]) -> [Vector3<f64>; 3] {
+    let [norm, norm_rate, norm_acceleration] = length_derivatives(of);
+    if norm < SHORTEST {
+        // As in `deflection_rotation`: near the joint the angle grows in proportion to the horizontal reach.
+        let [l, rate, acceleration] = lengths.map(|length| length / SHORTEST);
         return [
             (of[0] * l).push(0.0),
-            (of[0] * speed + of[1] * l).push(0.0),
-            (of[0] * hurry + of[1] * (2.0 * speed) + of[2] * l).push(0.0),
+            (of[0] * rate + of[1] * l).push(0.0),
+            (of[0] * acceleration + of[1] * (2.0 * rate) + of[2] * l).push(0.0),
         ];
     }
-    let unit = of[0] / h;
-    let turning = (of[1] - unit * growth) / h;
-    let swerving = (of[2] - turning * (2.0 * growth) - unit * urge) / h;
-    let [l, speed, hurry] = lengths;
+    let unit = of[0] / norm;
+    let unit_rate = (of[1] - unit * norm_rate) / norm;
+    let unit_acceleration =
+        (of[2] - unit_rate * (2.0 * norm_rate) - unit * norm_acceleration) / norm;
+    let [l, rate, acceleration] = lengths;
     [
         (unit * l).push(0.0),
-        (unit * speed + turning * l).push(0.0),
-        (unit * hurry + turning * (2.0 * speed) + swerving * l).push(0.0),
+        (unit * rate + unit_rate * l).push(0.0),
+        (unit * acceleration + unit_rate * (2.0 * rate) + unit_acceleration * l).push(0.0),
     ]
 }

@@ -1,64 +1,62 @@
-//! How far an arm gives way at its end.
+//! Deflection of an arm at its end by reach and load.
 
-use super::{Droop, DroopRow};
+use super::model::{Droop, DroopRow};
 
-/// Relative slack at the ends of a table, so that a reach computed to lie on its end is not beyond it by round-off.
+/// Relative tolerance at the ends of a table: a reach computed to lie on its end is not beyond it by round-off.
 const SLACK: f64 = 1e-9;
-/// Reach below which no arm droops to speak of [m].
+/// Reach below which the droop of an arm is negligible [m].
 pub(crate) const SHORTEST: f64 = 0.05;
 
-/// How the end of an arm gives way.
+/// Deflection of the end of an arm.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Deflection {
-    /// Down positive [m].
+    /// Displacement downward [m].
     pub drop: f64,
-    /// Outer end down positive [rad].
+    /// Rotation, the outer end downward [rad].
     pub slope: f64,
 }
 
-/// Why nothing is known of how an arm droops there.
+/// Reason why the droop of an arm is not known.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DroopError {
-    /// Nearer or farther than was measured.
+    /// The reach is outside the measured table.
     #[error(
-        "the droop at a reach of {:.3} mm is not known: the table goes from {:.3} to {:.3} mm; measure there, or give a cantilever",
-        reach * 1e3, min * 1e3, max * 1e3
+        "the droop at a reach of {reach} m is not known: the table goes from {min} to {max} m; measure there, or give a cantilever"
     )]
     Reach {
-        /// Asked for [m].
+        /// Reach asked for [m].
         reach: f64,
-        /// Least of the table [m].
+        /// Least reach of the table [m].
         min: f64,
-        /// Greatest of the table [m].
+        /// Largest reach of the table [m].
         max: f64,
     },
-    /// Heavier than was measured, or lighter than nothing.
+    /// The load is above the measured load, or negative.
     #[error(
-        "the droop under {:.3} g is not known: the table goes from 0 to {:.3} g; measure with more, or give a cantilever",
-        load * 1e3, max * 1e3
+        "the droop under {load} kg is not known: the table goes from 0 to {max} kg; measure with more, or give a cantilever"
     )]
     Load {
-        /// Asked for [kg].
+        /// Load asked for [kg].
         load: f64,
-        /// Greatest of the table [kg].
+        /// Largest load of the table [kg].
         max: f64,
     },
 }
 
 impl Droop {
-    /// How the arm gives way at its end.
+    /// Deflection of the arm at its end.
     ///
     /// ```text
     ///    cantilever:   drop  =  q L⁴ / 8 EI  +  P L³ / 3 EI        q: own weight by length, P: load at the tip
     ///                  slope =  q L³ / 6 EI  +  P L² / 2 EI
     /// ```
-    /// A table is linear between its reaches, and between empty and loaded in proportion to the load.
+    /// A table is interpolated linearly between reaches, and between empty and loaded in proportion to the load.
     ///
     /// # Arguments
     /// * `reach` – from the first joint to the centre of the wafer [m]
-    /// * `load` – mass that is carried [kg]
-    /// * `gravity` – acceleration; tables were measured under the one that they are used under [m/s²]
+    /// * `load` – mass of the load [kg]
+    /// * `gravity` – acceleration of gravity; tables apply to the gravity under which they were measured [m/s²]
     ///
     /// # Errors
     /// [`DroopError`] outside the table.
@@ -66,11 +64,11 @@ impl Droop {
     /// # Source
     /// [Roark], beams
     pub fn at(&self, reach: f64, load: f64, gravity: f64) -> Result<Deflection, DroopError> {
-        self.by_reach(reach, load, gravity).map(|[at, ..]| at)
+        self.derivatives_by_reach(reach, load, gravity).map(|[at, ..]| at)
     }
 
-    /// The same, with its first and second derivative by the reach.
-    pub(super) fn by_reach(
+    /// Deflection with its first and second derivative by the reach.
+    pub(super) fn derivatives_by_reach(
         &self,
         reach: f64,
         load: f64,
@@ -97,13 +95,14 @@ impl Droop {
         }
     }
 
-    /// How much of all that there is at most, up to a reach, empty or with that load.
+    /// Upper bounds on the deflection and its derivatives up to a reach, empty or with a load.
     ///
-    /// Rows of a table that know nothing of the load are left out: there is no wafer there.
+    /// Rows of a table whose load is smaller are excluded: there the wafer is not known, and no motion with it is checked.
     pub(crate) fn at_most(&self, reach: f64, load: f64, gravity: f64) -> DroopBounds {
         let Self::Table { rows } = self else {
-            // All of it grows with the reach and the load.
-            let [at, rate, bend] = self.by_reach(reach, load, gravity).unwrap_or_default();
+            // All derivatives grow with reach and load.
+            let [at, rate, bend] =
+                self.derivatives_by_reach(reach, load, gravity).unwrap_or_default();
             return DroopBounds { at, rate, bend, turn: rate.slope };
         };
         let mut most = DroopBounds::default();
@@ -127,20 +126,20 @@ impl Droop {
     }
 }
 
-/// What a droop comes to and how it changes by the reach, at most and without signs.
+/// Upper bounds on the magnitudes of a deflection and its derivatives by the reach.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct DroopBounds {
     pub(crate) at: Deflection,
-    /// By the reach.
+    /// First derivative by the reach.
     pub(crate) rate: Deflection,
-    /// How fast that changes by the reach; rows of a table, where it jumps, are left out.
+    /// Second derivative by the reach; the jumps at the rows of a table are excluded.
     pub(crate) bend: Deflection,
-    /// The slope by the reach that it is at [rad/m].
+    /// Slope divided by its reach [rad/m].
     pub(crate) turn: f64,
 }
 
 impl Deflection {
-    /// Whichever is more of either, without signs.
+    /// The larger magnitudes of two deflections.
     fn or(self, other: Self) -> Self {
         let Self { drop, slope } = self;
         Self { drop: drop.max(other.drop.abs()), slope: slope.max(other.slope.abs()) }
@@ -148,7 +147,7 @@ impl Deflection {
 }
 
 impl DroopRow {
-    /// The droop under a load that it knows.
+    /// Deflection of a row under a load.
     fn under(&self, load: f64) -> Result<Deflection, DroopError> {
         if !(load >= 0.0 && load <= self.load * (1.0 + SLACK)) {
             return Err(DroopError::Load { load, max: self.load });
@@ -241,7 +240,9 @@ mod tests {
             for k in 0..=700 {
                 for load in [0.0, 0.13] {
                     let reach = 1e-3 * f64::from(k);
-                    let Ok([at, rate, bend]) = droop.by_reach(reach, load, 9.81) else { continue };
+                    let Ok([at, rate, bend]) = droop.derivatives_by_reach(reach, load, 9.81) else {
+                        continue;
+                    };
                     looks += 1;
                     seen.at = seen.at.or(at);
                     seen.rate = seen.rate.or(rate);

@@ -1,65 +1,65 @@
-//! Whether friction holds a wafer.
+//! Friction that a wafer needs to stay on its effector.
 
 use nalgebra::Vector3;
 
+use super::model::{Support, Wafer};
 use crate::robot::FrameMotion;
-use crate::wafer::{Support, Wafer};
 
-/// What a wafer's effector has to hold it with, and what friction can, by mass.
+/// Friction that a wafer needs, and friction that is available, as forces by mass of the wafer.
 ///
 /// ```text
 ///    |f_t|  +  |M| / (b − |c|)   ≤   µ f_n        f = g̈ + g e_b3,   c = n × m / f_n,   M = n · (m − c × f)
 /// ```
-/// f and m: force and moment about the middle of the resting plane that move the wafer, its turning included, by mass; f_n and f_t: along the normal n and across it.
-/// c: where the pressure of the pads has its centre, M: moment about it that friction has to bear.
+/// f and m: force by mass that accelerates the wafer, and its moment about the middle of the resting plane, rotational inertia included; f_n and f_t: components along the normal n and perpendicular to it.
+/// c: centre of pressure of the pads; M: moment about it that friction has to transmit.
 /// b: radius of the three points, or of the wafer on its edge, or half the distance of the rails.
 ///
 /// # Assumptions
 /// Coulomb friction at the pads, a rigid flat wafer.
-/// Sufficient, however the pads lie and the weight is spread over them; exact without a moment, and without a force along the plane.
+/// The condition is sufficient for any position of the pads and any distribution of the weight over them; it is exact without a moment, and without a force in the plane.
 ///
 /// # Source
-/// own derivation, docs/explanation/wafers.md
+/// Own derivation, docs/explanation/wafers.md
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionMargin {
-    /// Needed along the wafer's plane; infinite where the wafer lifts off what it rests on [m/s²].
-    pub needed: f64,
-    /// Held by friction [m/s²].
-    pub held: f64,
+    /// Force by mass that friction has to transmit; infinite where the wafer lifts off its support [m/s²].
+    pub required: f64,
+    /// Force by mass that friction can transmit [m/s²].
+    pub available: f64,
 }
 
-/// What has to act on a wafer that moves with its effector, by mass and in the base frame.
+/// Force and moment by mass that a wafer needs to move with its effector, in the base frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct RequiredWrench {
     /// Force [m/s²].
     force: Vector3<f64>,
     /// Moment about the middle of its resting plane [m²/s²].
     moment: Vector3<f64>,
-    /// Normal of that plane, up.
+    /// Upward normal of the resting plane.
     normal: Vector3<f64>,
 }
 
 impl FrictionMargin {
-    /// Of a wafer that moves so.
-    pub(super) fn of(
+    /// Friction margin of a moving wafer.
+    pub(super) fn new(
         motion: &FrameMotion,
         wafer: &Wafer,
         support: &Support,
         friction: f64,
         gravity: f64,
     ) -> Self {
-        friction_check(&burden(motion, wafer, gravity), wafer, support, friction)
+        friction_check(&required_wrench(motion, wafer, gravity), wafer, support, friction)
     }
 
-    /// What is needed as a share of what is held.
+    /// Required friction as a share of the available friction; the wafer slips above 1.
     #[must_use]
-    pub fn share(&self) -> f64 {
-        if self.held > 0.0 { self.needed / self.held } else { f64::INFINITY }
+    pub fn utilization(&self) -> f64 {
+        if self.available > 0.0 { self.required / self.available } else { f64::INFINITY }
     }
 }
 
 impl Support {
-    /// Lever of friction against turning [m].
+    /// Lever arm of friction against rotation [m].
     pub(crate) fn lever(&self, wafer: &Wafer) -> f64 {
         match *self {
             Self::Edge => 0.5 * wafer.diameter,
@@ -69,13 +69,13 @@ impl Support {
     }
 }
 
-/// What moves a wafer so.
-fn burden(motion: &FrameMotion, wafer: &Wafer, gravity: f64) -> RequiredWrench {
+/// Force and moment that accelerate a wafer.
+fn required_wrench(motion: &FrameMotion, wafer: &Wafer, gravity: f64) -> RequiredWrench {
     let half = 0.5 * wafer.thickness;
     let [.., acceleration] = motion.point(&Vector3::new(0.0, 0.0, half));
     let force = acceleration + Vector3::new(0.0, 0.0, gravity);
     let FrameMotion { angular_velocity: omega, angular_acceleration: alpha, .. } = motion;
-    // Of a disc, by mass: across its plane and about its normal.
+    // Moments of inertia of a disc by mass: about a diameter, and about its normal.
     let radius = 0.5 * wafer.diameter;
     let across = 0.25 * radius * radius + wafer.thickness * wafer.thickness / 12.0;
     let about = 0.5 * radius * radius;
@@ -85,17 +85,17 @@ fn burden(motion: &FrameMotion, wafer: &Wafer, gravity: f64) -> RequiredWrench {
     RequiredWrench { force, moment: turning + (n * half).cross(&force), normal: n }
 }
 
-/// What a support needs to bear a burden, and what its friction holds.
+/// Friction that a support needs to transmit a wrench, and friction that it has.
 fn friction_check(
-    burden: &RequiredWrench,
+    wrench: &RequiredWrench,
     wafer: &Wafer,
     support: &Support,
     friction: f64,
 ) -> FrictionMargin {
-    let RequiredWrench { force, moment, normal } = burden;
+    let RequiredWrench { force, moment, normal } = wrench;
     let radius = 0.5 * wafer.diameter;
     let lever = support.lever(wafer);
-    // How far from the middle the pressure may have its centre.
+    // Largest distance of the centre of pressure from the middle.
     let room = match *support {
         Support::Edge => radius,
         Support::ThreePoints { radius } => 0.5 * radius,
@@ -105,13 +105,13 @@ fn friction_check(
     let along = force - normal * pressed;
     let center = normal.cross(moment) / pressed;
     let off = center.norm();
-    // Nothing pulls the wafer down: pressed over the rim of its support, it lifts at the other side.
+    // Pads do not pull: with the centre of pressure outside the support, the wafer lifts off at the other side.
     if pressed <= 0.0 || off > room {
-        return FrictionMargin { needed: f64::INFINITY, held: friction * pressed.max(0.0) };
+        return FrictionMargin { required: f64::INFINITY, available: friction * pressed.max(0.0) };
     }
     let twisting = normal.dot(&(moment - center.cross(force)));
     let turning = if twisting == 0.0 { 0.0 } else { twisting.abs() / (lever - off) };
-    FrictionMargin { needed: along.norm() + turning, held: friction * pressed }
+    FrictionMargin { required: along.norm() + turning, available: friction * pressed }
 }
 
 #[cfg(test)]
@@ -149,24 +149,24 @@ mod tests {
     fn pushed_straight_turned_on_the_spot_and_tilted() {
         for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
             let grip =
-                |burden: &RequiredWrench| friction_check(burden, &wafer(), support, FRICTION);
+                |wrench: &RequiredWrench| friction_check(wrench, &wafer(), support, FRICTION);
             // Friction alone holds what goes straight, wherever the pads are.
             let straight = grip(&level(Vector2::new(1.2, -0.5), 0.0));
-            near(straight.needed, 1.3, 1e-12);
-            near(straight.held, FRICTION * GRAVITY, 1e-12);
+            near(straight.required, 1.3, 1e-12);
+            near(straight.available, FRICTION * GRAVITY, 1e-12);
             // On the spot: m R²/2 α against µ m g b.
             let acceleration: f64 = 30.0;
             let mut turning = FrameMotion::still(Pose::identity());
             turning.angular_acceleration.z = acceleration;
-            let spinning = grip(&burden(&turning, &wafer(), GRAVITY));
-            near(spinning.needed, 0.15_f64.powi(2) / 2.0 * acceleration / lever, 1e-12);
-            near(spinning.held, FRICTION * GRAVITY, 1e-12);
+            let spinning = grip(&required_wrench(&turning, &wafer(), GRAVITY));
+            near(spinning.required, 0.15_f64.powi(2) / 2.0 * acceleration / lever, 1e-12);
+            near(spinning.available, FRICTION * GRAVITY, 1e-12);
             // At rest on a slope: g sin α against µ g cos α.
             let lean = Rotation3::from_axis_angle(&Vector3::y_axis(), 0.3);
             let still = FrameMotion::still(Pose::from_parts(Translation3::identity(), lean));
-            let resting = grip(&burden(&still, &wafer(), GRAVITY));
-            near(resting.needed, GRAVITY * 0.3_f64.sin(), 1e-12);
-            near(resting.held, FRICTION * GRAVITY * 0.3_f64.cos(), 1e-12);
+            let resting = grip(&required_wrench(&still, &wafer(), GRAVITY));
+            near(resting.required, GRAVITY * 0.3_f64.sin(), 1e-12);
+            near(resting.available, FRICTION * GRAVITY * 0.3_f64.cos(), 1e-12);
         }
     }
 
@@ -186,9 +186,13 @@ mod tests {
         // The centre of mass is above the pads: pressed forward by its height.
         let off = 0.5 * wafer().thickness * straight / GRAVITY;
         for (support, lever) in SUPPORTS.iter().zip(LEVERS) {
-            let found =
-                friction_check(&burden(&round, &wafer(), GRAVITY), &wafer(), support, FRICTION);
-            near(found.needed, straight + turning / (lever - off), 1e-12);
+            let found = friction_check(
+                &required_wrench(&round, &wafer(), GRAVITY),
+                &wafer(),
+                support,
+                FRICTION,
+            );
+            near(found.required, straight + turning / (lever - off), 1e-12);
         }
     }
 
@@ -213,7 +217,7 @@ mod tests {
         let across = across + wafer().thickness.powi(2) / 12.0;
         let momentum = omega * across + n * omega.dot(&n) * (about - across);
         let expected = (Vector3::z() * around).cross(&momentum);
-        let found = burden(&precessing, &wafer(), 0.0);
+        let found = required_wrench(&precessing, &wafer(), 0.0);
         assert!((found.moment - expected).norm() < 1e-12, "{} {expected}", found.moment);
         assert!(found.force.norm() < 1e-12, "{}", found.force);
     }
@@ -221,15 +225,15 @@ mod tests {
     #[test]
     fn a_wafer_that_is_thrown_or_tipped_is_not_held() {
         for support in &SUPPORTS {
-            let grip = |burden: &RequiredWrench| friction_check(burden, &wafer(), support, 1e9);
+            let grip = |wrench: &RequiredWrench| friction_check(wrench, &wafer(), support, 1e9);
             let mut thrown = level(Vector2::zeros(), 0.0);
             thrown.force.z = -0.1;
-            assert_eq!(grip(&thrown), FrictionMargin { needed: f64::INFINITY, held: 0.0 });
+            assert_eq!(grip(&thrown), FrictionMargin { required: f64::INFINITY, available: 0.0 });
             let mut tipped = level(Vector2::zeros(), 0.0);
             tipped.moment.x = 0.16 * GRAVITY;
-            assert_eq!(grip(&tipped).needed, f64::INFINITY);
+            assert_eq!(grip(&tipped).required, f64::INFINITY);
             tipped.moment.x = 0.05 * GRAVITY;
-            assert!(grip(&tipped).needed.is_finite());
+            assert!(grip(&tipped).required.is_finite());
         }
     }
 
@@ -308,7 +312,7 @@ mod tests {
             let center = -force * (0.5 * wafer().thickness / GRAVITY);
             let moment = (1.0 - mix) * needed * (lever - center.norm());
             let found = friction_check(&level(force, moment), &wafer(), support, FRICTION);
-            near(found.needed, needed, 1e-9);
+            near(found.required, needed, 1e-9);
             let pads = pads(support, center, &mut random);
             near(pads.iter().map(|(_, load)| load).sum(), GRAVITY, 1e-9);
             let pressed: Vector2<f64> = pads.iter().map(|(at, load)| at * *load / GRAVITY).sum();

@@ -1,14 +1,14 @@
-//! A free round plate under points that push up in a symmetric pattern.
+//! A free round plate on point supports in a symmetric pattern.
 //!
-//! Everything here is free of units: radii in radii of the plate, forces in its weight, deflections in q a⁴/D with the weight by area q, and the bending stiffness D.
+//! All quantities are dimensionless: radii in radii of the plate, forces in its weight, deflections in q a⁴/D with the weight by area q and the bending stiffness D.
 
-/// Of series, terms smaller than this share of their sum are left out.
+/// Share of the sum of a series below which its terms are neglected.
 const THRESHOLD: f64 = 1e-10;
 
-/// Most terms of a series; those near a point of the edge fall as 1/m³, so that the rest is below 10⁻⁶.
+/// Largest number of terms of a series; terms near a point of the edge fall as 1/m³, so that the rest is below 10⁻⁶.
 const MOST_TERMS: usize = 400;
 
-/// Points at one radius that are pushed up alike, and together with the weight of the plate.
+/// Supports at one radius with equal forces, which together carry the weight of the plate.
 ///
 /// ```text
 ///    p(θ)  =  1/(2πb) + 1/(πb) Σ_m cos(m φ) cos(m θ),     m = s, 2s, 3s, …
@@ -17,22 +17,22 @@ const MOST_TERMS: usize = 400;
 pub(super) struct Orbit {
     /// Distance b from the centre.
     pub(super) radius: f64,
-    /// Direction φ of one of them from the x axis [rad].
+    /// Direction φ of one of the points from the x axis [rad].
     pub(super) angle: f64,
-    /// What the numbers of waves are multiples of: 3 for three points, 2 for four mirrored at both axes.
+    /// Common factor of the wave numbers: 3 for three points, 2 for four points mirrored at both axes.
     pub(super) symmetry: usize,
 }
 
-/// Deflection under the plate's weight, free of reactions, down positive; up to a constant.
+/// Deflection under the plate's own weight without reactions, down positive; up to a constant.
 pub(super) fn under_weight(poisson: f64, radius: f64) -> f64 {
     let square = radius * radius;
     square * square / 64.0 - (3.0 + poisson) / (32.0 * (1.0 + poisson)) * square
 }
 
 impl Orbit {
-    /// Waves of the height that an orbit lifts the plate to at a radius, first the mean: what cos mθ is multiplied with.
+    /// Fourier coefficients of the height at a radius, the mean first: the factors of cos mθ.
     ///
-    /// Each wave is a biharmonic function within and without the circle of the points, joined with the jump of the shearing force there, and one that is regular in the whole plate and frees the edge of moment and force.
+    /// Each is a biharmonic function inside and outside the circle of the points, joined by the jump of the shear force there, and a function regular in the whole plate that frees the edge of moment and force.
     pub(super) fn waves(&self, poisson: f64, radius: f64) -> Vec<f64> {
         let mut waves = vec![self.mean(poisson, radius)];
         let (mut sum, mut was_small) = (0.0_f64, false);
@@ -40,7 +40,7 @@ impl Orbit {
             let wave = self.wave(poisson, radius, k * self.symmetry);
             waves.push(wave * ((k * self.symmetry) as f64 * self.angle).cos());
             sum += wave.abs();
-            // Waves near the points fall slowly, all others as powers: two small ones in a row end the series.
+            // Coefficients near the points fall slowly, all others as powers: two small ones in a row end the series.
             let is_small = wave.abs() <= THRESHOLD * sum / (k as f64);
             if k > 8 && is_small && was_small {
                 break;
@@ -82,7 +82,7 @@ impl Orbit {
     }
 }
 
-/// What lifts a plate so that its edge is at height 0.
+/// Height of the edge above the supports, to be subtracted.
 pub(super) fn on_edge(poisson: f64) -> f64 {
     under_weight(poisson, 1.0)
 }

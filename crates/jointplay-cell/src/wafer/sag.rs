@@ -1,108 +1,107 @@
-//! How a wafer hangs through between what it rests on.
+//! Sag of a wafer on its supports under its own weight.
 
 use nalgebra::{DMatrix, DVector};
 
 use jointplay_core::linalg::svd;
 
+use super::model::{Support, Wafer};
 use super::plate::{self, Orbit};
-use super::{Support, Wafer};
 
-/// Points of half a rail that may carry; with twice as many the sag changes by less than a thousandth.
+/// Number of points of half a rail; twice as many change the sag by less than a thousandth.
 const RAIL_POINTS: usize = 16;
 
-/// Circles on which the plate is looked at for its lowest and highest points.
+/// Number of circles on which the lowest and highest points of the plate are searched for.
 const CIRCLES: usize = 48;
 
-/// Directions on each circle, within a quarter turn for rails and a third of a half turn for points.
+/// Number of directions on each circle, within a quarter revolution for rails and a third of a half revolution for points.
 const DIRECTIONS: usize = 32;
 
-/// Relative slack, so that supports at the very edge are not beyond it by round-off.
+/// Relative tolerance for supports at the very edge: round-off.
 const SLACK: f64 = 1e-9;
 
-/// The shape of a wafer at rest, heights above the plane of its supports.
+/// Shape of a wafer at rest, as heights above the plane of its supports.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sag {
-    /// Height of the centre, negative where it hangs below the supports [m].
+    /// Height of the centre, negative below the supports [m].
     pub center: f64,
     /// Height of the lowest point [m].
     pub lowest: f64,
     /// Height of the highest point [m].
     pub highest: f64,
-    /// Height of the plane that fits the wafer with the least sum of squares [m].
+    /// Height of the plane that fits the wafer in the least-squares sense [m].
     pub plane_height: f64,
-    /// How that plane leans against the plane of the supports; 0, since all supports are symmetric [rad].
+    /// Angle of that plane to the plane of the supports; 0, because all supports are symmetric [rad].
     pub plane_tilt: f64,
-    /// Root of the mean square of the wafer's distance from that plane [m].
+    /// Root mean square distance of the wafer from that plane [m].
     pub deviation: f64,
-    /// Largest part of the sag in the thickness: the theory is that of small deflections, good to about a fifth.
+    /// Largest deflection as a share of the thickness: the linear theory holds up to about a fifth.
     pub share_of_thickness: f64,
 }
 
-/// Why a wafer has no sag.
+/// Reason why a sag cannot be computed.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SagError {
-    /// A dimension or property that is not positive, or not finite.
+    /// A dimension or property is not positive, or not finite.
     #[error("{what} is {value} {unit}, but has to be positive")]
     NotPositive {
-        /// What it is.
+        /// The dimension or property.
         what: &'static str,
-        /// What was found, in `unit`.
+        /// The value found, in `unit`.
         value: f64,
         /// Its unit.
         unit: &'static str,
     },
-    /// A ratio that no isotropic material has.
+    /// Poisson's ratio is outside the range of isotropic materials.
     #[error("Poisson's ratio is {found}, but lies between -1 and 0.5")]
     Poisson {
-        /// What was found.
+        /// The ratio found.
         found: f64,
     },
-    /// Supports that the wafer does not reach, or does not rest on safely.
+    /// The wafer does not reach its supports, or does not rest on them safely.
     #[error(
-        "{what} of {:.3} mm does not carry a wafer of {:.3} mm: it has to be more than 0 and at most {:.3} mm",
-        found * 1e3, diameter * 1e3, most * 1e3
+        "{what} of {found} m does not carry a wafer of {diameter} m: it has to be more than 0 and at most {max} m"
     )]
     Support {
-        /// What is wrong.
+        /// The support.
         what: &'static str,
-        /// What was found [m].
+        /// The dimension found [m].
         found: f64,
         /// Diameter of the wafer [m].
         diameter: f64,
-        /// Largest allowed [m].
-        most: f64,
+        /// Largest allowed dimension [m].
+        max: f64,
     },
     /// The forces on the rails cannot be computed.
     #[error(transparent)]
     Algebra(jointplay_core::Error),
 }
 
-/// How a wafer sags under its own weight.
+/// Sag of a wafer under its own weight.
 ///
 /// ```text
 ///    D ∇⁴w = q,    D = E h³ / 12 (1 − ν²),    q = ρ g h        edge free of moment, and of force but at the supports
 /// ```
 /// On its whole edge w = q a⁴ (5 + ν) / 64 (1 + ν) D at the centre.
-/// On points and rails w is the sum over the points that carry of exact solutions for the free plate, see docs/explanation/wafers.md; rails may push up and not pull down, so that the plate may lift off them.
+/// On points and rails, w is the sum over the loaded points of exact solutions for the free plate, see docs/explanation/wafers.md; rails only push, so that the plate may lift off them.
 ///
 /// # Errors
-/// [`SagError`] for what is no wafer, and for supports that it would fall off.
+/// [`SagError`] for invalid dimensions, and for supports that the wafer would fall off.
 ///
 /// # Assumptions
 /// Thin, isotropic, small deflections; no friction in the plane.
 ///
 /// # Source
-/// [Timoshenko] for the edge; the sums of waves are our own derivation, docs/explanation/wafers.md.
+/// [Timoshenko] for the edge; own derivation for the series, docs/explanation/wafers.md.
 pub fn sag(wafer: &Wafer, support: &Support, gravity: f64) -> Result<Sag, SagError> {
     let poisson = checked(wafer, gravity)?;
     let a = wafer.diameter / 2.0;
     let unit = wafer.weight_by_area(gravity) * a.powi(4) / wafer.stiffness();
-    let within = |what, found: f64, most: f64| {
-        if found > 0.0 && found <= most * (1.0 + SLACK) {
-            return Ok((found / most).min(1.0));
+    let within = |what, found: f64, max: f64| {
+        if found > 0.0 && found <= max * (1.0 + SLACK) {
+            return Ok((found / max).min(1.0));
         }
-        Err(SagError::Support { what, found, diameter: wafer.diameter, most })
+        Err(SagError::Support { what, found, diameter: wafer.diameter, max })
     };
     let shape = match *support {
         Support::Edge => Shape { poisson, reactions: Vec::new(), lift: plate::on_edge(poisson) },
@@ -145,14 +144,14 @@ fn checked(wafer: &Wafer, gravity: f64) -> Result<f64, SagError> {
 /// Heights of a plate of radius 1, see [`plate`].
 struct Shape {
     poisson: f64,
-    /// What pushes it up, each with its share of the weight.
+    /// The supports, each with its share of the weight.
     reactions: Vec<(Orbit, f64)>,
-    /// Added everywhere, so that the supports are at height 0.
+    /// Added to all heights, so that the supports are at height 0.
     lift: f64,
 }
 
 impl Shape {
-    /// The plate on points, the first of which it touches.
+    /// The plate on points, its height relative to the first of them.
     fn on(poisson: f64, reactions: Vec<(Orbit, f64)>) -> Self {
         let mut shape = Self { poisson, reactions, lift: 0.0 };
         let touching = shape.reactions.iter().max_by(|a, b| a.1.total_cmp(&b.1));
@@ -161,7 +160,7 @@ impl Shape {
         shape
     }
 
-    /// The plate along a circle about its centre.
+    /// Heights along a circle around the centre.
     fn circle(&self, radius: f64) -> Circle {
         let mut waves = vec![self.lift - plate::under_weight(self.poisson, radius)];
         for (orbit, share) in &self.reactions {
@@ -172,7 +171,7 @@ impl Shape {
         Circle { waves, symmetry: self.symmetry() }
     }
 
-    /// What the numbers of waves are multiples of; the same for all that pushes.
+    /// Common factor of the wave numbers of all supports.
     fn symmetry(&self) -> f64 {
         self.reactions.first().map_or(1.0, |(orbit, _)| orbit.symmetry as f64)
     }
@@ -183,14 +182,14 @@ impl Shape {
         for k in 0..=CIRCLES {
             let radius = k as f64 / CIRCLES as f64;
             let circle = self.circle(radius);
-            // After half a wave the plate repeats itself, mirrored.
+            // After half a wave the height repeats itself, mirrored.
             let sector = std::f64::consts::PI / self.symmetry();
             for direction in 0..=DIRECTIONS {
                 let height = circle.height(sector * direction as f64 / DIRECTIONS as f64);
                 lowest = lowest.min(height);
                 highest = highest.max(height);
             }
-            // Simpson's rule over the radius; over the direction the waves are perpendicular.
+            // Simpson's rule over the radius; over the direction the waves are orthogonal.
             let simpson = match k {
                 0 | CIRCLES => 1.0,
                 odd if odd % 2 == 1 => 4.0,
@@ -213,7 +212,7 @@ impl Shape {
     }
 }
 
-/// Heights along a circle about the centre, as waves in the direction.
+/// Heights along a circle around the centre, as a Fourier series in the direction.
 struct Circle {
     waves: Vec<f64>,
     symmetry: f64,
@@ -224,24 +223,24 @@ impl Circle {
         plate::height(&self.waves, self.symmetry * angle)
     }
 
-    /// The mean of the height along it.
+    /// Mean height along the circle.
     fn mean(&self) -> f64 {
         self.waves[0]
     }
 
-    /// The mean of its square.
+    /// Mean squared height along the circle.
     fn mean_square(&self) -> f64 {
         let waves: f64 = self.waves[1..].iter().map(|wave| wave * wave).sum();
         self.mean().powi(2) + waves / 2.0
     }
 }
 
-/// What two rails at ±`half` push up with: nowhere down, and only where the plate touches them.
+/// Forces of two rails at ±`half`: never negative, and positive only where the plate touches them.
 ///
 /// ```text
 ///    least  ½ fᵀ G f − wᵀ f     with  Σ f = 1,  f ≥ 0        G: height at one point by a force at another
 /// ```
-/// Points are let go while they pull, and taken back while the plate would sink into them.
+/// An active-set method: points are released while they pull, and added while the plate would sink into them.
 fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::Error> {
     let chord = (1.0 - half * half).max(0.0).sqrt();
     let points: Vec<Orbit> = (0..=RAIL_POINTS)
@@ -251,7 +250,7 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
             Orbit { radius, angle: along.atan2(half), symmetry: 2 }
         })
         .collect();
-    // All points of rails that touch the edge lie there.
+    // All points of rails that touch the edge coincide there.
     let points = if chord < SLACK { points[..1].to_vec() } else { points };
     let n = points.len();
     let mut lifted = DMatrix::zeros(n, n);
@@ -263,7 +262,7 @@ fn rails(poisson: f64, half: f64) -> Result<Vec<(Orbit, f64)>, jointplay_core::E
     }
     let weight = DVector::from_fn(n, |i, _| plate::under_weight(poisson, points[i].radius));
     let mut carrying: Vec<usize> = (0..n).collect();
-    // Each set of points that carry has less energy than the one before, so that none comes twice; the bound is for round-off.
+    // Each set of points has less energy than the one before, so that no set recurs; the bound is for round-off.
     for _ in 0..4 * n {
         let m = carrying.len();
         let system = DMatrix::from_fn(m + 1, m + 1, |i, j| match (i < m, j < m) {
@@ -434,7 +433,7 @@ mod tests {
         }
         assert_eq!(
             refused(Support::ThreePoints { radius: 1.01 }).to_string(),
-            "a circle of three points with a radius of 1010.000 mm does not carry a wafer of 2000.000 mm: it has to be more than 0 and at most 1000.000 mm"
+            "a circle of three points with a radius of 1.01 m does not carry a wafer of 2 m: it has to be more than 0 and at most 1 m"
         );
         assert!(matches!(refused(Support::TwoRails { distance: 2.1 }), SagError::Support { .. }));
         let mut wafer = unit(0.28);

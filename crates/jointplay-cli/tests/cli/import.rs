@@ -1,7 +1,6 @@
 //! Models of other programs: what is taken over, what is listed, what is refused.
 
 use crate::desk::Desk;
-use crate::documents::commands;
 
 /// A slide on the base, and a ball joint beside it.
 pub(crate) const URDF: &str = r#"<robot name="pair">
@@ -116,39 +115,4 @@ fn errors_show_their_place() {
     refused(&desk, "import cut.urdf", "cut.urdf:1:1: not well-formed XML");
     refused(&desk, "import loops.toml", "loops.toml is a file of loops, but a model");
     refused(&desk, "import missing.sdf", "cannot read missing.sdf");
-}
-
-/// Blocks of the document that it says to save, by the name that it gives them.
-fn saved(text: &str) -> Vec<(&str, &str)> {
-    let mut parts = text.split("```");
-    let mut found = Vec::new();
-    while let (Some(prose), Some(block)) = (parts.next(), parts.next()) {
-        let said = prose.trim_end().lines().last().unwrap_or_default();
-        let name = said.rsplit('`').nth(1);
-        if let (true, Some(name)) = (said.starts_with("Save this"), name) {
-            found.push((name, block.split_once('\n').unwrap().1));
-        }
-    }
-    found
-}
-
-#[test]
-fn what_the_document_says_to_save_and_run_runs() {
-    let text = include_str!("../../../../docs/reference/mechanism-files.md");
-    let (_, section) = text.split_once("## Models of other programs").unwrap();
-    let desk = Desk::new();
-    let files = saved(section);
-    assert_eq!(
-        files.iter().map(|file| file.0).collect::<Vec<_>>(),
-        ["open-four-bar.urdf", "loops.toml"]
-    );
-    files.iter().for_each(|(name, text)| desk.write(name, text));
-    let lines: Vec<String> =
-        commands(section).into_iter().filter(|line| line.contains(".")).collect();
-    assert_eq!(lines.len(), 3, "{lines:?}");
-    for line in lines {
-        let run = desk.run(&line);
-        assert_eq!((run.code, run.stderr.as_str()), (0, ""), "{line}");
-    }
-    assert_eq!(desk.json("mobility four-bar.toml")["finite_mobility"], 1);
 }

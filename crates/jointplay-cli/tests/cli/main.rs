@@ -10,6 +10,7 @@ mod documents;
 mod draw;
 mod import;
 mod mechanism;
+mod page;
 mod refusals;
 mod simulate;
 #[cfg(all(feature = "studio", unix))]

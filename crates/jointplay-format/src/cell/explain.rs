@@ -5,7 +5,7 @@ use jointplay_cell::jog::Stopped;
 use jointplay_cell::robot::{
     Axis, AxisKind, Branch, BranchSelection, HybridRobot, Inverse, LimitViolation, OutOfReach,
 };
-use jointplay_cell::wafer::{RejectedBranch, Unreachable};
+use jointplay_cell::wafer::{DroopError, RejectedBranch, SagError, Unreachable};
 use jointplay_cell::workcell::Cell;
 
 use crate::number::number;
@@ -61,7 +61,7 @@ pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
         LimitViolation::Axis { axis, position: value, min, max } => {
             let axis = &robot.axes[axis];
             format!(
-                "axis {} would stand at {}, allowed are {} to {}",
+                "axis {} at {}, limits {} to {}",
                 axis.name,
                 position(axis, value),
                 position(axis, min),
@@ -69,7 +69,7 @@ pub fn explain_limit(robot: &HybridRobot, limit: &LimitViolation) -> String {
             )
         }
         LimitViolation::Tilt { pitch, max } => {
-            format!("the tilt is {:.4}°, allowed is up to {:.4}°", deg(pitch), deg(max))
+            format!("tilt of {:.4}°, limit {:.4}°", deg(pitch), deg(max))
         }
     }
 }
@@ -87,7 +87,7 @@ pub fn explain_out_of_reach(reach: &OutOfReach) -> String {
 /// One branch in one line: how the arm is bent, and why it is taken or not.
 #[must_use]
 pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
-    let why = match branch.standing {
+    let why = match branch.selection {
         BranchSelection::Chosen => format!("chosen, {:.3} s away at top speed", branch.distance),
         BranchSelection::OtherElbow => {
             "not chosen: the arm would have to pass its stretched or folded position".to_owned()
@@ -97,7 +97,7 @@ pub fn explain_branch(robot: &HybridRobot, branch: &Branch) -> String {
         }
         BranchSelection::BreaksLimits => {
             let limits: Vec<String> =
-                branch.broken.iter().map(|limit| explain_limit(robot, limit)).collect();
+                branch.violations.iter().map(|limit| explain_limit(robot, limit)).collect();
             format!("not possible: {}", limits.join("; "))
         }
     };
@@ -111,7 +111,7 @@ pub fn explain_unreachable(robot: &HybridRobot, inverse: &Inverse) -> Option<Str
         return None;
     }
     let reach = inverse.out_of_reach.iter().map(explain_out_of_reach);
-    let plane = inverse.broken_by_plane.iter().filter(|_| inverse.branches.is_empty());
+    let plane = inverse.plane_violations.iter().filter(|_| inverse.branches.is_empty());
     let plane = plane.map(|limit| explain_limit(robot, limit));
     let branches = inverse.branches.iter().map(|branch| explain_branch(robot, branch));
     Some(reach.chain(plane).chain(branches).collect::<Vec<_>>().join("; "))
@@ -128,17 +128,105 @@ pub fn explain_stopped(cell: &Cell, stopped: &Stopped) -> Vec<String> {
         Stopped::Limits(broken) => limits(&mut broken.iter()),
         Stopped::Place(Unreachable::Limits(ways)) => {
             let told = |way: &RejectedBranch| {
-                let why = limits(&mut way.broken.iter().map(|(_, limit)| limit)).join("; ");
+                let why = limits(&mut way.violations.iter()).join("; ");
                 format!("{}: {why}", way.configuration)
             };
             ways.iter().map(told).collect()
         }
         Stopped::Place(Unreachable::OutOfReach(reach)) => vec![explain_out_of_reach(reach)],
         Stopped::Place(Unreachable::Robot(error)) => vec![explain(error)],
-        Stopped::Place(other) => vec![other.to_string()],
+        Stopped::Place(other) => vec![explain_unreachable_pose(robot, other)],
         Stopped::Contact(pair) => {
             let [one, other] = pair.map(|one| cell.entity_name(one));
             vec![format!("{one} and {other} would touch")]
         }
+    }
+}
+
+/// Why the droop of an arm is not known, and what to do.
+#[must_use]
+pub fn explain_droop(error: &DroopError) -> String {
+    match error {
+        DroopError::Reach { reach, min, max } => format!(
+            "the droop at a reach of {:.3} mm is not known: the table goes from {:.3} to {:.3} mm; measure there, or give a cantilever",
+            mm(*reach),
+            mm(*min),
+            mm(*max)
+        ),
+        DroopError::Load { load, max } => format!(
+            "the droop under {:.3} g is not known: the table goes from 0 to {:.3} g; measure with more, or give a cantilever",
+            load * 1e3,
+            max * 1e3
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// Why no positions bring a wafer to a target; of limits first those that reject every branch.
+#[must_use]
+pub fn explain_unreachable_pose(robot: &HybridRobot, error: &Unreachable) -> String {
+    match error {
+        Unreachable::Robot(error) => explain(error),
+        Unreachable::Droop(error) => explain_droop(error),
+        Unreachable::Tilt { needed, allowed, residual, threshold } => format!(
+            "the platform would have to tilt by {:.4}°, but tilts by at most {:.4}°: {:.1} µrad would be left, and {:.1} µrad are allowed",
+            deg(*needed),
+            deg(*allowed),
+            residual * 1e6,
+            threshold * 1e6
+        ),
+        Unreachable::OutOfReach(out) => explain_out_of_reach(out),
+        Unreachable::Limits(branches) => explain_rejected(robot, branches),
+        Unreachable::NotConverged { residual, iterations } => format!(
+            "the droop compensation did not converge: a residual of {:.3e} mm is left after {iterations} iterations",
+            mm(*residual)
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// Why a wafer does not rest on its supports.
+#[must_use]
+pub fn explain_sag(error: &SagError) -> String {
+    match error {
+        SagError::Support { what, found, diameter, max } => format!(
+            "{what} of {:.3} mm does not carry a wafer of {:.3} mm: it has to be more than 0 and at most {:.3} mm",
+            mm(*found),
+            mm(*diameter),
+            mm(*max)
+        ),
+        other => other.to_string(),
+    }
+}
+
+/// The limits that reject all branches, or those of each branch where the branches have none in common.
+fn explain_rejected(robot: &HybridRobot, branches: &[RejectedBranch]) -> String {
+    let listed = |limits: &mut dyn Iterator<Item = &LimitViolation>| {
+        limits.map(|limit| explain_limit(robot, limit)).collect::<Vec<_>>().join("; and ")
+    };
+    let of_first = branches.iter().take(1).flat_map(|branch| &branch.violations);
+    let mut common = of_first.filter(|limit| {
+        branches.iter().all(|branch| branch.violations.iter().any(|other| is_same(limit, other)))
+    });
+    let always = listed(&mut common);
+    if !always.is_empty() {
+        return always;
+    }
+    let each = |branch: &RejectedBranch| {
+        let limits = listed(&mut branch.violations.iter());
+        format!("{}: {limits}", branch.configuration)
+    };
+    branches.iter().map(each).collect::<Vec<_>>().join("; or, ")
+}
+
+/// Whether two branches violate the same limit by the same amount.
+fn is_same(one: &LimitViolation, other: &LimitViolation) -> bool {
+    match (one, other) {
+        (
+            LimitViolation::Axis { axis: a, position: one, .. },
+            LimitViolation::Axis { axis: b, position: other, .. },
+        ) => a == b && (one - other).abs() < 1e-9,
+        (LimitViolation::Tilt { .. }, LimitViolation::Tilt { .. }) => true,
+        _ => false,
     }
 }

@@ -6,6 +6,7 @@ mod bodies;
 mod edit;
 mod effectors;
 pub mod explain;
+pub mod explain_trajectory;
 mod file;
 mod files;
 mod mesh;

@@ -1,8 +1,10 @@
 //! What is wrong with a program in its cell, shown in its text.
 
-use jointplay_cell::program::{Place, ProgramError, ProgramProblem};
+use jointplay_cell::program::{Leveling, Place, ProgramError, ProgramProblem};
+use jointplay_cell::robot::HybridRobot;
 
 use super::lexer::{Token, line_at};
+use crate::cell::explain::{explain_limit, explain_sag, explain_unreachable_pose};
 use crate::place::{self, Error, nearest, suggestion};
 
 /// What is wrong with a program in its cell, as a message.
@@ -15,8 +17,8 @@ pub struct Explained {
 
 /// Shows in the text of a program what is wrong with it in its cell.
 #[must_use]
-pub fn explain(text: &str, error: &ProgramError) -> Error<Explained> {
-    let mut message = error.to_string();
+pub fn explain(robot: &HybridRobot, text: &str, error: &ProgramError) -> Error<Explained> {
+    let mut message = message(robot, error);
     if let ProgramProblem::Unknown { found, known, .. } = &error.problem {
         let lower = found.to_lowercase();
         // Names are told apart by case, which hasty typing does not.
@@ -25,6 +27,35 @@ pub fn explain(text: &str, error: &ProgramError) -> Error<Explained> {
         message += &suggestion(&nearest);
     }
     Error { place: shown(text, error.place), problem: Box::new(Explained { message }) }
+}
+
+/// A problem in mm and degrees.
+fn message(robot: &HybridRobot, error: &ProgramError) -> String {
+    let problem = match &error.problem {
+        ProgramProblem::Limits { what, violations } => {
+            let limits: Vec<String> =
+                violations.iter().map(|limit| explain_limit(robot, limit)).collect();
+            format!("{what} violates limits: {}", limits.join("; "))
+        }
+        ProgramProblem::Unreachable { target, effector, loaded, leveling, source } => {
+            let load = if *loaded { "loaded" } else { "empty" };
+            let why = explain_unreachable_pose(robot, source);
+            let remedy = leveling.as_ref().map_or_else(String::new, remedy);
+            format!("effector {effector}, {load}, does not reach {target}: {why}{remedy}")
+        }
+        ProgramProblem::Sag { effector, source } => {
+            format!("effector {effector} does not carry the wafer: {}", explain_sag(source))
+        }
+        // Other problems have no lengths and angles.
+        _ => return error.to_string(),
+    };
+    problem + &error.repetitions()
+}
+
+fn remedy(leveling: &Leveling) -> String {
+    // Rounded up: a correction by less would not suffice.
+    let angle = (leveling.angle.to_degrees() * 1e3).ceil() * 1e-3;
+    format!("; level {} by at least {angle:.3}°", leveling.station)
 }
 
 /// The line of a place, and how much of it is meant.

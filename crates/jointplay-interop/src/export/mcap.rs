@@ -218,7 +218,7 @@ fn joint_trajectory(
 ) -> Vec<u8> {
     let within =
         from_here.iter().skip_while(|one| one.time <= start).take_while(|one| one.time < end);
-    let ends = [motion_export.motion.at(start), motion_export.motion.at(end)];
+    let ends = [motion_export.motion.sample_at(start), motion_export.motion.sample_at(end)];
     let points: Vec<&Sample> =
         std::iter::once(&ends[0]).chain(within).chain(std::iter::once(&ends[1])).collect();
     let mut message = Cdr::new();

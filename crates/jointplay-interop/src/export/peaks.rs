@@ -42,9 +42,9 @@ pub(super) fn times(motion_export: &MotionExport<'_>, rate: f64, [from, to]: [f6
     let mut times = Vec::with_capacity(2 * base.len());
     let mut last = Sample::default();
     for &time in &base {
-        let to = motion.at(time);
+        let to = motion.sample_at(time);
         if !times.is_empty() {
-            between(&|time| motion.at(time), &last, &to, &strays, &mut times);
+            between(&|time| motion.sample_at(time), &last, &to, &strays, &mut times);
         }
         times.push(time);
         last = to;

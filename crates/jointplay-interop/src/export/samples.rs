@@ -58,7 +58,7 @@ pub fn samples_with_peaks(
 ) -> Result<Vec<Column>, Error> {
     motion_export.check_rate(rate)?;
     let times = peaks::times(motion_export, rate, [0.0, motion_export.motion.duration()]);
-    table(motion_export, times.into_iter().map(|time| motion_export.motion.at(time)))
+    table(motion_export, times.into_iter().map(|time| motion_export.motion.sample_at(time)))
 }
 
 /// [`samples`], or [`samples_with_peaks`], of a stretch of time.
@@ -80,10 +80,10 @@ pub fn samples_within(
     let motion = motion_export.motion;
     if peaks {
         let times = peaks::times(motion_export, rate, [from, to]);
-        return table(motion_export, times.into_iter().map(|time| motion.at(time)));
+        return table(motion_export, times.into_iter().map(|time| motion.sample_at(time)));
     }
-    let times = motion.sample_times(rate).filter(|time| (from..=to).contains(time));
-    table(motion_export, times.map(|time| motion.at(time)))
+    let times = motion.sample_times(rate).iter().filter(|time| (from..=to).contains(time));
+    table(motion_export, times.map(|time| motion.sample_at(time)))
 }
 
 fn table(

@@ -293,7 +293,7 @@ impl Wafers {
         self.step += 1;
         let Some(handover) = motion.steps[step].handover else { return Ok(None) };
         let time = motion.times[step + 1];
-        let at = motion.at(time);
+        let at = motion.sample_at(time);
         // Up to then the arm droops as in the step that ends.
         let pose = placed(motion_export, time, &at.positions, loaded(motion_export, step))?;
         Ok(self.hand_over(handover, &pose, [time, motion.duration()]))

@@ -119,12 +119,12 @@ pub fn loader(motion_export: &MotionExport<'_>) -> (String, String) {
     let text = format!(
         r#"Attribute VB_Name = "LoadMotors"
 ' Gives the motors of a motion study the motion in the files beside this macro.
-' The study has to be a Trajectory Analysis, and its motors have to have the names of the axes.
+' The study has to be a Motion Analysis, and its motors have to have the names of the axes.
 ' Times are in s, displacements in mm for linear and in degrees for rotary motors: set the units of the document so.
 ' Import this file into a new macro, whose references to the libraries of SolidWorks it needs.
 Option Explicit
 
-Const STUDY_NAME As String = "Trajectory Study 1"
+Const STUDY_NAME As String = "Motion Study 1"
 ' How it interpolates between the points, as in SolidWorks' own examples.
 Const SCHEME As Long = 1
 

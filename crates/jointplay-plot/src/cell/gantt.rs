@@ -101,7 +101,7 @@ impl Gantt {
             }
             // Within a line an axis may go and come back.
             let middle: Vec<_> =
-                (1..8).map(|k| motion.at(from + f64::from(k) / 8.0 * (to - from))).collect();
+                (1..8).map(|k| motion.sample_at(from + f64::from(k) / 8.0 * (to - from))).collect();
             for axis in 0..axes.len() {
                 let moves = step.from[axis] != step.to[axis]
                     || middle.iter().any(|sample| sample.velocities[axis].abs() > 1e-9);

@@ -65,7 +65,7 @@ fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDoc
     let time = request.time_s.clamp(0.0, motion_export.motion.duration());
     let from = match request.from {
         Some(given) => positions(cell, given, "from")?,
-        None => motion_export.motion.at(time).positions,
+        None => motion_export.motion.sample_at(time).positions,
     };
     let id = named_effector(cell, request.effector.as_deref(), "effector")?;
     let fields = ["seen_from.station", "seen_from.slot"];
@@ -127,12 +127,12 @@ fn document(
     let loaded = carried.contains(&id);
     let effectors = cell.robot.effectors().map(|one| {
         let loaded = carried.contains(&one);
-        let pose = cell.wafer_pose_as_known(one, at, loaded).map_err(cell_error)?;
+        let pose = cell.wafer_pose_or_rigid(one, at, loaded).map_err(cell_error)?;
         let free = cell.robot.heading_is_free(one).map_err(cell_error)?;
         Ok(effector(cell, one, &pose, loaded, free))
     });
     let effectors = effectors.collect::<Result<_, Problem>>()?;
-    let (pose, _) = cell.wafer_pose_as_known(id, at, loaded).map_err(cell_error)?;
+    let (pose, _) = cell.wafer_pose_or_rigid(id, at, loaded).map_err(cell_error)?;
     let seen =
         slot.map(|slot| from_slot(cell, slot, &cell.slot_relative_pose(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(cell_error)?;

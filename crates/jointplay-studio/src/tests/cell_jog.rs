@@ -100,7 +100,7 @@ fn a_wafer_goes_into_the_slot_and_teaches_it() {
     let lean = seen["station_if_here"]["tilt_pitch_rad"].as_f64().unwrap().to_degrees();
     assert!((lean - 0.8).abs() < 1e-9, "{seen}");
     assert!(
-        found["branches"].as_array().unwrap().iter().any(|branch| branch["standing"] == "chosen")
+        found["branches"].as_array().unwrap().iter().any(|branch| branch["selection"] == "chosen")
     );
     // In the base frame from there, up by a centimetre.
     let effector = &found["effectors"][1];

@@ -144,7 +144,7 @@ pub(crate) struct BranchDocument {
     /// How the arm is bent.
     pub(crate) name: String,
     /// Whether the robot is in it, and why not.
-    pub(crate) standing: StandingName,
+    pub(crate) selection: SelectionName,
     /// The same in words and numbers.
     pub(crate) says: String,
     /// Positions of all axes, rods first [m or rad].
@@ -154,7 +154,7 @@ pub(crate) struct BranchDocument {
 /// Why a way is taken, or not.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum StandingName {
+pub(crate) enum SelectionName {
     /// The robot is in it.
     Chosen,
     /// It breaks limits.
@@ -218,11 +218,11 @@ impl BranchDocument {
     pub(crate) fn new(cell: &Cell, branch: &Branch) -> Self {
         Self {
             name: branch.configuration.to_string(),
-            standing: match branch.standing {
-                BranchSelection::Chosen => StandingName::Chosen,
-                BranchSelection::BreaksLimits => StandingName::BreaksLimits,
-                BranchSelection::OtherElbow => StandingName::OtherElbow,
-                BranchSelection::NotNearest => StandingName::NotNearest,
+            selection: match branch.selection {
+                BranchSelection::Chosen => SelectionName::Chosen,
+                BranchSelection::BreaksLimits => SelectionName::BreaksLimits,
+                BranchSelection::OtherElbow => SelectionName::OtherElbow,
+                BranchSelection::NotNearest => SelectionName::NotNearest,
             },
             says: explain_branch(&cell.robot, branch),
             positions: branch.positions.to_vec(),
@@ -239,7 +239,7 @@ impl StoppedDocument {
                 None
             }
             Stopped::Place(Unreachable::Limits(ways)) => {
-                limits.extend(ways.iter().flat_map(|way| way.broken.iter().map(|(_, one)| one)));
+                limits.extend(ways.iter().flat_map(|way| &way.violations));
                 None
             }
             Stopped::Place(Unreachable::Tilt { .. }) => Some(StoppedKind::TiltLimit),

@@ -1,31 +1,31 @@
-//! A cost with poles where its terms end, and how it is made least.
+//! A barrier function with poles at the limits of its terms, and its minimization.
 
 use std::array::from_fn;
 
 use nalgebra::Vector2;
 
-/// Beyond this share of a range the cost goes on as its parabola there, so that it is finite beyond the limit too.
+/// Share of a range beyond which the cost is continued as a parabola, so that it is finite beyond the limit.
 const EDGE: f64 = 0.9999;
 
-/// Axes at most; those that an arm has not stand in the middle of their range and cost 1.
+/// Largest number of axes; unused ones count as centred in their range and cost 1.
 pub(super) const AXES: usize = 4;
 
-/// Ends of a bend at most.
+/// Largest number of poles of a configuration.
 pub(super) const ENDS: usize = 2;
 
-/// Newton steps at most; it takes two to four, and from a ten-thousandth before a pole ten.
+/// Largest number of Newton steps; two to four are usual, ten from a ten-thousandth before a pole.
 const MOST_STEPS: usize = 30;
 
-/// A step that gains this share of what was gained before, and of the cost, is the last: the next one would gain the square of it.
+/// Share of both the total gain and the cost below which a step is the last: the next would gain the square of it.
 const FINE: f64 = 0.01;
 
-/// And so is one that gains this share of the cost.
+/// Share of the cost below which a gain ends the descent.
 pub(super) const LEAST: f64 = 2e-9;
 
 /// One number for each axis.
 pub(super) type Each = [f64; AXES];
 
-/// 1/(1 − u²) of axes from −1 at one limit to 1 at the other, beyond both the parabola that it comes in with; its slopes and its curvatures.
+/// Cost 1/(1 − u²) of axes from −1 at one limit to 1 at the other, continued as a parabola beyond; with slopes and curvatures.
 #[inline]
 pub(super) fn of_limits(u: &Each) -> [Each; 3] {
     let within: Each = from_fn(|a| u[a].clamp(-EDGE, EDGE));
@@ -41,19 +41,19 @@ pub(super) fn of_limits(u: &Each) -> [Each; 3] {
     ]
 }
 
-/// How the end of a bend costs.
+/// Cost of one end of a configuration.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Pole {
-    /// Not at all: there is none.
+    /// No cost: the configuration has no such end.
     None,
-    /// 1/(1 − u²), infinite beyond.
+    /// 1/(1 − u²), infinite beyond ±1.
     Bend,
-    /// k²/u² of a positive number, infinite beyond.
+    /// k²/u² of a positive number, infinite beyond 0.
     Ahead(f64),
 }
 
 impl Pole {
-    /// The cost, its slope and its curvature.
+    /// Cost with slope and curvature.
     #[inline]
     pub(super) fn of(self, u: f64) -> [f64; 3] {
         match self {
@@ -73,17 +73,17 @@ impl Pole {
     }
 }
 
-/// Numbers about where they are, to second order in two unknowns.
+/// Second-order model of several numbers in two unknowns.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bent<const N: usize> {
     pub(super) values: [f64; N],
     pub(super) slopes: [[f64; N]; 2],
-    /// By the first, by both, by the second.
+    /// Second derivatives: by the first unknown, by both, by the second.
     pub(super) curvatures: [[f64; N]; 3],
 }
 
 impl<const N: usize> Bent<N> {
-    /// They and their slopes a step away.
+    /// Values and slopes after a step.
     #[inline]
     fn at(&self, x: &Vector2<f64>) -> ([f64; N], [[f64; N]; 2]) {
         let [one, both, other] = &self.curvatures;
@@ -98,16 +98,16 @@ impl<const N: usize> Bent<N> {
     }
 }
 
-/// A cost about a place.
+/// Second-order model of the cost.
 pub(super) struct Model {
     pub(super) limits: Bent<AXES>,
     pub(super) ends: Bent<ENDS>,
     pub(super) poles: [Pole; ENDS],
-    /// Which of the unknowns there are.
+    /// Whether each unknown is free.
     pub(super) free: [bool; 2],
 }
 
-/// The cost at a place, with its derivatives.
+/// Cost with its derivatives.
 #[derive(Default)]
 struct Local {
     cost: f64,
@@ -115,7 +115,7 @@ struct Local {
     curvature: [f64; 3],
 }
 
-/// A step, and what is gained by it.
+/// A step, and its gain.
 pub(super) struct Gain {
     pub(super) step: Vector2<f64>,
     pub(super) gain: f64,
@@ -144,7 +144,7 @@ impl Local {
             sum(from_fn(|t| second[t] * second[t] * curving[t] + other[t] * rising[t]));
     }
 
-    /// Newton's step and what it gains; `None` where it would lead uphill.
+    /// Newton's step and its gain; `None` where it would lead uphill.
     #[inline]
     fn step(&self) -> Option<Gain> {
         let [one, both, other] = self.curvature;
@@ -154,7 +154,7 @@ impl Local {
         let step = Vector2::new(both * y - other * x, both * x - one * y) / determinant;
         let decrement = -(x * step[0] + y * step[1]);
         let share = 1.0 - 1.5 * decrement / (self.cost - (AXES as f64 - 1.0));
-        // Beyond a limit the parabola asks for steps as they are.
+        // Beyond a limit the parabola is exact: no transformation is needed.
         let longer = if share > 0.2 && share < 1.0 { 1.0 / share } else { 1.0 };
         is_bowl.then_some(Gain { step: step * longer, gain: 0.5 * decrement })
     }
@@ -162,7 +162,7 @@ impl Local {
 
 impl Model {
     /// # Arguments
-    /// * `share` – 1, or 0 to leave out the curvature of the numbers: what then remains of that of the cost is never negative
+    /// * `share` – 1, or 0 to neglect the curvature of the numbers: the remaining curvature of the cost is never negative
     #[inline]
     fn at(&self, x: &Vector2<f64>, share: f64) -> Local {
         let mut local = Local::default();
@@ -179,9 +179,9 @@ impl Model {
         local
     }
 
-    /// Where the cost is least, near where it is and within a box about it; the way there.
+    /// The step to the least cost near the present point, within a box around it.
     ///
-    /// Newton's method on −(cost − c)^(−1/2), c what all axes but one cost at least: towards its pole a term is then straight, where steps for the cost itself would cover half of the way at a time.
+    /// Newton's method on −(cost − c)^(−1/2), c the least cost of all other axes: near its pole a term is linear in this scale, where steps for the cost itself would only halve the distance.
     pub(super) fn least(&self, radius: f64) -> Option<Gain> {
         let mut x = Vector2::zeros();
         let mut here = self.at(&x, 1.0);
@@ -211,7 +211,7 @@ impl Model {
     }
 }
 
-/// The share of a step that stays within a box.
+/// Share of a step that stays within a box.
 #[inline]
 fn room(x: &Vector2<f64>, step: &Vector2<f64>, radius: f64) -> f64 {
     let mut share = 1.0_f64;
@@ -268,10 +268,10 @@ mod tests {
             let start = model.at(&Vector2::zeros(), 1.0).cost;
             let stated = start - found.gain;
             assert!((stated - there.cost).abs() <= FINE * there.cost, "{stated} {}", there.cost);
-            // What is left to gain is little of what was gained.
+            // The remaining gain is a small part of the total gain.
             let left = there.step().unwrap().gain;
             assert!(left <= FINE * found.gain.min(there.cost), "{left:e} {:e}", found.gain);
-            // Within a box that is too small, on its edge.
+            // In a box that is too small, the step ends on its boundary.
             let near = model.least(0.01).unwrap();
             assert!((near.step.amax() - 0.01).abs() <= 1e-12 && near.gain > 0.0);
         }

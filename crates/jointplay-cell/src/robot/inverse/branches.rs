@@ -1,49 +1,51 @@
-//! The inverse of the whole chain: rods from the plane, height from the arm's plane, motors from the point within it.
+//! Inverse kinematics of the whole chain: rods from the plane, height from the arm's plane, motors from the point within it.
 
 use jointplay_core::gpr::PlatformPose;
 use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::{Translation3, Vector2, Vector3};
 
-use super::super::arm_chain::{ArmChain, AxisCoefficients};
-use super::super::{EffectorId, HybridRobot, Positions, RODS};
-use super::closed::Ways;
-use super::newton::{solutions, wrapped};
-use super::plan::{Pair, Plan};
+use super::closed_form::Ways;
+use super::decomposition::{Pair, Plan};
+use super::newton::solutions;
 use super::redundant::Redundant;
 use super::revolutions::{Ranges, Turns};
-use super::{
-    Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach, Reaching,
-    WaferTarget,
+use super::solution::{
+    Branch, BranchSelection, Configuration, Elbow, Inverse, LimitViolation, OutOfReach,
+    ReachDirection, WaferTarget,
 };
 use crate::CellError;
+use crate::robot::angle::wrap_angle;
 use crate::robot::arm_chain::turned;
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients};
+use crate::robot::hybrid_robot::{EffectorId, HybridRobot, RODS};
+use crate::robot::positions::Positions;
 
-/// A branch that is farther from its target is none [m].
+/// Largest distance of a branch from its target [m].
 const RESIDUAL: f64 = 1e-12;
 
-/// Slack of limits, as a share of the range, so that what is computed to lie on a limit is not beyond it by round-off.
+/// Tolerance of limits as a share of the range: positions computed to lie on a limit do not violate it by round-off.
 const SLACK: f64 = 1e-12;
 
 impl HybridRobot {
-    /// All positions that put the wafer of an effector to a target.
+    /// All positions of the axes that bring the wafer of an effector to a target.
     ///
     /// ```text
     ///    normal → rods at height 0 → platform → height of the arm's plane through the centre → centre in the platform frame → motors
     /// ```
-    /// Raising all rods alike raises the platform alike, so that each of these steps is exact, the shift of the centre and the height error of a tilt at reach included.
-    /// Arms of two links with or without more joints at their ends, radial arms with a belt and radial arms with a slide are solved in closed form with all their branches,
-    /// redundant ones by keeping away from limits and from being stretched: least Σ 1/(1 − u²) + 1/sin² β, u from −1 to 1 between the limits of an axis, β the bend of the last two free links, from where they were;
-    /// others by Newton's method from several starts.
-    /// Positions that differ by whole turns are branches of their own where limits admit several.
+    /// Raising all rods by the same amount raises the platform by that amount, so that each of these steps is exact, including the shift of the centre and the height error of a tilt at reach.
+    /// Arms of two links with or without further joints at their ends, radial arms with a belt and radial arms with a prismatic joint are solved in closed form with all their branches;
+    /// redundant arms by staying away from limits and from the stretched arm: a local minimum of Σ 1/(1 − u²) + 1/sin² β from the present positions, u from −1 to 1 between the limits of an axis, β the elbow angle of the last two free links;
+    /// all others by Newton's method from several starts.
+    /// Positions that differ by whole revolutions are branches of their own where limits admit several.
     ///
     /// # Arguments
-    /// * `near` – positions of all axes that the robot is at; other motors than the effector's keep them
+    /// * `near` – present positions of all axes; motors of other effectors keep them
     ///
     /// # Errors
     /// [`CellError::NormalNotUp`], [`CellError::NoSuchEffector`], [`CellError::WrongLength`], [`CellError::NotFinite`], and those of the platform model.
     ///
     /// # Numerics
-    /// Allocates the list of branches and nothing else in closed form; a branch is corrected by Newton's method on all axes where it is farther than 10⁻¹³ m from the target, and left out if it stays farther than 10⁻¹² m.
+    /// In closed form, only the list of branches is allocated. A branch farther than 10⁻¹³ m from the target is corrected by Newton's method on all axes, and rejected if it stays farther than 10⁻¹² m.
     ///
     /// # Source
     /// Own derivation, `docs/explanation/arms.md`
@@ -72,7 +74,7 @@ impl HybridRobot {
         self.finished(id, &planar, target, &normal, point, heading, start, near)
     }
 
-    /// All motor positions that put the wafer of an effector over a point, the rods staying as they are in `near`.
+    /// All motor positions that bring the wafer of an effector over a point, the rods keeping their positions in `near`.
     ///
     /// # Arguments
     /// * `point` – the wafer's centre in the platform plane [m]
@@ -125,7 +127,7 @@ impl HybridRobot {
         let mut branches: Vec<Branch> = Vec::new();
         let mut failure = None;
         let tilt = Tilt::from_normal(normal);
-        // The rods are those of the start in all of them.
+        // The rods have their start positions in all branches.
         let base_from_platform = self.platform(&start)?.base_from_platform;
         let mut add = |own: &AxisCoefficients, configuration: Configuration| {
             let mut positions = start;
@@ -145,26 +147,26 @@ impl HybridRobot {
             if residual > RESIDUAL {
                 return;
             }
-            let mut broken = Vec::new();
+            let mut violations = Vec::new();
             for axis in (0..RODS).chain(planar.axes().iter().copied()) {
-                self.check_axis(axis, positions[axis], &mut broken);
+                self.check_axis(axis, positions[axis], &mut violations);
             }
-            self.check_tilt(tilt, &mut broken);
+            self.check_tilt(tilt, &mut violations);
             branches.push(Branch {
                 distance: self.time_between(near, &positions),
                 positions,
                 configuration,
-                standing: if broken.is_empty() {
+                selection: if violations.is_empty() {
                     BranchSelection::NotNearest
                 } else {
                     BranchSelection::BreaksLimits
                 },
-                broken,
+                violations,
                 residual,
                 normal_residual: missing.tilt.norm(),
                 corrections,
                 heading: missing.heading,
-                heading_off: if with_heading { 0.0 } else { missing.turn },
+                heading_difference: if with_heading { 0.0 } else { missing.turn },
             });
         };
         let mut out_of_reach = None;
@@ -189,16 +191,16 @@ impl HybridRobot {
             let max = planar.arrows().iter().map(|arrow| arrow.vector.norm()).sum::<f64>();
             out_of_reach = Some(OutOfReach { distance, min: 0.0, max });
         }
-        let mut broken_by_plane = Vec::new();
+        let mut plane_violations = Vec::new();
         for rod in 0..RODS {
-            self.check_axis(rod, start[rod], &mut broken_by_plane);
+            self.check_axis(rod, start[rod], &mut plane_violations);
         }
-        self.check_tilt(tilt, &mut broken_by_plane);
+        self.check_tilt(tilt, &mut plane_violations);
         let chosen = choose(&mut branches, bend);
-        Ok(Inverse { branches, chosen, out_of_reach, broken_by_plane })
+        Ok(Inverse { branches, chosen, out_of_reach, plane_violations })
     }
 
-    /// Whether an effector may head where it likes, its wafer's centre and plane given.
+    /// Whether the motors of an effector determine its heading independently of its wafer's centre and plane.
     ///
     /// # Errors
     /// [`CellError::NoSuchEffector`]
@@ -216,38 +218,38 @@ impl HybridRobot {
         ranges
     }
 
-    /// Limits that positions break, those of the tilt last.
+    /// Limits that positions violate, that of the tilt last.
     ///
     /// # Errors
     /// [`CellError::WrongLength`], [`CellError::NotFinite`]
     pub fn limit_violations(&self, positions: &[f64]) -> Result<Vec<LimitViolation>, CellError> {
         self.check_positions(positions)?;
-        let mut broken = Vec::new();
+        let mut violations = Vec::new();
         for (axis, &position) in positions.iter().enumerate() {
-            self.check_axis(axis, position, &mut broken);
+            self.check_axis(axis, position, &mut violations);
         }
         let rods = [positions[0], positions[1], positions[2]];
-        self.check_tilt(self.gpr.plane_tilt(&rods), &mut broken);
-        Ok(broken)
+        self.check_tilt(self.gpr.plane_tilt(&rods), &mut violations);
+        Ok(violations)
     }
 
-    fn check_axis(&self, axis: usize, position: f64, broken: &mut Vec<LimitViolation>) {
+    fn check_axis(&self, axis: usize, position: f64, violations: &mut Vec<LimitViolation>) {
         let (min, max) = (self.axes[axis].min, self.axes[axis].max);
         let slack = SLACK * (max - min);
         if position < min - slack || position > max + slack {
-            broken.push(LimitViolation::Axis { axis, position, min, max });
+            violations.push(LimitViolation::Axis { axis, position, min, max });
         }
     }
 
-    fn check_tilt(&self, tilt: Tilt, broken: &mut Vec<LimitViolation>) {
+    fn check_tilt(&self, tilt: Tilt, violations: &mut Vec<LimitViolation>) {
         let max = self.gpr.limits().tilt_max;
         let pitch = tilt.pitch.abs();
         if pitch > max * (1.0 + SLACK) + SLACK {
-            broken.push(LimitViolation::Tilt { pitch, max });
+            violations.push(LimitViolation::Tilt { pitch, max });
         }
     }
 
-    /// Time of the slowest axis from one set of positions to another, at top speed without a wafer [s].
+    /// Duration of the slowest axis from one set of positions to another, at its velocity limit without a wafer [s].
     fn time_between(&self, from: &[f64], to: &[f64]) -> f64 {
         let axes = self.axes.iter().zip(from.iter().zip(to));
         axes.map(|(axis, (from, to))| (to - from).abs() / axis.empty.velocity).fold(0.0, f64::max)
@@ -310,10 +312,11 @@ impl Solver<'_> {
     }
 }
 
-/// All bends that the pair of a plan can have.
+/// All configurations of a pair.
 fn bends(plan: &Plan) -> impl Iterator<Item = Configuration> {
     const ELBOWS: [Option<Elbow>; 2] = [Some(Elbow::Left), Some(Elbow::Right)];
-    const REACHES: [Option<Reaching>; 2] = [Some(Reaching::Forward), Some(Reaching::Backward)];
+    const REACHES: [Option<ReachDirection>; 2] =
+        [Some(ReachDirection::Forward), Some(ReachDirection::Backward)];
     let (elbows, reaches): (&[_], &[_]) = match plan.pair {
         Pair::Links(_) => (&ELBOWS, &[None]),
         Pair::Slide(_) => (&[None], &REACHES),
@@ -324,9 +327,9 @@ fn bends(plan: &Plan) -> impl Iterator<Item = Configuration> {
         .flat_map(|&reaching| elbows.iter().map(move |&elbow| Configuration { elbow, reaching }))
 }
 
-/// Of the branches within limits: one that is bent as the arm is, and of those the nearest.
+/// Chooses among the branches within limits: one with the present configuration if there is one, and of those the nearest.
 fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
-    let within = |branch: &Branch| branch.broken.is_empty();
+    let within = |branch: &Branch| branch.violations.is_empty();
     let stays = branches.iter().any(|b| within(b) && b.configuration.agrees_with(bend));
     let mut chosen: Option<usize> = None;
     for k in 0..branches.len() {
@@ -335,18 +338,18 @@ fn choose(branches: &mut [Branch], bend: Configuration) -> Option<usize> {
             continue;
         }
         if stays && !branch.configuration.agrees_with(bend) {
-            branches[k].standing = BranchSelection::OtherElbow;
+            branches[k].selection = BranchSelection::OtherElbow;
         } else if chosen.is_none_or(|best| branch.distance < branches[best].distance) {
             chosen = Some(k);
         }
     }
     if let Some(chosen) = chosen {
-        branches[chosen].standing = BranchSelection::Chosen;
+        branches[chosen].selection = BranchSelection::Chosen;
     }
     chosen
 }
 
-/// The target's centre and heading in the platform frame.
+/// Centre and heading of a target in the platform frame.
 fn within(
     base_from_platform: &Pose,
     platform: &PlatformPose,
@@ -354,11 +357,11 @@ fn within(
 ) -> (Vector2<f64>, Option<f64>) {
     let center = base_from_platform.rotation.inverse()
         * (target.center - base_from_platform.translation.vector);
-    let heading = target.heading.map(|heading| wrapped(heading - platform.twist_about_normal()));
+    let heading = target.heading.map(|heading| wrap_angle(heading - platform.twist_about_normal()));
     (center.xy(), heading)
 }
 
-/// The normal of a target, of length one.
+/// Unit normal of a target.
 fn upward(target: &WaferTarget) -> Result<Vector3<f64>, CellError> {
     for (what, vector) in [("the wafer's centre", &target.center), ("its normal", &target.normal)] {
         if let Some(&value) = vector.iter().find(|number| !number.is_finite()) {

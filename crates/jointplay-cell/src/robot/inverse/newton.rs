@@ -3,26 +3,27 @@
 use jointplay_core::linalg::least_norm_of_three;
 use nalgebra::{Vector2, Vector3};
 
-use super::super::arm_chain::{ArmChain, AxisCoefficients};
 use super::revolutions::Ranges;
+use crate::robot::angle::wrap_angle;
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients};
 
-/// Starts along each axis, between its limits.
+/// Number of starts along each axis, between its limits.
 const STARTS: usize = 5;
 
 const MOST_STEPS: usize = 40;
 
-/// Largest step, as a share of the ranges of the axes: farther, the arm is not what its tangent says.
+/// Largest step, as a share of the ranges of the axes: farther, the linearization is too inaccurate.
 const LARGEST_STEP: f64 = 0.25;
 
-/// Two solutions nearer than this share of the ranges are one.
+/// Distance below which two solutions are one, as a share of the ranges.
 const SAME: f64 = 1e-6;
 
-/// Most solutions that are listed.
+/// Largest number of solutions.
 const MOST: usize = 16;
 
-/// Solutions near the starts, that nearest to `near` first.
+/// Solutions from several starts, the one nearest to `near` first.
 ///
-/// Steps are the shortest ones, each axis counted in its range; an arm with more motors than are needed stays near its start, which is `near` if that leads to a solution.
+/// Steps have least norm in units of the ranges of the axes: an arm with more motors than needed stays near its start, which is `near` if that leads to a solution.
 pub(super) fn solutions(
     planar: &ArmChain,
     ranges: &Ranges,
@@ -66,7 +67,7 @@ fn descend(
     start: &AxisCoefficients,
 ) -> Option<AxisCoefficients> {
     let mut own = *start;
-    // One column more than there are axes, for the heading that nobody asked for.
+    // One more column than axes, for a heading that is not prescribed.
     let count = ranges.count + 1;
     let mut compliance = [1.0; 5];
     for (a, compliance) in compliance.iter_mut().enumerate().take(ranges.count) {
@@ -75,7 +76,7 @@ fn descend(
     let size = point.norm() + planar.arrows().iter().map(|arrow| arrow.vector.norm()).sum::<f64>();
     for _ in 0..MOST_STEPS {
         let missing = point - planar.tip(&own);
-        let turn = heading.map_or(0.0, |heading| wrapped(heading - planar.heading(&own)));
+        let turn = heading.map_or(0.0, |heading| wrap_angle(heading - planar.heading(&own)));
         if missing.norm() <= 1e-15 * size.max(f64::MIN_POSITIVE) * 8.0 && turn.abs() <= 1e-14 {
             return Some(own);
         }
@@ -105,10 +106,4 @@ fn descend(
     }
     let missing = (point - planar.tip(&own)).norm();
     (missing <= 1e-13 * size).then_some(own)
-}
-
-/// An angle from −π to π [rad].
-pub(in super::super) fn wrapped(angle: f64) -> f64 {
-    let turns = (angle / std::f64::consts::TAU).round();
-    angle - turns * std::f64::consts::TAU
 }

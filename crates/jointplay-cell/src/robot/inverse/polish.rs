@@ -1,39 +1,40 @@
-//! How far positions are from a target, and Newton's method on the whole chain.
+//! Residuals of positions with respect to a target, and Newton's method on the whole chain.
 
 use jointplay_core::linalg::svd;
 use jointplay_core::spatial::{Pose, tilt_rotation};
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::super::{EffectorId, HybridRobot, Positions};
-use super::WaferTarget;
-use super::newton::wrapped;
+use super::solution::WaferTarget;
 use crate::CellError;
+use crate::robot::angle::wrap_angle;
+use crate::robot::hybrid_robot::{EffectorId, HybridRobot};
+use crate::robot::positions::Positions;
 
-/// Better than this, nothing is corrected: round-off of a metre [m and rad].
+/// Residual below which nothing is corrected: round-off of a metre [m and rad].
 const EXACT: f64 = 1e-13;
 
-/// Steps of Newton's method at most; it takes one or two.
+/// Largest number of Newton steps; one or two are usual.
 const MOST_STEPS: usize = 8;
 
-/// Lengths that angles are weighed against [m].
+/// Characteristic length by which angles are weighed against lengths [m].
 const ARM: f64 = 0.1;
 
-/// What is missing to a target.
+/// Residual of a pose with respect to a target.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Missing {
-    /// To the centre [m].
+    /// Displacement to the centre [m].
     pub(super) center: Vector3<f64>,
-    /// The turn that lays the wafer into the plane, about an axis within the plane [rad].
+    /// Rotation vector that lays the wafer into the plane, about an axis within the plane [rad].
     pub(super) tilt: Vector3<f64>,
-    /// Heading that the wafer has [rad].
+    /// Heading of the wafer [rad].
     pub(super) heading: f64,
-    /// Turn about the normal to the heading asked for [rad].
+    /// Rotation about the normal to the heading asked for [rad].
     pub(super) turn: f64,
 }
 
 impl Missing {
     /// # Arguments
-    /// * `normal` – that of the target, of length one
+    /// * `normal` – unit normal of the target
     pub(super) fn of(base_from_wafer: &Pose, target: &WaferTarget, normal: &Vector3<f64>) -> Self {
         let rotation = base_from_wafer.rotation.matrix();
         let found = rotation.column(2).into_owned();
@@ -44,7 +45,7 @@ impl Missing {
             center: target.center - base_from_wafer.translation.vector,
             tilt: found.cross(normal),
             heading,
-            turn: target.heading.map_or(0.0, |wanted| wrapped(wanted - heading)),
+            turn: target.heading.map_or(0.0, |wanted| wrap_angle(wanted - heading)),
         }
     }
 
@@ -56,10 +57,10 @@ impl Missing {
 }
 
 impl HybridRobot {
-    /// Corrects positions of all axes together, where they are not exact yet; hands out how many steps it took and what is left.
+    /// Corrects the positions of all axes together where they are not exact yet; returns the number of steps and the residual.
     ///
     /// # Arguments
-    /// * `base_from_wafer` – where the positions put the wafer
+    /// * `base_from_wafer` – pose of the wafer in the given positions
     pub(super) fn polish(
         &self,
         id: EffectorId,
@@ -77,7 +78,7 @@ impl HybridRobot {
             let jacobian = self.effector_jacobian(positions, id)?;
             let axes = self.axes_of(id)?;
             let rows = if with_heading { 6 } else { 5 };
-            // Two directions of the plane, for the tilt has no part along the normal.
+            // Two directions span the plane: the tilt has no component along the normal.
             let level = tilt_rotation(normal);
             let (e_1, e_2) = (level * Vector3::x(), level * Vector3::y());
             let mut a = DMatrix::zeros(rows, axes.len());

@@ -1,76 +1,76 @@
-//! Which of infinitely many positions are taken, where an arm has more motors than the target asks for.
+//! Redundancy resolution: the positions chosen where an arm has more motors than the target needs.
 
 use std::array::from_fn;
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::super::arm_chain::{ArmChain, AxisCoefficients, perpendicular, turned};
-use super::Configuration;
 use super::barrier::{AXES, Bent, ENDS, Each, Gain, LEAST, Model, Pole, of_limits};
-use super::closed::Found;
-use super::plan::{Pair, Plan};
+use super::closed_form::Found;
+use super::decomposition::{Pair, Plan};
 use super::revolutions::{Ranges, Turns};
+use super::solution::Configuration;
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients, perpendicular, turned};
 
-/// Steps of the descent at most; it takes three to five, and more only out of a nearly stretched arm.
+/// Largest number of descent steps; three to five are usual, more only out of a nearly stretched arm.
 const MOST_STEPS: usize = 100;
 
-/// Longest step of a free angle: farther, an arm is not what two derivatives say of it [rad].
+/// Longest step of a free angle: beyond it the second-order model is too inaccurate [rad].
 const LONGEST: f64 = 1.0;
 
-/// Steps below this are none [rad].
+/// Step below which the descent has converged [rad].
 const NONE: f64 = 1e-9;
 
-/// A start whose bend costs more is none: the pair moves too fast there for any free angle to lead out, within 3° of the stretched arm.
+/// Elbow cost above which a start is useless: within 3° of the stretched arm the pair moves too fast for any free angle to lead out.
 const STRETCHED: f64 = 400.0;
 
-/// Where a start is looked for, if there is none where the arm is: so many for each free angle, and more where those do not reach.
+/// Numbers of grid values of each free angle that are tried for a start where the present positions give none, one after the other.
 const STARTS: [usize; 3] = [8, 16, 48];
-/// The most of them.
+/// Largest of [`STARTS`].
 const MOST_STARTS: usize = 48;
 
-/// A radial arm counts as near the end of its bend where its last joint is this share of the last link ahead of the first.
+/// Reach of a radial arm, as a share of its last link, below which the end of its reach direction costs.
 const NEAR: f64 = 0.1;
 
-/// What is left to choose: turns of the first and of the last arrow.
+/// The free angles of an arm: of its first and of its last link vector.
 pub(super) struct Redundant<'a> {
     planar: &'a ArmChain,
     plan: &'a Plan,
     turns: &'a Turns,
     ranges: &'a Ranges,
-    /// What free arrows and pair have to span [m].
+    /// Vector that free links and pair have to span [m].
     point: Vector2<f64>,
-    /// Turn of the last arrow, where a heading asks for it [rad].
+    /// Angle of the last link, where a heading prescribes it [rad].
     last: Option<f64>,
-    /// Arrows whose turns are free.
+    /// Indices of the links whose angles are free.
     free: [Option<usize>; 2],
-    /// Unknowns where the arm is.
+    /// Unknowns at the present positions.
     near: AxisCoefficients,
-    /// Position of each axis, from −1 at one limit to 1 at the other, by each unknown.
+    /// Position of each axis, from −1 at one limit to 1 at the other, for each unit of each unknown.
     by_unknown: [Each; 4],
-    /// The same where all unknowns are zero.
+    /// Position of each axis, from −1 at one limit to 1 at the other, where all unknowns are zero.
     at_zero: Each,
     poles: [Pole; ENDS],
 }
 
-/// Unknowns that reach the point, with their cost.
+/// Unknowns that reach the target, with their cost.
 #[derive(Clone, Copy)]
 struct Costed {
     unknown: AxisCoefficients,
     found: Found,
-    /// What the pair spans [m].
+    /// Vector that the pair spans [m].
     point: Vector2<f64>,
-    /// The free arrows as they then are [m].
+    /// Free link vectors [m].
     arrows: [Vector2<f64>; 2],
     /// Position of each axis, from −1 at one limit to 1 at the other.
     shares: Each,
     cost: f64,
-    /// What the bend has of it.
+    /// Part of the cost by elbow and reach direction.
     of_bend: f64,
 }
 
 impl<'a> Redundant<'a> {
     /// # Arguments
-    /// * `near` – positions where the arm is
+    /// * `near` – present positions
     pub(super) fn new(
         planar: &'a ArmChain,
         plan: &'a Plan,
@@ -102,12 +102,12 @@ impl<'a> Redundant<'a> {
         Self { planar, plan, turns, ranges, point, last, free, near, by_unknown, at_zero, poles }
     }
 
-    /// The positions bent as asked for that are farthest from limits and from being stretched or folded:
-    /// least Σ 1/(1 − u²) + 1/sin² β near where the arm is, u from −1 at one limit of an axis to 1 at the other, β the bend.
+    /// The positions of a given configuration that are farthest from limits, and from the stretched and the folded arm:
+    /// a local minimum of Σ 1/(1 − u²) + 1/sin² β near the present positions, u from −1 at one limit of an axis to 1 at the other, β the elbow angle.
     ///
-    /// Descent on the free angles, the pair following in closed form so that it never leaves its bend:
-    /// each step goes to where the cost is least if u and cos β go on as their first two derivatives say.
-    /// It starts where the arm is; by other whole turns, if those that are nearest take it beyond a limit.
+    /// The free angles descend while the pair follows in closed form, so that it never leaves its configuration:
+    /// each step minimizes a second-order model of u and cos β.
+    /// The start is the present position, or the same pose by other revolutions where that violates a limit.
     pub(super) fn away_from_limits(
         &self,
         configuration: Configuration,
@@ -155,7 +155,7 @@ impl<'a> Redundant<'a> {
         place.shares.iter().all(|u| u.abs() <= 1.0)
     }
 
-    /// The same pose by other whole turns, if it is beyond limits as it is: by those that cost least.
+    /// The same pose by the revolutions of least cost, where a limit is violated otherwise.
     fn wound_within(&self, place: Costed) -> Costed {
         if self.is_within(&place) {
             return place;
@@ -172,10 +172,10 @@ impl<'a> Redundant<'a> {
         best
     }
 
-    /// The best of a raster of so many values of each free angle.
+    /// The best of a grid of values of each free angle.
     fn start(&self, count: usize, configuration: Configuration) -> Option<Costed> {
         let turn = |k: usize| std::f64::consts::TAU * k as f64 / count as f64;
-        // How far the pair would have to reach, less what the free arrows reach.
+        // The vectors that a free link takes on the grid.
         let raster = |arrow: Option<usize>| {
             let mut reached = [Vector2::zeros(); MOST_STARTS];
             if let Some(k) = arrow {
@@ -206,18 +206,18 @@ impl<'a> Redundant<'a> {
         best
     }
 
-    /// What it costs at least to span a point: 1 for each axis, and the bend of two links, by the law of cosines.
+    /// Lower bound on the cost of spanning a vector: 1 for each axis, and that of the elbow by the law of cosines.
     fn costs_at_least(&self, point: &Vector2<f64>) -> f64 {
         let limits = AXES as f64;
         let Pair::Links([i, j]) = &self.plan.pair else { return limits };
         let twice = 2.0 * i.length * j.length;
         let cosine = (point.norm_squared() - i.length * i.length - j.length * j.length) / twice;
         let squared_sine = 1.0 - cosine * cosine;
-        // Out of reach, but for round-off.
+        // Out of reach by more than round-off.
         if squared_sine < -1e-9 { f64::INFINITY } else { limits + 1.0 / squared_sine.max(0.0) }
     }
 
-    /// Where the rest of the arm then is, turned as near as whole turns allow to what is near.
+    /// Unknowns for given free angles, in the revolutions nearest to other unknowns.
     fn at(
         &self,
         free: [f64; 2],
@@ -237,7 +237,7 @@ impl<'a> Redundant<'a> {
         Some(self.costed(Costed { unknown, found, point, arrows, shares, cost, of_bend }))
     }
 
-    /// With the cost of its unknowns.
+    /// The same unknowns with their cost.
     #[inline]
     fn costed(&self, mut place: Costed) -> Costed {
         let (by, y) = (&self.by_unknown, &place.unknown);
@@ -252,7 +252,7 @@ impl<'a> Redundant<'a> {
         place
     }
 
-    /// How far a bend is from its ends, a number for each pole, with its first two derivatives by the square of the distance that is spanned.
+    /// Distance of the configuration from its ends, one for each pole, with its first two derivatives by the squared length of the spanned vector.
     #[inline]
     fn ends(&self, found: &Found) -> [[f64; 3]; ENDS] {
         let perpendicular = found.from_end.abs();
@@ -275,12 +275,12 @@ impl<'a> Redundant<'a> {
         }
     }
 
-    /// The cost about a place; `None` where the arm is stretched or folded.
+    /// Second-order model of the cost; `None` where the arm is stretched or folded.
     ///
     /// ```text
     ///    S p_f  =  −w_f        S p_fg  =  −(w_fg + Σ_ij S_ij p_i,f p_j,g)
     /// ```
-    /// with the pair p, the velocities S of its span and their derivatives S_ij, and the free arrows' velocities w_f and w_fg.
+    /// for the pair p, the derivatives S and S_ij of its span, and the derivatives w_f and w_fg of the free link vectors.
     fn model(&self, now: &Costed) -> Option<Model> {
         let span = self.plan.span_change(&now.found, &now.point);
         let inverse = Matrix2::from_columns(&span.velocities).try_inverse()?;
@@ -302,7 +302,7 @@ impl<'a> Redundant<'a> {
         }
         let curvatures = from_fn(|k| by_pair(&bends[k]));
         let limits = Bent { values: now.shares, slopes, curvatures };
-        // Of the square of the distance that the pair spans.
+        // Derivatives of the squared length that the pair spans.
         let slope = [2.0 * now.point.perp(a), 2.0 * now.point.perp(b)];
         let curvature = [a.dot(&(a + now.point)), a.dot(b), b.dot(&(b + now.point))];
         let square = [slope[0] * slope[0], slope[0] * slope[1], slope[1] * slope[1]];

@@ -1,17 +1,17 @@
-//! Positions that differ by whole turns of arrows.
+//! Positions that differ by whole revolutions of links.
 
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
 use nalgebra::Vector4;
 
-use super::super::arm_chain::AxisCoefficients;
-use super::plan::{Pair, Plan};
+use super::decomposition::{Pair, Plan};
+use crate::robot::arm_chain::AxisCoefficients;
 
-/// Most combinations of whole turns that are tried; with axes of at most ten turns there are fewer on any usual arm.
+/// Largest number of combinations of revolutions that are tried; axes of at most ten revolutions have fewer on any usual arm.
 const MOST: i64 = 20_000;
 
-/// Slack of limits for round-off, as a share of the ranges.
+/// Tolerance of limits for round-off, as a share of the ranges.
 const SLACK: f64 = 1e-12;
 
 /// Limits of the axes of an arm.
@@ -32,7 +32,7 @@ impl Ranges {
     }
 }
 
-/// The lattice of whole turns: positions a + Σ_m k_m generator_m are one pose for whole numbers k.
+/// The lattice of whole revolutions: positions a + Σ_m k_m generator_m are one pose for whole numbers k.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Turns {
     generators: [Vector4<f64>; 4],
@@ -42,7 +42,7 @@ pub(super) struct Turns {
 }
 
 impl Plan {
-    /// The same pose by unknowns near others.
+    /// Unknowns of the same pose, nearest to other unknowns.
     #[inline]
     pub(super) fn wound(
         &self,
@@ -56,7 +56,7 @@ impl Plan {
             }
         }
         if let Pair::Belt(..) = self.pair {
-            // The third arrow turns by the mean: both turn alike, or one of them by two whole turns.
+            // The third link rotates by the mean: both unknowns change by one revolution, or one of them by two.
             let other = unknown[1] + wound[0] - unknown[0];
             wound[1] = other + 2.0 * TAU * ((near[1] - other) / (2.0 * TAU)).round();
         }
@@ -80,7 +80,7 @@ impl Turns {
                 add(column(0), row(0));
                 add(column(1), row(1));
             }
-            // The third arrow turns by the mean: both turn alike, or one of them by two whole turns.
+            // The third link rotates by the mean: both unknowns change by one revolution, or one of them by two.
             Pair::Belt(..) => {
                 add(column(0) + column(1), row(0));
                 add(column(1) * 2.0, (row(1) - row(0)) * 0.5);
@@ -101,7 +101,7 @@ impl Turns {
         shifted.into()
     }
 
-    /// The same pose by positions near others.
+    /// Positions of the same pose, nearest to other positions.
     fn nearest(&self, own: &AxisCoefficients, to: &AxisCoefficients) -> AxisCoefficients {
         let away = Vector4::from(*to) - Vector4::from(*own);
         let mut k = [0; 4];
@@ -111,7 +111,7 @@ impl Turns {
         self.shifted(own, &k)
     }
 
-    /// How far an axis is beyond its limits once it is shifted by whole turns.
+    /// Amount by which an axis exceeds its limits once it is shifted by revolutions; negative within them.
     #[inline]
     fn beyond(&self, own: &AxisCoefficients, k: &[f64; 4], ranges: &Ranges, axis: usize) -> f64 {
         let [a, b, c, d] = &self.generators;
@@ -120,7 +120,7 @@ impl Turns {
         f64::max(ranges.min[axis] - position, position - ranges.max[axis])
     }
 
-    /// Hands out the same pose by all positions within limits; where there are none, by those that are least beyond.
+    /// Calls a function with all positions of the same pose within limits; where there are none, with those that exceed them least.
     pub(super) fn within(
         &self,
         own: &AxisCoefficients,
@@ -137,7 +137,7 @@ impl Turns {
                 least += products[0].min(products[1]);
                 most += products[0].max(products[1]);
             }
-            // A little more than the bounds, for what lies on a limit.
+            // The bounds are widened by round-off, for positions on a limit.
             (low[m], high[m]) = ((least - 1e-9).ceil() as i64, (most + 1e-9).floor() as i64);
             combinations = combinations.saturating_mul((high[m] - low[m] + 1).max(0));
         }
@@ -177,7 +177,7 @@ impl Turns {
     }
 }
 
-/// All whole numbers within a box.
+/// All vectors of whole numbers within a box.
 fn for_each(low: &[i64], high: &[i64], mut each: impl FnMut(&[i64; 4])) {
     if low.iter().zip(high).any(|(low, high)| low > high) {
         return;

@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use jointplay::cell::IncrementalPlanner;
 use jointplay::cell::check::{CheckOptions, Report, Verdict};
 use jointplay::cell::program::{Place, Program, ProgramError, ProgramProblem, name_errors};
 use jointplay::cell::robot::EffectorId;
-use jointplay::cell::trajectory::{Trajectory, TrajectoryOptions};
+use jointplay::cell::trajectory::{StepError, Trajectory, TrajectoryOptions};
 use jointplay::cell::workcell::Cell;
+use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
+use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::place::Error as Placed;
 use jointplay::format::{cell, program};
 use jointplay::interop::export::{self, MotionExport, ViolationNote};
@@ -141,7 +142,7 @@ impl InputArgs {
             Ok(named) => {
                 let misfits = name_errors(&named.cell, &program);
                 let mut all = unread;
-                all.extend(misfits.iter().map(|one| told(one, &text, &label)));
+                all.extend(misfits.iter().map(|one| told(&named.cell, one, &text, &label)));
                 all.sort_by_key(|one| (one.line, one.column));
                 Failure::Wrong(all)
             }
@@ -188,8 +189,8 @@ impl InputArgs {
         reporter.stage("timing");
         let motion = memory.plan_trajectory(cell, steps, &TrajectoryOptions::default()).map_err(
             |error| {
-                let problems = error.problems.iter();
-                Failure::CannotDo(input.at(problems.map(|one| (one.place, one.message.clone()))))
+                let of = |one: &StepError| (one.place, explain_step(&cell.robot, one));
+                Failure::CannotDo(input.at(error.steps.iter().map(of)))
             },
         )?;
         reporter.stage("checking");
@@ -221,7 +222,8 @@ impl Input {
 
     /// Why the program cannot run in this cell: bad input, or the answer is no where it is all about reach and limits.
     fn refused(&self, errors: &[ProgramError]) -> Failure {
-        let all = errors.iter().map(|one| told(one, &self.text, &self.label)).collect();
+        let all =
+            errors.iter().map(|one| told(&self.named.cell, one, &self.text, &self.label)).collect();
         let out_of_reach = |one: &ProgramError| {
             matches!(
                 one.problem,
@@ -271,14 +273,11 @@ impl Planned {
     }
 }
 
-/// Plans motion by motion, and reports how many are done.
+/// A planner that reports its progress.
 fn counted_by(reporter: Reporter) -> IncrementalPlanner {
-    IncrementalPlanner::run_by(move |count, job| {
-        reporter.parts(count);
-        for number in 0..count {
-            job(number);
-            reporter.part_done();
-        }
+    IncrementalPlanner::with_observer(move |progress| match progress {
+        JobProgress::Started { jobs } => reporter.parts(jobs),
+        JobProgress::JobDone => reporter.part_done(),
     })
 }
 
@@ -288,8 +287,8 @@ pub(super) fn wrong<P: std::fmt::Display>(problems: &[Placed<P>], label: &str) -
 }
 
 /// What is wrong with a program in its cell.
-fn told(error: &ProgramError, text: &str, label: &str) -> Wrong {
-    Wrong::new(&program::explain(text, error), label)
+fn told(cell: &Cell, error: &ProgramError, text: &str, label: &str) -> Wrong {
+    Wrong::new(&program::explain(&cell.robot, text, error), label)
 }
 
 /// A file that a cell names: in its folder or below, and nowhere else.

@@ -46,7 +46,7 @@ fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
         view.tracks.push(Track { effector, reach, points });
     }
     for one in &planned.report.violations {
-        let sample = planned.motion.at(one.worst_time);
+        let sample = planned.motion.sample_at(one.worst_time);
         let loaded = planned.motion.steps.get(sample.step).map_or(&[][..], |step| &step.loaded);
         let pose = planned.cell().drooping(&sample.positions, loaded)?;
         for id in concerned(planned, one) {

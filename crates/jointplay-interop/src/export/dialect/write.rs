@@ -73,7 +73,7 @@ impl Dialect {
                 _ => time.clone(),
             }
         };
-        push(&mut text, &self.begin, ends(0.0, &motion.at(0.0).positions));
+        push(&mut text, &self.begin, ends(0.0, &motion.sample_at(0.0).positions));
         let mut points = match self.motion {
             Motions::Points(_) => Some(motion.samples(rate).enumerate().peekable()),
             Motions::Steps { .. } => None,
@@ -135,7 +135,7 @@ impl Dialect {
             });
         }
         let duration = motion.duration();
-        push(&mut text, &self.end, ends(duration, &motion.at(duration).positions));
+        push(&mut text, &self.end, ends(duration, &motion.sample_at(duration).positions));
         pass_on(&mut text, 0)
     }
 

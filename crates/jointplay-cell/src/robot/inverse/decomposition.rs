@@ -1,26 +1,26 @@
-//! How the positions of an arm follow from angles of its arrows.
+//! The unknowns of an arm: angles of its links, as linear functions of the positions of its axes.
 
 use std::f64::consts::TAU;
 
 use nalgebra::{Matrix4, Vector2};
 
-use super::super::arm_chain::{ArmChain, AxisCoefficients, LinkVector, turned};
+use crate::robot::arm_chain::{ArmChain, AxisCoefficients, LinkVector, turned};
 
-/// Arrows of a belt-coupled arm count as equally long within this share of their length.
+/// Relative difference of length up to which links of a belt-coupled arm count as equally long.
 const SAME_LENGTH: f64 = 1e-12;
 
-/// Which two unknowns are found from a point.
+/// The two unknowns that place the wafer's centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Pair {
-    /// Two arrows, each turning by itself.
+    /// Two links that rotate independently.
     Links([Link; 2]),
-    /// Two arrows of equal length and a third that turns by the mean of both: they move it along its own direction.
+    /// Two links of equal length and a third that rotates by the mean of both: they move it along its own direction.
     Belt([Link; 2], Carried),
-    /// An arrow on a slide that turns with it.
+    /// A link on a prismatic joint that rotates with it.
     Slide(usize),
 }
 
-/// An arrow in polar coordinates.
+/// A link vector in polar coordinates.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Link {
     pub(super) arrow: usize,
@@ -30,17 +30,17 @@ pub(super) struct Link {
     pub(super) angle: f64,
 }
 
-/// The arrow that a belt-coupled pair moves along its own direction.
+/// The link that a belt-coupled pair moves along its own direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Carried {
     pub(super) arrow: usize,
-    /// Direction in which the pair moves it where both unknowns are zero: the mean of theirs [rad].
+    /// Direction in which the pair moves the link where both unknowns are zero: the mean of the links' directions [rad].
     pub(super) middle: f64,
-    /// It in that direction's frame, its x not negative [m].
+    /// The link vector in the frame of that direction, its x not negative [m].
     pub(super) vector: Vector2<f64>,
 }
 
-/// The unknowns of an arm: the pair's two, then the turn of its last arrow, then that of its first.
+/// The unknowns of an arm: the two of the pair, then the angle of the last link, then that of the first.
 ///
 /// ```text
 ///    y = Y a        a: positions of the axes, n of each
@@ -48,19 +48,19 @@ pub(super) struct Carried {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
     pub(super) pair: Pair,
-    /// Arrow that turns with the wafer, where it is not of the pair.
+    /// Link that rotates with the wafer, where it is not part of the pair.
     pub(super) last: Option<usize>,
-    /// Arrow at the platform, where it is not of the pair.
+    /// Link at the platform, where it is not part of the pair.
     pub(super) first: Option<usize>,
     pub(super) count: usize,
-    /// Y⁻¹, its unused part identity.
+    /// Y⁻¹, padded with the identity.
     pub(super) inverse: Matrix4<f64>,
-    /// Y.
+    /// Y, padded with the identity.
     pub(super) forward: Matrix4<f64>,
 }
 
 impl Plan {
-    /// `None` where the arm is of no kind that has a closed form.
+    /// The decomposition of an arm; `None` where the arm has no closed form.
     pub(super) fn new(planar: &ArmChain) -> Option<Self> {
         let count = planar.axes().len();
         let arrows = planar.arrows();
@@ -116,7 +116,7 @@ impl Plan {
         (self.inverse * nalgebra::Vector4::from(*unknown)).into()
     }
 
-    /// Unknowns at positions of the axes.
+    /// Unknowns for given positions of the axes.
     #[inline]
     pub(super) fn unknown(&self, own: &AxisCoefficients) -> AxisCoefficients {
         (self.forward * nalgebra::Vector4::from(*own)).into()
@@ -130,7 +130,7 @@ impl Link {
     }
 }
 
-/// A belt-coupled pair: of the two mean directions, the one in which the wafer is carried.
+/// A belt-coupled pair, with the one of its two mean directions along which the wafer points.
 fn belt([one, mut other]: [Link; 2], arrows: &[LinkVector], arrow: usize) -> Pair {
     let mut middle = 0.5 * (one.angle + other.angle);
     let mut vector = turned(&arrows[arrow].vector, -middle);

@@ -1,42 +1,42 @@
-//! Two unknowns of an arm from a point of its plane.
+//! Closed-form positions of the two unknowns that place the wafer's centre in the arm's plane.
 
 use nalgebra::Vector2;
 
-use super::super::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
-use super::plan::{Carried, Link, Pair, Plan};
-use super::{Configuration, Elbow, OutOfReach, Reaching};
+use super::decomposition::{Carried, Link, Pair, Plan};
+use super::solution::{Configuration, Elbow, OutOfReach, ReachDirection};
+use crate::robot::arm_chain::{ArmChain, LinkVector, dot, perpendicular, turned};
 
-/// A point counts as reached where it is beyond the stretched arm by no more than this share: round-off.
+/// Share of the stretched length by which a point may be out of reach and counts as reached: round-off.
 const STRETCHED: f64 = 1e-14;
 
-/// Both unknowns, and how the arm is then bent.
+/// One solution for both unknowns, with its configuration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Found {
     pub(super) pair: [f64; 2],
     pub(super) configuration: Configuration,
-    /// Both arrows of two links; of a slide the whole span, and its direction [m].
+    /// Both link vectors; for a prismatic pair the whole span, and its direction [m].
     pub(super) arrows: [Vector2<f64>; 2],
-    /// How far the bend is from its ends: the cosine of the angle between two links, otherwise how far the wafer is ahead [m].
+    /// Distance of the configuration from its ends: the cosine of the elbow angle, or the reach ahead of the first joint [m].
     pub(super) from_end: f64,
 }
 
-/// Up to four ways.
+/// Up to four solutions.
 pub(super) type Ways = [Option<Found>; 4];
 
 fn angle(vector: &Vector2<f64>) -> f64 {
     vector.y.atan2(vector.x)
 }
 
-/// A vector in the frame of another, times the length of that.
+/// A vector in the frame of another, multiplied by the length of that one.
 fn within(frame: &Vector2<f64>, vector: &Vector2<f64>) -> Vector2<f64> {
     Vector2::new(frame.dot(vector), frame.perp(vector))
 }
 
 impl Plan {
-    /// All values of the pair that span `point` [m], in ways that agree with a bend.
+    /// All values of the pair that span `point` [m] in configurations that agree with a given one.
     ///
     /// # Arguments
-    /// * `like` – values of the pair that decide where every turn would do
+    /// * `like` – values of the pair that decide where any direction would do
     #[inline]
     pub(super) fn span(
         &self,
@@ -55,7 +55,7 @@ impl Plan {
         }
     }
 
-    /// How the span of a point changes with both unknowns.
+    /// Derivatives of the spanned vector by both unknowns.
     #[inline]
     pub(super) fn span_change(&self, found: &Found, point: &Vector2<f64>) -> SpanChange {
         let [one, other] = found.arrows;
@@ -79,7 +79,7 @@ impl Plan {
         }
     }
 
-    /// The direction in which a belt-coupled pair moves its wafer; that of the first arrow, where there is no belt.
+    /// Direction in which a belt-coupled pair moves its wafer; for other pairs, the direction of the first link.
     pub(super) fn middle(&self, planar: &ArmChain, pair: [f64; 2]) -> Vector2<f64> {
         let first = |k: usize| turned(&planar.arrows()[k].vector, pair[0]).normalize();
         match &self.pair {
@@ -91,7 +91,7 @@ impl Plan {
         }
     }
 
-    /// How the arm is bent at positions of its axes.
+    /// Configuration of the arm at positions of its axes.
     pub(super) fn configuration(&self, planar: &ArmChain, own: &[f64; 4]) -> Configuration {
         let arrows = planar.arrows();
         let at = |k: usize| turned(&arrows[k].vector, dot(&arrows[k].turn, own));
@@ -118,11 +118,11 @@ impl Plan {
     }
 }
 
-/// How a span changes with the two unknowns of a pair.
+/// Derivatives of a spanned vector by the two unknowns of a pair.
 pub(super) struct SpanChange {
-    /// Its velocities by either.
+    /// First derivatives, by either unknown.
     pub(super) velocities: [Vector2<f64>; 2],
-    /// Its second derivatives: by the first, by both, by the second.
+    /// Second derivatives: by the first unknown, by both, by the second.
     pub(super) second: [Vector2<f64>; 3],
 }
 
@@ -134,15 +134,15 @@ fn elbow(left: f64) -> Option<Elbow> {
     }
 }
 
-fn reaching(forward: f64) -> Option<Reaching> {
+fn reaching(forward: f64) -> Option<ReachDirection> {
     match forward {
-        forward if forward > 0.0 => Some(Reaching::Forward),
-        forward if forward < 0.0 => Some(Reaching::Backward),
+        forward if forward > 0.0 => Some(ReachDirection::Forward),
+        forward if forward < 0.0 => Some(ReachDirection::Backward),
         _ => None,
     }
 }
 
-/// Two links: the law of cosines, its sine by Heron's product so that nothing cancels near the stretched arm.
+/// Two links: the law of cosines, with the sine by Heron's product, which does not cancel near the stretched arm.
 #[inline]
 fn links(
     [one, other]: &[Link; 2],
@@ -159,13 +159,13 @@ fn links(
     let product = (d + a + b) * (a + b - d) * (d + a - b) * (d - a + b);
     let sine = product.max(0.0).sqrt() * 0.5;
     let angle_between = sine.atan2(cosine);
-    // The line to the point as the first link sees it, times that link's length.
+    // The spanned vector in the frame of the first link, multiplied by the length of that link.
     let reach = Vector2::new(a * a + cosine, sine);
     let way = |side: f64| {
         let configuration = Configuration { elbow: elbow(-side * sine), reaching: None };
         configuration.agrees_with(bend).then(|| {
             let aside = Vector2::new(reach.x, side * reach.y);
-            // The first link times the square of the distance.
+            // The first link multiplied by the squared distance.
             let along = within(&aside, point);
             let (first, link) = if d > 0.0 {
                 (angle(&along), along / (d * d))
@@ -178,12 +178,12 @@ fn links(
             Found { pair, configuration, arrows: [link, point - link], from_end }
         })
     };
-    // Stretched or folded, both are one.
+    // Stretched or folded, both solutions are one.
     let second = if sine > 0.0 { way(-1.0) } else { None };
     Ok([way(1.0), second, None, None])
 }
 
-/// Links of length A at ±δ about the direction of the third arrow w: 2 A cos δ + w spans the distance.
+/// Links of length A at ±δ about the direction of the third link w: 2 A cos δ + w spans the distance.
 #[inline]
 fn belt(
     [one, other]: &[Link; 2],
@@ -203,7 +203,7 @@ fn belt(
     let along = along.max(0.0).sqrt();
     let mut ways = [None; 4];
     let mut count = 0;
-    for (sign, reaching) in [(1.0, Reaching::Forward), (-1.0, Reaching::Backward)] {
+    for (sign, reaching) in [(1.0, ReachDirection::Forward), (-1.0, ReachDirection::Backward)] {
         let grown = sign * along - w.x;
         if grown.abs() > stretched * (1.0 + STRETCHED) || (sign < 0.0 && along == 0.0) {
             continue;
@@ -212,7 +212,7 @@ fn belt(
         if !(Configuration { elbow: None, reaching }).agrees_with(bend) {
             continue;
         }
-        // cos δ and sin δ without cancelling near the stretched arm.
+        // cos δ and sin δ in a form that does not cancel near the stretched arm.
         let across = ((stretched - grown) * (stretched + grown)).max(0.0).sqrt();
         let half = across.atan2(grown);
         let (direction, unit) = if d > 0.0 {
@@ -240,7 +240,7 @@ fn belt(
     Ok(ways)
 }
 
-/// A slide along `unit` with an arrow on it.
+/// A prismatic joint along `unit` that carries a link.
 #[inline]
 fn slide(
     carried: &LinkVector,
@@ -271,6 +271,6 @@ fn slide(
             Found { pair, configuration, arrows: [*point, direction], from_end }
         })
     };
-    let backward = if along > 0.0 { way(-1.0, Reaching::Backward) } else { None };
-    Ok([way(1.0, Reaching::Forward), backward, None, None])
+    let backward = if along > 0.0 { way(-1.0, ReachDirection::Backward) } else { None };
+    Ok([way(1.0, ReachDirection::Forward), backward, None, None])
 }

@@ -1,0 +1,210 @@
+//! The blends of all steps, and the slowdown of segments that makes them shortest.
+
+use std::convert::Infallible;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::blend::Blend;
+use super::blend_candidate::{BlendCandidate, BlendConditions};
+use super::segment::Segment;
+use super::segment_key::segment_key;
+use crate::geometry::{Solid, Solids};
+use crate::incremental::{
+    Execution, Fingerprint, GenerationalCache, Interrupted, Unique, compute_missing,
+};
+use crate::program::Step;
+use crate::workcell::{Cell, Zone, ZoneRule};
+
+/// Blends of the last trajectory, by what they depend on.
+#[derive(Default)]
+pub(super) struct BlendPlanner {
+    /// Factors of time by which both segments at a corner are slowed.
+    slowdowns: GenerationalCache<f64>,
+    slowed: GenerationalCache<Unique<Segment>>,
+    blends: GenerationalCache<Option<Blend>>,
+    solids: Solids,
+    /// Zones in which the centres of wafers have to stay while the robot turns.
+    safe_zones: Vec<Solid>,
+}
+
+/// Steps with their segments, and the factors of time by which the segments were slowed.
+#[derive(Clone, Copy)]
+pub(super) struct SlowedSegments<'a> {
+    pub(super) steps: &'a [Step],
+    pub(super) segments: &'a [Arc<Unique<Segment>>],
+    pub(super) factors: &'a [f64],
+}
+
+impl<'a> SlowedSegments<'a> {
+    fn range(self, range: Range<usize>) -> Self {
+        Self {
+            steps: &self.steps[range.clone()],
+            segments: &self.segments[range.clone()],
+            factors: &self.factors[range],
+        }
+    }
+
+    /// The candidate of a step and the next.
+    fn candidate(
+        self,
+        conditions: BlendConditions<'a>,
+        first: usize,
+    ) -> Option<BlendCandidate<'a>> {
+        BlendCandidate::new(
+            conditions,
+            [&self.steps[first], &self.steps[first + 1]],
+            [&self.segments[first], &self.segments[first + 1]],
+        )
+    }
+
+    /// Fingerprint of what the blend of a step with the next depends on.
+    fn key(self, first: usize) -> Fingerprint {
+        let mut key = Fingerprint::default();
+        for index in [first, first + 1] {
+            key.add(&segment_key(&self.steps[index]));
+            key.add(&self.factors[index]).add(&self.steps[index].blend);
+        }
+        key
+    }
+}
+
+impl BlendPlanner {
+    /// Starts a round of planning.
+    ///
+    /// # Arguments
+    /// * `shared` – fingerprint of what all segments depend on
+    pub(super) fn begin(&mut self, cell: &Cell, shared: &Fingerprint) {
+        self.slowed.begin(shared);
+        let zones = || cell.zones.iter().filter(|zone| zone.rule == ZoneRule::Safe);
+        let shared = shared.clone().with(&zones().collect::<Vec<_>>());
+        self.slowdowns.begin(&shared);
+        self.blends.begin(&shared);
+        self.solids.begin();
+        let solid = |zone: &Zone| self.solids.get(&zone.shape, &zone.base_from_shape);
+        self.safe_zones = zones().filter_map(solid).map(|(_, solid)| solid).collect();
+    }
+
+    /// Ends a round of planning: results that it did not ask for are dropped.
+    pub(super) fn end(&mut self) {
+        self.slowdowns.end();
+        self.slowed.end();
+        self.blends.end();
+        self.solids.end();
+    }
+
+    /// Slows the segments that gain more by longer blends than they lose; returns the factor of time of each.
+    pub(super) fn slow(
+        &mut self,
+        cell: &Cell,
+        steps: &[Step],
+        segments: &mut [Arc<Unique<Segment>>],
+        execution: Execution<'_>,
+    ) -> Result<Vec<f64>, Interrupted> {
+        let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
+        let at_full_speed = vec![1.0_f64; steps.len()];
+        let original = SlowedSegments { steps, segments, factors: &at_full_speed };
+        let corners: Vec<usize> = (0..steps.len().saturating_sub(1))
+            .filter(|&first| original.candidate(conditions, first).is_some())
+            .collect();
+        let keys = |of: SlowedSegments<'_>| -> Vec<(usize, Fingerprint)> {
+            corners.iter().map(|&first| (first, of.key(first))).collect()
+        };
+        let original_keys = keys(original);
+        compute_missing_corners(&mut self.slowdowns, &original_keys, execution, |first| {
+            original.candidate(conditions, first).map_or(1.0, |one| one.best_slowdown())
+        })?;
+        let mut factors = at_full_speed.clone();
+        for (first, key) in &original_keys {
+            let Ok(factor) = self.slowdowns.get_or_compute::<Infallible>(key.clone(), || Ok(1.0));
+            // A segment has two corners: the larger factor serves both.
+            for factor_of in &mut factors[*first..first + 2] {
+                *factor_of = factor_of.max(*factor);
+            }
+        }
+        let slowed: Vec<Arc<Unique<Segment>>> = (0..steps.len())
+            .map(|k| slow_segment(&mut self.slowed, &steps[k], &segments[k], factors[k]))
+            .collect();
+        let slow = SlowedSegments { steps, segments: &slowed, factors: &factors };
+        for (of, keys) in [(original, original_keys), (slow, keys(slow))] {
+            let blend = |first| of.candidate(conditions, first).and_then(|one| one.blend());
+            compute_missing_corners(&mut self.blends, &keys, execution, blend)?;
+        }
+        // Factors are chosen for each corner alone; whether a run of blended steps gains by all of them together is decided from rest to rest.
+        let mut chosen = vec![1.0; steps.len()];
+        let mut start = 0;
+        for end in 0..steps.len() {
+            if corners.binary_search(&end).is_ok() {
+                continue;
+            }
+            let blended = start..end + 1;
+            start = blended.end;
+            if factors[blended.clone()].iter().all(|&factor| factor == 1.0) {
+                continue;
+            }
+            let original = SlowedSegments { steps, segments, factors: &at_full_speed };
+            let fast = self.duration(cell, original.range(blended.clone()));
+            let slow = SlowedSegments { steps, segments: &slowed, factors: &factors };
+            if self.duration(cell, slow.range(blended.clone())) < fast {
+                segments[blended.clone()].clone_from_slice(&slowed[blended.clone()]);
+                chosen[blended.clone()].copy_from_slice(&factors[blended]);
+            }
+        }
+        Ok(chosen)
+    }
+
+    /// Duration of blended steps from rest to rest [s].
+    fn duration(&mut self, cell: &Cell, slowed: SlowedSegments<'_>) -> f64 {
+        let corners = 0..slowed.steps.len() - 1;
+        let blends: Vec<Option<Blend>> =
+            corners.map(|first| self.blend(cell, slowed, first)).collect();
+        let overlaps: f64 = blends.iter().flatten().map(|blend| blend.overlap).sum();
+        slowed.segments.iter().map(|segment| segment.duration()).sum::<f64>() - overlaps
+    }
+
+    /// Blend of a step with the next.
+    pub(super) fn blend(
+        &mut self,
+        cell: &Cell,
+        slowed: SlowedSegments<'_>,
+        first: usize,
+    ) -> Option<Blend> {
+        let conditions = BlendConditions { cell, safe_zones: &self.safe_zones };
+        let candidate = slowed.candidate(conditions, first)?;
+        let Ok(blend) =
+            self.blends.get_or_compute::<Infallible>(slowed.key(first), || Ok(candidate.blend()));
+        *blend
+    }
+}
+
+/// A segment slowed by a factor of time.
+fn slow_segment(
+    cache: &mut GenerationalCache<Unique<Segment>>,
+    step: &Step,
+    segment: &Arc<Unique<Segment>>,
+    factor: f64,
+) -> Arc<Unique<Segment>> {
+    if factor == 1.0 {
+        return Arc::clone(segment);
+    }
+    let mut key = segment_key(step);
+    key.add(&factor);
+    let Ok(slowed) =
+        cache.get_or_compute::<Infallible>(key, || Ok(Unique::new(segment.slowed(factor))));
+    slowed
+}
+
+/// Computes the results of corners that are not in the cache.
+fn compute_missing_corners<T: Send + Sync>(
+    cache: &mut GenerationalCache<T>,
+    corners: &[(usize, Fingerprint)],
+    execution: Execution<'_>,
+    compute: impl Fn(usize) -> T + Sync,
+) -> Result<(), Interrupted> {
+    let missing = corners.iter().filter(|(_, key)| !cache.contains(key));
+    for (key, computed) in
+        compute_missing(missing.map(|(first, key)| (*first, key)), execution, compute)?
+    {
+        let Ok(_) = cache.get_or_compute::<Infallible>(key, || Ok(computed));
+    }
+    Ok(())
+}

@@ -1,0 +1,165 @@
+//! The motion of all axes in one step, before it is blended with its neighbours.
+
+use std::hash::Hasher;
+use std::sync::Arc;
+
+use super::cartesian_path::CartesianPath;
+use super::profile::{AxisState, JerkLimitedProfile, hash_numbers};
+use super::sample::Sample;
+use super::synchronized::SynchronizedProfile;
+use crate::program::Step;
+
+/// The motion of all axes in one step, from rest to rest.
+#[derive(Debug, Clone)]
+pub(crate) enum Segment {
+    /// No axis moves.
+    Dwell {
+        /// [s]
+        duration: f64,
+    },
+    /// Each axis follows a profile of its own; all of them end together.
+    PointToPoint(SynchronizedProfile),
+    /// All axes follow a path, whose parameter follows a profile.
+    Line {
+        /// Positions of all axes over the path parameter.
+        path: Arc<CartesianPath>,
+        /// Path parameter over time, from 0 to 1.
+        parameter: JerkLimitedProfile,
+    },
+}
+
+impl Segment {
+    /// Time from the start of the segment to its end [s].
+    pub(super) fn duration(&self) -> f64 {
+        match self {
+            Self::Dwell { duration } => *duration,
+            Self::PointToPoint(profile) => profile.duration,
+            Self::Line { parameter, .. } => parameter.duration(),
+        }
+    }
+
+    /// The segment stretched in time by a factor; a dwell keeps its duration.
+    pub(super) fn slowed(&self, factor: f64) -> Self {
+        match self {
+            Self::Dwell { duration } => Self::Dwell { duration: *duration },
+            Self::PointToPoint(profile) => Self::PointToPoint(profile.slowed(factor)),
+            Self::Line { path, parameter } => {
+                Self::Line { path: Arc::clone(path), parameter: parameter.slowed(factor) }
+            }
+        }
+    }
+
+    /// Whether an axis moves during the segment.
+    pub(super) fn moves(&self, step: &Step, axis: usize) -> bool {
+        match self {
+            Self::Dwell { .. } => false,
+            Self::PointToPoint(_) => step.from[axis] != step.to[axis],
+            Self::Line { path, .. } => path.spline.moves(axis),
+        }
+    }
+
+    /// Times since the start of the segment at which the jerk of an axis is discontinuous [s].
+    pub(super) fn jerk_discontinuities(&self) -> Vec<f64> {
+        match self {
+            Self::Dwell { .. } => Vec::new(),
+            Self::PointToPoint(profile) => {
+                profile.axes.iter().flat_map(JerkLimitedProfile::jerk_discontinuities).collect()
+            }
+            Self::Line { path, parameter } => {
+                // The third derivative of the spline is discontinuous at its knots.
+                let knots = path.spline.knots().iter().map(|&knot| parameter.time_at(knot));
+                parameter.jerk_discontinuities().chain(knots).collect()
+            }
+        }
+    }
+
+    /// State of one axis at a time since the start of the segment [s].
+    pub(super) fn state(&self, step: &Step, axis: usize, time: f64) -> AxisState {
+        match self {
+            Self::Dwell { .. } => [step.to[axis], 0.0, 0.0, 0.0],
+            Self::PointToPoint(profile) => profile.axes[axis].state(time),
+            Self::Line { path, parameter } => {
+                let along = parameter.state(time);
+                derivatives_along_path(path, path.spline.interval(along[0]), axis, along)
+            }
+        }
+    }
+
+    /// Writes the states of all axes at a time since the start of the segment [s] into a sample of zeros.
+    pub(super) fn write_sample(&self, step: &Step, time: f64, sample: &mut Sample) {
+        if time >= self.duration() {
+            // Exactly the end of the step: a profile meets it to round-off only.
+            sample.positions.copy_from_slice(&step.to);
+            return;
+        }
+        match self {
+            Self::Dwell { .. } => sample.positions.copy_from_slice(&step.from),
+            Self::PointToPoint(profile) => {
+                for (axis, profile) in profile.axes.iter().enumerate() {
+                    sample.set(axis, profile.state(time));
+                }
+            }
+            Self::Line { path, parameter } => {
+                let along = parameter.state(time);
+                let interval = path.spline.interval(along[0]);
+                for axis in 0..step.from.len() {
+                    sample.set(axis, derivatives_along_path(path, interval, axis, along));
+                }
+            }
+        }
+    }
+
+    /// Superposes the segment on a sample: adds its displacement from the corner that it shares with the other segment, and its derivatives.
+    ///
+    /// # Arguments
+    /// * `time` – since the start of this segment [s]
+    /// * `corner` – positions of all axes where the two segments meet [m or rad]
+    pub(super) fn superpose(&self, step: &Step, time: f64, corner: &[f64], sample: &mut Sample) {
+        for (axis, corner) in corner.iter().enumerate() {
+            let [p, v, a, j] = self.state(step, axis, time);
+            sample.positions[axis] += p - corner;
+            sample.velocities[axis] += v;
+            sample.accelerations[axis] += a;
+            sample.jerks[axis] += j;
+        }
+    }
+
+    /// Adds everything that determines the motion to a hash.
+    pub(super) fn hash(&self, hasher: &mut impl Hasher) {
+        match self {
+            Self::Dwell { duration } => {
+                hasher.write_u8(0);
+                hash_numbers(hasher, &[*duration]);
+            }
+            Self::PointToPoint(profile) => {
+                hasher.write_u8(1);
+                profile.axes.iter().for_each(|profile| profile.hash(hasher));
+            }
+            Self::Line { path, parameter } => {
+                hasher.write_u8(2);
+                path.spline.hash(hasher);
+                parameter.hash(hasher);
+            }
+        }
+    }
+}
+
+/// State of one axis on a path, by the chain rule.
+///
+/// # Arguments
+/// * `interval` – interval of the spline that holds the path parameter
+/// * `parameter` – path parameter s with its first three derivatives in time
+pub(super) fn derivatives_along_path(
+    path: &CartesianPath,
+    interval: usize,
+    axis: usize,
+    [s, rate, acceleration, jerk]: AxisState,
+) -> AxisState {
+    let [q, slope, curvature, third] = path.spline.jet(interval, axis, s);
+    [
+        q,
+        slope * rate,
+        curvature * rate * rate + slope * acceleration,
+        third * rate.powi(3) + 3.0 * curvature * rate * acceleration + slope * jerk,
+    ]
+}

@@ -1,0 +1,32 @@
+//! Fingerprints of segments.
+
+use crate::incremental::Fingerprint;
+use crate::program::{Path, Step};
+use crate::workcell::Cell;
+
+use super::options::TrajectoryOptions;
+
+/// Fingerprint of the inputs that all segments of a trajectory share.
+pub(super) fn shared_key(cell: &Cell, options: &TrajectoryOptions) -> Fingerprint {
+    let TrajectoryOptions { line_deviation } = options;
+    let mut inputs = Fingerprint::default();
+    inputs.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(line_deviation);
+    inputs
+}
+
+/// Fingerprint of the inputs that are particular to the segment of a moving step.
+pub(super) fn segment_key(step: &Step) -> Fingerprint {
+    let effector = match step.path {
+        Path::Line(effector) => Some(effector),
+        _ => None,
+    };
+    let mut inputs = Fingerprint::default();
+    inputs.add(&effector).add(&step.from).add(&step.to);
+    inputs.add(&step.speed).add(&step.line_speed).add(&step.loaded);
+    inputs
+}
+
+/// Whether a step moves axes: its segment does not depend on the segments before it.
+pub(super) fn moves(step: &Step) -> bool {
+    matches!(step.path, Path::PointToPoint | Path::Line(_))
+}

@@ -1,0 +1,40 @@
+//! A step in which all axes move in proportion, for analyses that depend on the path and not on its timing.
+
+use std::sync::Arc;
+
+use super::cartesian_path::CartesianPath;
+use super::profile::JerkLimitedProfile;
+use super::segment::Segment;
+use super::spline::Spline;
+use super::trajectory::Trajectory;
+use crate::incremental::Unique;
+use crate::program::Step;
+
+/// Mean duration of a straight path of all axes for each unit of its longest displacement [s/m or s/rad].
+const DURATION_BY_DISPLACEMENT: f64 = 2.0;
+/// Shortest and longest duration of a straight path of all axes [s].
+const DURATION_RANGE: [f64; 2] = [0.02, 20.0];
+
+/// Trajectory of one step in which all axes move in proportion from start to end, from rest to rest; its limits are those of no robot.
+pub(crate) fn straight(step: Step) -> Trajectory {
+    let displacement = |(from, to): (&f64, &f64)| (to - from).abs();
+    let longest = step.from.iter().zip(&step.to).map(displacement).fold(0.0, f64::max);
+    let segment = if longest == 0.0 {
+        Segment::Dwell { duration: 0.0 }
+    } else {
+        let [min, max] = DURATION_RANGE;
+        let quarter = 0.25 * (DURATION_BY_DISPLACEMENT * longest).clamp(min, max);
+        let pieces = [(quarter, 1.0), (2.0 * quarter, -1.0), (quarter, 1.0)];
+        let spline = Spline::straight(&step.from, &step.to);
+        let path = CartesianPath { spline, length: 0.0, deviation: 0.0, plane_deviation: 0.0 };
+        let parameter = JerkLimitedProfile::from_pieces(0.0, 1.0, &pieces);
+        Segment::Line { path: Arc::new(path), parameter }
+    };
+    let times = vec![0.0, segment.duration()];
+    Trajectory {
+        steps: vec![step],
+        times,
+        segments: vec![Arc::new(Unique::new(segment))],
+        blends: vec![None],
+    }
+}

@@ -1,0 +1,276 @@
+//! All segments on one clock.
+
+use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hasher};
+use std::sync::Arc;
+
+use super::blend::Blend;
+use super::profile::hash_numbers;
+use super::sample::{Sample, SampleTimes};
+use super::segment::Segment;
+use crate::incremental::{Fingerprint, Unique};
+use crate::program::Step;
+
+/// Discontinuities of the jerk closer to each other than this are one: they differ by round-off [s].
+const SAME_TIME: f64 = 1e-9;
+
+/// The motion of all axes over time: steps, each with its segment, on one clock.
+#[derive(Debug, Clone)]
+pub struct Trajectory {
+    /// Steps in the order of execution.
+    pub steps: Vec<Step>,
+    /// Start time of each step, and the end time of the last; where a step is blended with the next, the middle of their overlap [s].
+    pub times: Vec<f64>,
+    /// Motion of all axes in each step.
+    pub(super) segments: Vec<Arc<Unique<Segment>>>,
+    /// Blend of each step with the next.
+    pub(super) blends: Vec<Option<Blend>>,
+}
+
+/// Deviation of a Cartesian line from straight and even motion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LineDeviation {
+    /// Length of the line [m].
+    pub length: f64,
+    /// Largest distance of the wafer's centre from the straight line [m].
+    pub distance: f64,
+    /// Largest angle between the wafer's plane and the plane that rotates evenly from start to end [rad].
+    pub angle: f64,
+}
+
+/// Halves of the overlaps of a step with its neighbours; each of two blended steps owns one half of their overlap [s].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct HalfOverlaps {
+    /// With the step before.
+    pub(super) previous: f64,
+    /// With the step after.
+    pub(super) next: f64,
+}
+
+impl Trajectory {
+    /// Duration of the whole trajectory [s].
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.times.last().copied().unwrap_or(0.0)
+    }
+
+    /// Duration of a step, as the difference of its end and start times [s].
+    #[must_use]
+    pub fn step_duration(&self, step: usize) -> f64 {
+        self.times[step + 1] - self.times[step]
+    }
+
+    /// Duration of a step, computed from its segment and overlaps alone; independent of when the step starts, to the bit [s].
+    #[must_use]
+    pub fn intrinsic_step_duration(&self, step: usize) -> f64 {
+        let overlaps = self.half_overlaps(step);
+        self.segments[step].duration() - overlaps.previous - overlaps.next
+    }
+
+    /// Index of the step that is executed at a time [s]: where two steps meet the later one, after the end the last one.
+    #[must_use]
+    pub fn step_at(&self, time: f64) -> usize {
+        let begun = self.times[..self.steps.len().max(1)].partition_point(|&start| start <= time);
+        begun.saturating_sub(1)
+    }
+
+    /// Whether no axis moves in a step.
+    #[must_use]
+    pub fn is_dwell(&self, step: usize) -> bool {
+        matches!(**self.segments[step], Segment::Dwell { .. })
+    }
+
+    /// Whether a step takes time; waiting for a station whose process is over takes none.
+    #[must_use]
+    pub fn has_duration(&self, step: usize) -> bool {
+        self.segments[step].duration() > 0.0
+    }
+
+    /// Indices of the axes that move in a step, in growing order; axes of blended neighbours are included.
+    #[must_use]
+    pub fn moving_axes(&self, step: usize) -> Vec<usize> {
+        let overlaps = self.half_overlaps(step);
+        let moves = |step: usize, axis: usize| self.segments[step].moves(&self.steps[step], axis);
+        let any = |axis: &usize| {
+            moves(step, *axis)
+                || (overlaps.previous > 0.0 && moves(step - 1, *axis))
+                || (overlaps.next > 0.0 && moves(step + 1, *axis))
+        };
+        (0..self.steps[step].from.len()).filter(any).collect()
+    }
+
+    /// Deviation of a step from its Cartesian line; `None` for steps that are not lines.
+    #[must_use]
+    pub fn line_deviation(&self, step: usize) -> Option<LineDeviation> {
+        match &**self.segments[step] {
+            Segment::Line { path, .. } => Some(LineDeviation {
+                length: path.length,
+                distance: path.deviation,
+                angle: path.plane_deviation,
+            }),
+            _ => None,
+        }
+    }
+
+    /// Axis that determines the duration of a point-to-point step; `None` where no axis moves, and for lines, whose axes are coupled.
+    #[must_use]
+    pub fn limiting_axis(&self, step: usize) -> Option<usize> {
+        match &**self.segments[step] {
+            Segment::PointToPoint(profile) => profile.limiting_axis,
+            _ => None,
+        }
+    }
+
+    /// Blend of a step with the next; `None` where all axes are at rest between them.
+    #[must_use]
+    pub fn blend(&self, step: usize) -> Option<Blend> {
+        self.blends.get(step).copied().flatten()
+    }
+
+    /// State of all axes at a time [s]; before the start and after the end, at rest in the first and last positions.
+    ///
+    /// At the end of a step all axes are exactly at its end positions, unless it is blended with the next.
+    #[must_use]
+    pub fn sample_at(&self, time: f64) -> Sample {
+        let mut sample = Sample::default();
+        self.write_sample_at(time, &mut sample);
+        sample
+    }
+
+    /// As [`Self::sample_at`], into an existing sample, whose memory is reused.
+    pub fn write_sample_at(&self, time: f64, sample: &mut Sample) {
+        let step = self.step_at(time);
+        let is_end = step + 1 == self.steps.len() && time >= self.duration();
+        let since = self.times.get(step).map_or(0.0, |start| time - start);
+        self.write_sample_in_step(step, if is_end { f64::INFINITY } else { since }, sample);
+        sample.time = time;
+    }
+
+    /// State of all axes at a time since the start of a step [s], which is the time of the sample.
+    #[must_use]
+    pub fn sample_in_step(&self, step: usize, since: f64) -> Sample {
+        let mut sample = Sample::default();
+        self.write_sample_in_step(step, since, &mut sample);
+        sample
+    }
+
+    /// As [`Self::sample_in_step`], into an existing sample, whose memory is reused.
+    ///
+    /// Where two steps overlap, their segments are superposed:
+    ///
+    /// ```text
+    ///    q(t)  =  q_1(t) + q_2(t) − corner
+    /// ```
+    pub(crate) fn write_sample_in_step(&self, index: usize, since: f64, sample: &mut Sample) {
+        sample.time = since;
+        sample.step = index;
+        let Some(step) = self.steps.get(index) else { return };
+        sample.reset(step.from.len());
+        let overlaps = self.half_overlaps(index);
+        // The step starts in the middle of the overlap, half an overlap after its segment.
+        let time = (since + overlaps.previous).max(0.0);
+        self.segments[index].write_sample(step, time, sample);
+        if since < overlaps.previous {
+            let previous = &self.segments[index - 1];
+            let time = previous.duration() + since - overlaps.previous;
+            previous.superpose(&self.steps[index - 1], time, &step.from, sample);
+        }
+        let time_in_next = time - (self.segments[index].duration() - 2.0 * overlaps.next);
+        if overlaps.next > 0.0 && time_in_next > 0.0 && index + 1 < self.steps.len() {
+            let next = &self.segments[index + 1];
+            next.superpose(&self.steps[index + 1], time_in_next, &step.to, sample);
+        }
+    }
+
+    /// Times since the start of a step at which the jerk of an axis is discontinuous, in growing order; start and end of the step are included [s].
+    #[must_use]
+    pub fn jerk_discontinuities(&self, step: usize) -> Vec<f64> {
+        let overlaps = self.half_overlaps(step);
+        let (segment, duration) = (&self.segments[step], self.intrinsic_step_duration(step));
+        let mut times = vec![0.0, duration];
+        let own = segment.jerk_discontinuities();
+        times.extend(own.into_iter().map(|time| time - overlaps.previous));
+        if overlaps.previous > 0.0 {
+            let previous = &self.segments[step - 1];
+            let end = previous.duration();
+            let of_previous = previous.jerk_discontinuities();
+            times.extend(of_previous.into_iter().map(|time| time - end + overlaps.previous));
+        }
+        if overlaps.next > 0.0 && step + 1 < self.steps.len() {
+            let start = segment.duration() - 2.0 * overlaps.next - overlaps.previous;
+            let of_next = self.segments[step + 1].jerk_discontinuities();
+            times.extend(of_next.into_iter().map(|time| time + start));
+        }
+        times.retain(|time| (0.0..=duration).contains(time));
+        times.sort_by(f64::total_cmp);
+        times.dedup_by(|later, earlier| *later - *earlier < SAME_TIME);
+        // The end is exact, also where a discontinuity just before it was kept in its place.
+        if let Some(last) = times.last_mut() {
+            *last = duration;
+        }
+        times
+    }
+
+    /// Samples at an even rate [Hz] from the start, and one at the end.
+    pub fn samples(&self, rate: f64) -> impl Iterator<Item = Sample> + '_ {
+        self.sample_times(rate).iter().map(|time| self.sample_at(time))
+    }
+
+    /// Times of [`Self::samples`].
+    #[must_use]
+    pub fn sample_times(&self, rate: f64) -> SampleTimes {
+        SampleTimes::new(self.duration(), rate)
+    }
+
+    /// Hash of the motion of all axes in each step; steps with the same motion have the same hash.
+    ///
+    /// A hash depends on the step and on the neighbours that overlap with it, and not on when the step starts.
+    #[must_use]
+    pub fn fingerprints(&self) -> Vec<u64> {
+        let mut known: BTreeMap<u64, u64> = BTreeMap::new();
+        let mut segment_hash = |segment: &Unique<Segment>| {
+            *known.entry(segment.identity()).or_insert_with(|| {
+                let mut hasher = DefaultHasher::new();
+                segment.hash(&mut hasher);
+                hasher.finish()
+            })
+        };
+        let step_hash = |index: usize| {
+            let mut hasher = DefaultHasher::new();
+            for (segment, overlap) in self.overlapping_segments(index) {
+                hasher.write_u64(segment.map_or(0, &mut segment_hash));
+                hash_numbers(&mut hasher, &[overlap]);
+            }
+            hash_numbers(&mut hasher, &self.steps[index].from);
+            hash_numbers(&mut hasher, &self.steps[index].to);
+            hasher.finish()
+        };
+        (0..self.steps.len()).map(step_hash).collect()
+    }
+
+    /// Halves of the overlaps of a step with its neighbours.
+    pub(super) fn half_overlaps(&self, step: usize) -> HalfOverlaps {
+        let half = |step: usize| self.blend(step).map_or(0.0, |blend| 0.5 * blend.overlap);
+        HalfOverlaps { previous: step.checked_sub(1).map_or(0.0, half), next: half(step) }
+    }
+
+    /// Segment of a step, then those of the previous and the next step where they overlap with it, each with half of the overlap [s].
+    fn overlapping_segments(&self, step: usize) -> [(Option<&Unique<Segment>>, f64); 3] {
+        let HalfOverlaps { previous, next } = self.half_overlaps(step);
+        [
+            (Some(&*self.segments[step]), 0.0),
+            (if previous > 0.0 { Some(&*self.segments[step - 1]) } else { None }, previous),
+            (if next > 0.0 { Some(&*self.segments[step + 1]) } else { None }, next),
+        ]
+    }
+
+    /// Fingerprint of the motion of all axes in a step.
+    pub(crate) fn step_fingerprint(&self, index: usize) -> Fingerprint {
+        let mut fingerprint = Fingerprint::default();
+        for (segment, overlap) in self.overlapping_segments(index) {
+            fingerprint.add(&segment).add(&overlap);
+        }
+        fingerprint.add(&self.steps[index].from).add(&self.steps[index].to);
+        fingerprint
+    }
+}
