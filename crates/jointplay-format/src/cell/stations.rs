@@ -10,6 +10,7 @@ use jointplay_core::spatial::{Pose, Tilt};
 use nalgebra::Vector3;
 
 use super::effectors::{Effectors, named_effectors};
+use super::explain::explain_teach;
 use super::pose::{lean, points};
 use super::problem::Fault;
 use super::tree::{AllowedRange, Reader, Table};
@@ -155,7 +156,7 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
             entry.report(reader, Fault::Unfit(why.to_owned()));
         }
         let found = teach::drift(first?, last?, slots)
-            .map_err(|error| drift.report(Fault::Unfit(error.to_string())))
+            .map_err(|error| drift.report(Fault::Unfit(explain_teach(&error))))
             .ok()?;
         if let Some(pitch) = pitch.filter(|pitch| (found.pitch / pitch - 1.0).abs() > PITCH_SHARE) {
             drift.report(Fault::Unfit(format!(
@@ -178,7 +179,7 @@ fn place(table: &Table, slots: usize, pitch: Option<f64>) -> Option<(Pose, Origi
         let points = taught.needed("points_mm").map(|entry| points(&entry, reader));
         taught.finish();
         let fit = teach::fit_plane(&points??, threshold, noise.map(|noise| shift(noise, -6)))
-            .map_err(|error| taught.report(Fault::Unfit(error.to_string())))
+            .map_err(|error| taught.report(Fault::Unfit(explain_teach(&error))))
             .ok()?;
         if fit.verdict == Verdict::Scattered {
             taught.report(Fault::Unfit(scattered(&fit)));

@@ -19,7 +19,6 @@ mod gltf;
 #[cfg(feature = "mcap")]
 pub mod mcap;
 mod motion_export;
-mod peaks;
 mod samples;
 mod scene;
 mod segment;

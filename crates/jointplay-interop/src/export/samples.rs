@@ -5,7 +5,6 @@ use jointplay_cell::trajectory::Sample;
 
 use super::error::Error;
 use super::motion_export::MotionExport;
-use super::peaks;
 use jointplay_format::units::{deg, mm};
 use jointplay_report::table::{Column, Values};
 
@@ -57,7 +56,7 @@ pub fn samples_with_peaks(
     rate: f64,
 ) -> Result<Vec<Column>, Error> {
     motion_export.check_rate(rate)?;
-    let times = peaks::times(motion_export, rate, [0.0, motion_export.motion.duration()]);
+    let times = peak_times(motion_export, rate, [0.0, motion_export.motion.duration()]);
     table(motion_export, times.into_iter().map(|time| motion_export.motion.sample_at(time)))
 }
 
@@ -79,11 +78,17 @@ pub fn samples_within(
     motion_export.check_rate(rate)?;
     let motion = motion_export.motion;
     if peaks {
-        let times = peaks::times(motion_export, rate, [from, to]);
+        let times = peak_times(motion_export, rate, [from, to]);
         return table(motion_export, times.into_iter().map(|time| motion.sample_at(time)));
     }
     let times = motion.sample_times(rate).iter().filter(|time| (from..=to).contains(time));
     table(motion_export, times.map(|time| motion.sample_at(time)))
+}
+
+/// Sample times between which velocities and accelerations are straight lines, within a share of the limits without a wafer [s].
+fn peak_times(motion_export: &MotionExport<'_>, rate: f64, interval: [f64; 2]) -> Vec<f64> {
+    let limits = motion_export.cell.robot.axes.iter().map(|axis| &axis.empty);
+    motion_export.motion.peak_times(rate, interval, limits)
 }
 
 fn table(
