@@ -170,7 +170,7 @@ pub(super) fn placed(
     loaded: &[EffectorId],
 ) -> Result<ChainPose, Error> {
     let failed = |source| Error::Placing { time, source: Box::new(source) };
-    recording.cell.drooping(positions, loaded).map_err(failed)
+    recording.cell.forward_with_deflection(positions, loaded).map_err(failed)
 }
 
 /// Who carries a wafer in a step.

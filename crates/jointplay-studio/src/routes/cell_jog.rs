@@ -4,7 +4,9 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use jointplay::cell::Stop;
-use jointplay::cell::check::{CheckOptions, Moment, Straight, advance_until_contact, check_pose};
+use jointplay::cell::check::{
+    CheckOptions, ContactFreePath, PoseContext, advance_until_contact, check_pose,
+};
 use jointplay::cell::jog::{JogOutcome, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
@@ -75,7 +77,8 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
     };
     let (_, carried) = frames(recording, time, &from).map_err(placing)?;
     let loaded = carried.contains(&id);
-    let moment = Moment { motion: recording.motion, time, reaches: slot.map(|slot| (id, slot)) };
+    let moment =
+        PoseContext { motion: recording.motion, time, reaches: slot.map(|slot| (id, slot)) };
     let start = from.clone();
     let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
         None => JogOutcome { positions: from, stopped: None },
@@ -97,7 +100,7 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
     };
     if request.stop_at_contact {
         let ways = [&start[..], &jogged.positions];
-        let Straight { positions, touching, .. } =
+        let ContactFreePath { positions, touching, .. } =
             advance_until_contact(cell, &moment, ways, &CheckOptions::default())
                 .map_err(cell_error)?;
         if let Some(pair) = touching {
@@ -117,7 +120,7 @@ fn or_stay(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome 
 
 fn document(
     recording: &Recording<'_>,
-    (moment, id, slot): (&Moment<'_>, EffectorId, Option<SlotId>),
+    (moment, id, slot): (&PoseContext<'_>, EffectorId, Option<SlotId>),
     carried: &[EffectorId],
     jogged: &JogOutcome,
     placing: impl Fn(jointplay::interop::export::Error) -> Problem,
