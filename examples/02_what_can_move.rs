@@ -1,4 +1,4 @@
-//! Mobility: level, the robot is infinitesimally mobile (*shaky*); tilted, it is rigid; with virtual joints, it is neither.
+//! Mobility: level, the robot is infinitesimally mobile; tilted, it is rigid; with virtual joints, it is neither.
 //!
 //! Prints counted, instantaneous, finite and augmented mobility: 0, 3, 1, 6 when level and 0, 1, 1, 6 when tilted.
 

@@ -94,7 +94,7 @@ def check_gltf(path: Path, duration: float) -> str:
     for end in ends:
         same("the end of the glTF animation", end, duration, 1e-6 * duration)
     if document["asset"]["extras"]["duration_s"] != duration:
-        sys.exit("glTF does not tell the duration of the motion")
+        sys.exit("glTF does not state the duration of the motion")
     info = report["info"]
     return f"{info['animationCount']} animation, {info['totalTriangleCount']} triangles"
 

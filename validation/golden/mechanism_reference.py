@@ -508,7 +508,7 @@ def main():
         print(f"{m.id}: {line}; links {len(m.links)}, joints {len(m.joints)}, off start {generic(m, poses, random)}")
         for key, value in found.items():
             if m.expected.get(key) != value:
-                print(f"  WRONG: expected.{key} = {m.expected.get(key)}, found {value}")
+                print(f"  DIFFERS: expected.{key} = {m.expected.get(key)}, found {value}")
                 failures += 1
         if any("guess" in t for t in tomllib.loads(path.read_text(encoding="utf-8"))["joint"]):
             count, distance = m.newton_from_guess()

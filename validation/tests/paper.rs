@@ -62,7 +62,7 @@ fn a_micrometre_between_rods_is_enough_for_rank_11() {
 
 #[test]
 fn the_three_freedoms_at_level_are_instantaneous_one_is_finite() {
-    // The paper says "instantaneous local mobility"; it does not state how much of it is finite.
+    // The paper uses "instantaneous local mobility"; it does not state how much of it is finite.
     let gpr = Gpr::paper().without_limit_checks();
     let found = pose(&Planar, Solver::ClosedForm, Metric::Paper, 0.0, 0.0);
     let system = gpr.system(&Planar);

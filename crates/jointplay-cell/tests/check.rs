@@ -119,8 +119,11 @@ fn every_limit_of_an_axis_has_its_message() {
         Kind::Acceleration,
         "axis T accelerates at",
     );
-    let report =
-        breaks(|cell| cell.robot.axes[T].loaded.jerk = 80.0, Kind::Jerk, "axis T has a jerk of 100");
+    let report = breaks(
+        |cell| cell.robot.axes[T].loaded.jerk = 80.0,
+        Kind::Jerk,
+        "axis T has a jerk of 100",
+    );
     assert_eq!(report.violations[0].limit, 80.0);
     // The empty limits are not asked for while a wafer is carried.
     let mut cell = cell();

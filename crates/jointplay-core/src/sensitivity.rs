@@ -92,7 +92,7 @@ pub fn sensitivity<S: System + ?Sized>(
 /// ```text
 ///    Zᵀ ∂Φ/∂P_follow = 0        ∂X/∂P_commanded  =  −(Zᵀ ∂Φ/∂X)†  Zᵀ ∂Φ/∂P_commanded
 /// ```
-/// What following coordinates can do is taken out of the constraints first; the rest is as in [`sensitivity`].
+/// The effect of the following coordinates is eliminated from the constraints first; the rest is as in [`sensitivity`].
 ///
 /// # Arguments
 /// * `commanded` – indices in P; motions given to the result have these entries only

@@ -10,7 +10,7 @@ use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, PlanOptions, Stop};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::program;
-use jointplay::interop::export::{self, Flaw, Recording, Timeline};
+use jointplay::interop::export::{self, MotionExport, Timeline, ViolationNote};
 use jointplay::report;
 
 use crate::cell_files::CellFiles;
@@ -31,7 +31,7 @@ pub(crate) struct Plan {
     /// What `jointplay cell check` says of it.
     pub(crate) report: Option<report::CellReport>,
     pub(crate) timeline: Option<Timeline>,
-    flaws: Vec<Flaw>,
+    violation_notes: Vec<ViolationNote>,
 }
 
 /// The cell standing still, as binary glTF.
@@ -45,7 +45,7 @@ impl Scene {
     /// Where the cell cannot stand at home, there is nothing to see.
     fn new(cell: &Cell) -> Option<Self> {
         let motion = standing(cell)?;
-        let still = Recording { cell, motion: &motion, program: "", flaws: &[] };
+        let still = MotionExport { cell, motion: &motion, program: "", violation_notes: &[] };
         let file = export::gltf(&still, 1.0).ok()?;
         Some(Self { key: hashed(&file), file })
     }
@@ -84,7 +84,7 @@ impl Plan {
             motion: None,
             report: None,
             timeline: None,
-            flaws: Vec::new(),
+            violation_notes: Vec::new(),
         };
         match files.parse(&plan.cell_text) {
             Ok(cell) => {
@@ -98,7 +98,7 @@ impl Plan {
                 problems.iter().map(|one| ProblemAt::new(Of::Cell, &one.place, one.to_string())),
             ),
         }
-        let (program, unread) = program::parse_what_can_be(&plan.program_text);
+        let (program, unread) = program::parse_recovering(&plan.program_text);
         let mut wrong: Vec<ProblemAt> = unread
             .iter()
             .map(|one| ProblemAt::new(Of::Program, &one.place, one.to_string()))
@@ -134,14 +134,15 @@ impl Plan {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;
         let Some(cell) = &self.cell else { return Ok(()) };
-        self.flaws = export::flaws(cell, report);
+        self.violation_notes = export::violation_notes(cell, report);
         let document = report::cell(cell, &self.program_text, &motion, report);
         go_on()?;
-        let flaws = self.flaws.as_slice();
-        let recording = Recording { cell, motion: &motion, program: &self.program_text, flaws };
+        let violation_notes = self.violation_notes.as_slice();
+        let motion_export =
+            MotionExport { cell, motion: &motion, program: &self.program_text, violation_notes };
         let last = last.and_then(|last| last.timeline.as_ref());
         // A robot that cannot be placed somewhere moves all the same; its report says where.
-        self.timeline = Timeline::new(&recording, &document.violations, last).ok();
+        self.timeline = Timeline::new(&motion_export, &document.violations, last).ok();
         (self.motion, self.report) = (Some(motion), Some(document));
         go_on()
     }
@@ -156,21 +157,21 @@ impl Plan {
     }
 
     /// The motion as exports take it.
-    pub(crate) fn recording(&self) -> Option<Recording<'_>> {
-        Some(Recording {
+    pub(crate) fn motion_export(&self) -> Option<MotionExport<'_>> {
+        Some(MotionExport {
             cell: self.cell.as_ref()?,
             motion: self.motion.as_ref()?,
             program: &self.program_text,
-            flaws: &self.flaws,
+            violation_notes: &self.violation_notes,
         })
     }
 
     /// The content of one of its windows; `None` where it has none of that key.
     pub(crate) fn window(&self, key: &str) -> Option<Result<Vec<u8>, export::Error>> {
-        let (timeline, recording) = (self.timeline.as_ref()?, self.recording()?);
+        let (timeline, motion_export) = (self.timeline.as_ref()?, self.motion_export()?);
         let index = timeline.find(key)?;
         let violations = self.report.as_ref().map_or(&[][..], |report| &report.violations);
-        Some(timeline.content(&recording, violations, index))
+        Some(timeline.content(&motion_export, violations, index))
     }
 }
 

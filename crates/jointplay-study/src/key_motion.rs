@@ -10,7 +10,7 @@ use crate::Error;
 pub struct KeyPose {
     /// Tilt of the platform.
     pub tilt: Tilt,
-    /// Where its plane crosses the base axis.
+    /// Height at which its plane crosses the base axis.
     pub height: AxisHeight,
     /// Duration of the motion to this pose; ignored for the first [s].
     pub duration: f64,

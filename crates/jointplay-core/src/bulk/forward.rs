@@ -18,7 +18,7 @@ use crate::sensitivity::sensitivity;
 use crate::virtualization::{BuiltIn, SolveOptions, Solver, Virtualization, signed_area};
 
 impl Gpr {
-    /// Where the platform is for each of many rods; see [`Self::forward`].
+    /// Platform poses for many sets of rods; see [`Self::forward`].
     ///
     /// # Arguments
     /// * `rods` – three columns of n: q_1, q_2, q_3 [m]
@@ -66,7 +66,7 @@ impl Gpr {
     }
 }
 
-/// What one call has to do.
+/// The work of one call.
 struct Work<'a, 'b> {
     gpr: &'a Gpr,
     rods: [Column<'a>; 3],
@@ -208,7 +208,7 @@ fn solved<S: Simd, M: Model>(robot: &Robot, options: &SolveOptions, balls: &Ball
     solve::least_norm::<S, M>(robot, balls, options.relative_threshold, options.max_iterations)
 }
 
-/// Which groups of quantities are asked for: all others are not computed.
+/// Groups of quantities that are requested; no others are computed.
 struct Needs {
     sides: bool,
     displacement: bool,

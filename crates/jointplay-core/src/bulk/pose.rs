@@ -1,4 +1,4 @@
-//! Where the platforms of many poses are, once their sockets are known.
+//! Platform poses of many poses, from their sockets.
 
 use pulp::Simd;
 
@@ -120,7 +120,7 @@ impl<S: Simd> PlatformPoses<S> {
         angle_of(sine, cosine)
     }
 
-    /// Where the platform plane crosses the base axis [m].
+    /// Axis height: height at which the platform plane crosses the base axis [m].
     #[inline(always)]
     pub(super) fn axis_height(&self) -> Lanes<S> {
         let ([x, y, z], [o_x, o_y, o_z]) = (self.normal, self.origin);

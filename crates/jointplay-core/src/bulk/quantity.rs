@@ -1,4 +1,4 @@
-//! What can be asked of many poses.
+//! Quantities of many poses.
 
 use crate::Error;
 use crate::virtualization::Virtualization;
@@ -22,9 +22,9 @@ pub enum Quantity {
     Pitch,
     /// Turn about the platform normal beyond the shortest rotation to it [rad].
     Twist,
-    /// Where the platform plane crosses the base axis [m].
+    /// Axis height: height at which the platform plane crosses the base axis [m].
     AxisHeight,
-    /// How far the virtual joints are from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
+    /// Displacement of the virtual joints from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
     Displacement,
     /// Singular values of ∂X/∂P in the metric, the largest first, as [`sensitivity`](crate::sensitivity::sensitivity) finds them.
     Sensitivity(usize),

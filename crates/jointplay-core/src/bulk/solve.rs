@@ -1,6 +1,6 @@
 //! From the sides of many triangles of balls to the virtual joints.
 //!
-//! What [`solve`](crate::virtualization::solve) does for one pose, step by step alike; what does not end within a few steps is left to it.
+//! What [`solve`](crate::virtualization::solve) does for one pose, with the same steps; poses that do not converge within a few steps are left to it.
 
 use pulp::Simd;
 

@@ -22,13 +22,13 @@ pub struct Configuration {
 /// # Source
 /// [Virtualization], eq. (1) and (2)
 pub trait System {
-    /// (c) what kind of quantity each constraint is; their number is the length.
+    /// (c) physical dimension of each constraint; their number is the length.
     fn constraint_dimensions(&self) -> Vec<Dimension>;
 
-    /// (n) what kind of quantity each coordinate is.
+    /// (n) physical dimension of each coordinate.
     fn coordinate_dimensions(&self) -> Vec<Dimension>;
 
-    /// (M) what kind of quantity each virtual joint is.
+    /// (M) physical dimension of each virtual joint.
     fn virtual_joint_dimensions(&self) -> Vec<Dimension>;
 
     /// A length typical of the mechanism, by which lengths and angles are made comparable [m].
@@ -51,7 +51,7 @@ pub trait System {
         f64::EPSILON
     }
 
-    /// How far a configuration is from satisfying the constraints: the largest entry of Φ, in radians and characteristic lengths.
+    /// Violation of the constraints at a configuration: the largest entry of Φ, in radians and characteristic lengths.
     ///
     /// A system whose constraints are combinations of others may return the violation of those.
     fn mismatch(&self, at: &Configuration) -> f64 {

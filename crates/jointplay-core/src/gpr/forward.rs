@@ -1,4 +1,4 @@
-//! From the rods to where the platform is.
+//! Forward kinematics: from the rods to the pose of the platform.
 
 use nalgebra::{Vector2, Vector3};
 
@@ -10,7 +10,7 @@ use crate::virtualization::{
     Sides, Solution, SolveOptions, VirtualJoints, Virtualization, signed_area, solve,
 };
 
-/// A pose of the platform, with everything that led to it.
+/// A pose of the platform, with the rods, sides and virtual joints that determine it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlatformPose {
     /// Rod lengths q_1, q_2, q_3 [m].
@@ -24,7 +24,7 @@ pub struct PlatformPose {
 }
 
 impl Gpr {
-    /// Where the platform is for given rods.
+    /// Forward kinematics: pose of the platform for given rods.
     ///
     /// ```text
     ///    q  →  P_k = B_k + q_k e_b3  →  L_ij = |P_j − P_i|  →  X  →  the pose that carries p_k(X) onto P_k
@@ -108,7 +108,7 @@ impl Gpr {
         Tilt::from_normal(&(normal * normal.z.signum()))
     }
 
-    /// Where the plane through the ball centres crosses the base axis [m].
+    /// Height at which the plane through the ball centres crosses the base axis [m].
     ///
     /// # Arguments
     /// * `rods` – (3) lengths q_k [m]
@@ -119,7 +119,7 @@ impl Gpr {
         AxisHeight(normal.dot(&balls[0]) / normal.z)
     }
 
-    /// How far the virtual joints of a pose are from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
+    /// Displacement of the virtual joints of a pose from nominal, in the metric: √(Σ linear² + ρ² Σ angular²) [m].
     #[must_use]
     pub fn displacement<V: Virtualization + ?Sized>(
         &self,
@@ -151,7 +151,7 @@ impl PlatformPose {
         Tilt::from_normal(&self.normal())
     }
 
-    /// How far the platform is turned about its own normal, beyond the shortest rotation to it [rad].
+    /// Twist: rotation of the platform about its own normal, beyond the shortest rotation to it [rad].
     ///
     /// ```text
     ///    R  =  Rz(γ) Ry(α) Rz(−γ) Rz(τ)
@@ -163,7 +163,7 @@ impl PlatformPose {
         (r[(1, 0)] - r[(0, 1)]).atan2(r[(0, 0)] + r[(1, 1)])
     }
 
-    /// Where the platform plane crosses the base axis [m].
+    /// Height at which the platform plane crosses the base axis [m].
     #[must_use]
     pub fn axis_height(&self) -> AxisHeight {
         let (normal, origin) = (self.normal(), self.base_from_platform.translation.vector);

@@ -1,4 +1,4 @@
-//! What the robot is: its dimensions and limits, which never change while it is computed with.
+//! The robot: its dimensions and limits, which are constant.
 
 use nalgebra::{Vector2, Vector3};
 

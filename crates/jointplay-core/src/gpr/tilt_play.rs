@@ -52,7 +52,7 @@ pub struct EvaluatedBounds {
 const SLACK: f64 = 1e-3;
 
 impl Gpr {
-    /// How far the virtual joints move from level to a tilt at the same axis height, with the first-order bounds.
+    /// Displacement of the virtual joints from level to a tilt at the same axis height, with the first-order bounds.
     ///
     /// # Errors
     /// As [`Self::inverse`] and [`Self::forward`].
@@ -71,7 +71,7 @@ impl Gpr {
         self.play_between(start, end, virtualization)
     }
 
-    /// How far the virtual joints move between two poses, with the first-order bounds.
+    /// Displacement of the virtual joints between two poses, with the first-order bounds.
     ///
     /// # Errors
     /// [`Error::NotFinite`].

@@ -78,7 +78,7 @@ pub fn close(
                 }
             }
         }
-        // What lowers the residual by next to nothing is at round-off or at the bottom of a valley.
+        // A step that hardly lowers the residual is at round-off or at a local minimum.
         if !accepted || (residual.norm() > 0.999 * before && iterations > 20) {
             break;
         }

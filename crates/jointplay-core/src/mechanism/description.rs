@@ -26,7 +26,7 @@ pub struct LinearAndAngular {
 pub struct Joint {
     /// Name, unique among the joints.
     pub name: String,
-    /// Which motions it allows.
+    /// Kind: the motions that it allows.
     pub kind: JointKind,
     /// Indices of its links; positive coordinates move the second against the first.
     pub links: [usize; 2],
@@ -34,7 +34,7 @@ pub struct Joint {
     pub frames: [Pose; 2],
     /// Whether a motor drives it.
     pub actuated: bool,
-    /// Where the search for a closed configuration starts, a number for each freedom [m, rad]; empty for zeros.
+    /// Start of the search for a closed configuration, a number for each freedom [m, rad]; empty for zeros.
     pub guess: Vec<f64>,
     /// Least and greatest value of each freedom [m, rad]; empty where there are none.
     pub limits: Vec<[f64; 2]>,
@@ -51,7 +51,7 @@ pub struct VirtualJoint {
     pub name: String,
     /// Index of the joint that has it.
     pub joint: usize,
-    /// Which of the joint's two links carries it.
+    /// The link of the joint that carries it.
     pub carrier: Carrier,
     /// Its motion, in the frame of the link that carries it.
     pub motion: VirtualMotion,
@@ -61,7 +61,7 @@ pub struct VirtualJoint {
     pub stiffness: Option<f64>,
 }
 
-/// Which of a joint's links a virtual joint moves with.
+/// The link of a joint that a virtual joint moves with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Carrier {
     /// The first link of the joint.

@@ -17,7 +17,7 @@ pub enum MobilityClass {
     Rigid,
     /// No mobility, and some constraints are redundant.
     OverconstrainedRigid,
-    /// Instantaneous mobility exceeds finite mobility; *shaky* in rigidity theory.
+    /// Infinitesimally mobile: instantaneous mobility exceeds finite mobility.
     InfinitesimallyMobile,
     /// Movable, all constraints independent.
     Movable,
@@ -83,7 +83,7 @@ impl MobilityClass {
 pub struct SelfStress {
     /// The joints that carry it, with their wrenches; the largest entry of all is ±1.
     pub wrenches: Vec<JointWrench>,
-    /// What it is in the joint that carries most of it, in words: "moment about x", "force along y".
+    /// Description of its largest wrench: "moment about x", "force along y".
     pub words: String,
 }
 

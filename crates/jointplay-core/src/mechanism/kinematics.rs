@@ -139,7 +139,7 @@ impl<'a> Kinematics<'a> {
         first..first + self.mechanism.joints()[joint].kind.freedoms()
     }
 
-    /// What kind of quantity each coordinate is: joints, then virtual joints.
+    /// Physical dimension of each coordinate: joints, then virtual joints.
     #[must_use]
     pub fn dimensions(&self) -> &[Dimension] {
         &self.dimensions

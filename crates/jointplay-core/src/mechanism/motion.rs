@@ -354,7 +354,7 @@ impl<'a> DriveProblem<'a> {
                 };
                 let reach = |share: f64| -> Result<Option<(Closure, f64)>, Error> {
                     let mut by = self.predicted(start, start, share)?;
-                    // Where the motion starts by the root of the drives' step, so far has it to be looked for.
+                    // Where the motion grows with the root of the drives' step, it has to be searched for at that distance.
                     let size = (share * whole).sqrt();
                     for (&k, value) in self.free.iter().zip((&motions * &direction).iter()) {
                         by[k] += value * size * self.columns[k];

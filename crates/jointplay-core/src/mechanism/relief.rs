@@ -66,7 +66,7 @@ pub fn virtual_weights(system: &MechanismSystem<'_>) -> DVector<f64> {
     }
 }
 
-/// Which joint coordinates are commanded, and how far the commands leave the other joints undetermined.
+/// Commanded joint coordinates, and the freedoms that the commands leave undetermined.
 ///
 /// With the commanded joints held, the rigid mechanism may still have finite motions: a common heave, or a rod that spins between two balls.
 /// Commands do not determine them, so that they are not used to save displacement of virtual joints; the joints stay as near home as closed loops allow.
@@ -253,9 +253,9 @@ fn off_home(
     DVector::from_iterator(passive.len(), passive.iter().map(|&k| away[k]))
 }
 
-/// What passive joints leave open, and what virtual joints can do about it.
+/// Mismatch that the passive joints leave open, and the effect of the virtual joints on it.
 pub(super) struct Reduced {
-    /// (open, M) what virtual joints in their metric do to what is left open.
+    /// (open, M) effect of the virtual joints, in their metric, on the open mismatch.
     pub(super) relieving: DMatrix<f64>,
     /// (open, c) the combinations of constraints that no passive joint can change.
     open: DMatrix<f64>,

@@ -16,7 +16,7 @@ pub(super) const SINGULAR: f64 = 1e-6;
 const CROSSING: f64 = 10.0 * SINGULAR;
 /// Entries of quadrics up to this share of the largest count as zero: singular configurations are found to [`SINGULAR`], and their null spaces with them.
 const QUADRIC_THRESHOLD: f64 = 1e-4;
-/// How far a branch is followed to see that it is one, in radians and characteristic lengths.
+/// Distance for which a branch is followed to confirm it, in radians and characteristic lengths.
 const RADIUS: f64 = 1e-2;
 /// A branch leaves its tangent by no more than this share of [`RADIUS`].
 const BENT: f64 = 0.1;

@@ -33,18 +33,18 @@ pub struct Suggestion {
     pub size: f64,
     /// (M) largest displacement of each virtual joint over the commands [m or rad].
     pub largest: Vec<f64>,
-    /// Where the mechanism is for each command: (f) coordinates of the joints [m, rad].
+    /// Configuration for each command: (f) coordinates of the joints [m, rad].
     pub configurations: Vec<DVector<f64>>,
     /// Joint coordinates that are beyond their limits for one of the commands.
     pub beyond_limits: Vec<BeyondLimits>,
 }
 
-/// What a search for virtual joints found.
+/// Result of a search for virtual joints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Suggestions {
     /// Whether any play is needed at all: `false` where the links alone allow every command.
     pub needed: bool,
-    /// Where the rigid links are for each command, if no play is needed: (f) coordinates [m, rad].
+    /// Configuration of the rigid links for each command, if no play is needed: (f) coordinates [m, rad].
     pub without_play: Vec<DVector<f64>>,
     /// Joint coordinates that are beyond their limits there.
     pub beyond_limits: Vec<BeyondLimits>,
@@ -178,7 +178,7 @@ pub fn suggest(
     })
 }
 
-/// Where the rigid links are for each command, if they allow all of them.
+/// Configurations of the rigid links for the commands, if they allow all of them.
 fn possible_without_play(
     home: &MechanismSystem<'_>,
     commanded: &CommandedJoints,
@@ -240,7 +240,7 @@ fn with(mechanism: &Mechanism, virtual_joints: &[VirtualJoint]) -> Mechanism {
         .expect("candidates have names and joints of their own")
 }
 
-/// What a set takes over all commands, if it makes all of them possible.
+/// Displacements of a set over all commands, if it makes all of them possible.
 fn tried(
     mechanism: &Mechanism,
     commanded: &CommandedJoints,

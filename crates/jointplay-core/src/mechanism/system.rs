@@ -320,7 +320,7 @@ impl System for MechanismSystem<'_> {
     }
 }
 
-/// What a mechanism has too much of for dense algebra, and how many.
+/// The quantity by which a mechanism is too large for dense algebra, and its value.
 fn too_large(mechanism: &Mechanism) -> Option<(&'static str, usize)> {
     let sizes = [
         ("coordinates", mechanism.joint_freedoms() + mechanism.virtual_joints().len()),

@@ -15,20 +15,20 @@ pub struct Unassembled {
     pub near_guess: Closure,
     /// Mismatch of each loop there, in radians and characteristic lengths, by the name of the joint that closes it; largest first.
     pub loops: Vec<(String, f64)>,
-    /// Closed configurations found from other starts: where there are any, it was the guess that failed.
+    /// Closed configurations found from other starts; where there are any, the guess was the cause.
     pub branches: Vec<Closure>,
     /// How many other starts were tried.
     pub starts: usize,
 }
 
 impl Unassembled {
-    /// The closure to be taken if dimensions are true only to a tolerance: that near the guess, or the best where nothing closes exactly; `None` if it misses by more.
+    /// The closure to use if dimensions are true only to a tolerance: that near the guess, or the best where nothing closes exactly; `None` if it misses by more.
     ///
     /// # Arguments
     /// * `tolerance` – largest mismatch that is taken as closed, in radians and characteristic lengths
     #[must_use]
     pub fn within(&self, tolerance: f64) -> Option<&Closure> {
-        // Where other starts close exactly it was the guess that failed, and they may be far from what was meant.
+        // Where other starts close exactly, the guess was the cause, and the closures may be far from the intended one.
         let other = self.branches.is_empty().then_some(&self.best);
         let closures = [Some(&self.near_guess), other];
         closures.into_iter().flatten().find(|closure| closure.residual <= tolerance)

@@ -30,7 +30,7 @@ pub struct FiniteMobility {
 /// Finite mobility of the mechanism with its virtual joints held.
 ///
 /// 1. Where all constraints are independent, the implicit function theorem makes every first-order motion finite.
-/// 2. Where every motion allowed to first order, in random directions, can be followed for a finite distance, all are finite.
+/// 2. Where every instantaneous motion, in random directions, can be followed for a finite distance, all are finite.
 /// 3. Otherwise a motion v is the start of a finite one only if sᵀ Φ''[v, v] = 0 for every self-stress s: these quadrics bound the dimension from above.
 /// 4. Where a direction of step 2 breaks a constraint, at whatever order, the motions have one dimension less at least: a single one is stopped.
 /// 5. Configurations near the given one are searched for from many directions; the dimension of what is found is the lower bound.

@@ -12,11 +12,11 @@ use crate::random::Random;
 
 /// Tolerances that are taken: round-off of closures along a motion stays below the least, and dimensions off by more than a hundredth describe another mechanism.
 pub const TOLERANCES: RangeInclusive<f64> = 1e-11..=1e-2;
-/// How far a motion is followed, in radians and characteristic lengths.
+/// Distance for which a motion is followed, in radians and characteristic lengths.
 const RADIUS: f64 = 0.3;
 /// Steps out to there.
 const STEPS: u32 = 10;
-/// Directions with singular values up to this are followed: to first order, a motion with a larger one leaves the band of the largest tolerance within [`RADIUS`].
+/// Directions with singular values up to this are followed: in linear approximation, a motion with a larger one leaves the band of the largest tolerance within [`RADIUS`].
 ///
 /// A motion with singular value σ misses by σ t after a distance t, which is a hundredth at 0.3 for σ = 0.03; one whose residual changes direction may start with a larger value.
 const CANDIDATES: f64 = 0.1;
@@ -40,7 +40,7 @@ const LEAST_DAMPING: f64 = 1e-12;
 const MAX_HALVINGS: usize = 6;
 /// A correction that leaves more than this share of the residual is the last.
 const STALLED: f64 = 0.99;
-/// Where configurations on a branch are looked for, if branches may cross at the given one.
+/// Distance at which configurations on a branch are searched for, if branches may cross at the given one.
 const BRANCH_RADIUS: f64 = 0.1;
 /// Nearer than this share of it is the given configuration found again.
 const SAME_POINT: f64 = 0.3;
@@ -420,7 +420,7 @@ pub fn near_miss<S: System + ?Sized>(
 
 /// A system with its loops taken as closed where they are: Φ less its value at one configuration.
 ///
-/// This is the mechanism assembled by force, where dimensions do not let it close by itself; every analysis of closed configurations applies to it.
+/// This is the mechanism assembled by force, where its dimensions do not allow it to close; every analysis of closed configurations applies to it.
 #[derive(Debug, Clone)]
 pub struct ForcedClosure<'a, S: ?Sized> {
     system: &'a S,

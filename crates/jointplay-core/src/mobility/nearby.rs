@@ -16,7 +16,7 @@ const RADIUS: f64 = 1e-2;
 const OUTER_RADIUS: f64 = 0.1;
 /// Distance nearer to which a branch has to be found again, so that it leads to the given configuration.
 const INNER_RADIUS: f64 = 1e-3;
-/// How far all directions of a branch are followed from the configuration where its dimension is proven.
+/// Distance for which all directions of a branch are followed from the configuration where its dimension is proven.
 const PROOF_RADIUS: f64 = 0.1;
 /// Singular values there below this share of the largest count as zero: where a constraint touches, a configuration is known to 10⁻⁷ only.
 const NEIGHBOUR_RANK_THRESHOLD: f64 = 1e-6;

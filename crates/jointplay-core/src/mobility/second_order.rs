@@ -64,7 +64,7 @@ impl SecondOrder {
         let directions = decomposition.v.columns(0, stopped);
         let restricted: Vec<DMatrix<f64>> =
             quadrics.iter().map(|quadric| directions.transpose() * quadric * directions).collect();
-        // Where all vanish, no combination is positive: seen in a few steps, the other in hundreds.
+        // Where all vanish, no combination is positive: this takes a few steps to find, the other hundreds.
         let definite = stopped > 0
             && !have_common_zero(&restricted, cut)?
             && has_definite_combination(&restricted, cut);

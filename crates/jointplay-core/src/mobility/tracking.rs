@@ -20,9 +20,9 @@ const MAX_WITHOUT_GAIN: usize = 8;
 const LEAST_DAMPING: f64 = 1e-3;
 const LARGEST_DAMPING: f64 = 1e8;
 
-/// How far a motion has to be followed to count without a search: farther than a search for branches reaches, since it starts from the given point, where a constraint is broken least by a motion stopped at high order.
+/// Distance for which a motion has to be followed to be finite without a search: farther than the radius of a search for branches, since it starts from the given configuration, where a motion stopped at high order violates a constraint least.
 pub(super) const KEPT_RADIUS: f64 = 0.3;
-/// Mismatch that no correction can reach, from which on a motion is broken, well above round-off: of a motion stopped at order p it is about 0.3ᵖ.
+/// Mismatch that no correction can remove and from which on a motion is obstructed, well above round-off: of a motion stopped at order p it is about 0.3ᵖ.
 const BROKEN: f64 = 1e-12;
 /// …and how much larger it has to be than the part that corrections can still reach, and than the residual of the given configuration.
 const BROKEN_RATIO: f64 = 1e3;
@@ -43,18 +43,18 @@ const STEP_CORRECTIONS: usize = 8;
 const LARGEST_CORRECTION: f64 = 0.3;
 /// Least cosine of the angle between the directions of two steps.
 const LEAST_COSINE: f64 = 0.5;
-/// How far round-off of a configuration moves a singular value that is zero, in units of the residual over the least singular value that counts.
+/// Effect of the round-off of a configuration on a singular value that is zero, in units of the residual over the least singular value that counts.
 const NOISE: f64 = 30.0;
 /// Ratio by which singular values that count have to exceed those that do not.
 const GAP: f64 = 10.0;
 
-/// Result of following some motions of first order in random directions.
+/// Result of following some instantaneous motions in random directions.
 pub(super) enum Continuation {
     /// Every direction is a finite motion; the number of directions tried.
     Finite(usize),
-    /// One breaks constraints that no correction can restore: the dimension of the finite motions is lower by one at least.
+    /// One violates constraints that no correction can restore: the dimension of the finite motions is lower by at least one.
     Obstructed,
-    /// One could not be followed so far.
+    /// One could not be followed for the whole distance.
     Unresolved,
 }
 
@@ -101,9 +101,9 @@ impl<'a, S: System + ?Sized> ConfigurationTracker<'a, S> {
         self.found.max(rounded)
     }
 
-    /// Follows motions of first order in random directions, each kept as it is: the common case, and far cheaper than a search for branches.
+    /// Follows instantaneous motions in random directions: the common case, and far cheaper than a search for branches.
     ///
-    /// Corrections stay out of the null space, so that each start asks whether its very direction is a finite motion.
+    /// Corrections stay out of the null space, so that each start tests whether exactly its direction is a finite motion.
     /// The mismatch that they cannot reach is an analytic function of the start, so that one start where it is not zero shows that the finite motions have fewer dimensions.
     pub(super) fn followed(
         &self,
@@ -147,9 +147,9 @@ impl<'a, S: System + ?Sized> ConfigurationTracker<'a, S> {
         Continuation::Finite(tried)
     }
 
-    /// Follows all motions of first order by continuation with steps as long as the configurations allow; returns the number of directions where all lead on at constant rank.
+    /// Follows all instantaneous motions by continuation with steps as long as the configurations allow; returns the number of directions if all continue at constant rank.
     ///
-    /// For motions whose range is short, or that bend soon: the steps shrink to the scale of the motion.
+    /// For motions of short range or high curvature: the steps shrink to the scale of the motion.
     ///
     /// # Arguments
     /// * `least_cut` – singular values at or below this one count as zero
@@ -249,7 +249,7 @@ impl<'a, S: System + ?Sized> ConfigurationTracker<'a, S> {
         Ok(found.filter(|displacement| displacement.norm() <= farthest))
     }
 
-    /// As [`Self::corrected`], at a given distance.
+    /// Brings a displacement onto the constraints at a given distance from the configuration.
     ///
     /// Where second order has as many conditions as there are motions, Gauss–Newton steps halve a displacement and end at the given configuration, unless its length is kept.
     pub(super) fn at_distance(

@@ -1,4 +1,4 @@
-//! Where a body is and how it is turned.
+//! Position and orientation of a body.
 
 use nalgebra::{
     IsometryMatrix3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3,

@@ -49,7 +49,7 @@ impl Metric {
 }
 
 impl VirtualJointKind {
-    /// What a unit of this motion measures in the metric: 1 for a slide, ρ for a turn.
+    /// Length of a unit of this coordinate in the metric: 1 for a slide, ρ for a turn.
     #[must_use]
     #[inline]
     pub fn weight(self, characteristic_length: f64) -> f64 {

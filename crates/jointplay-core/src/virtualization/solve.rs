@@ -13,7 +13,7 @@ use crate::linalg::least_norm_of_three;
 /// How the displacements are found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveOptions {
-    /// Which solution, and how.
+    /// Choice among the solutions, and method.
     pub solver: Solver,
     /// How angles weigh against lengths.
     pub metric: Metric,

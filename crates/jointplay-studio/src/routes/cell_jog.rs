@@ -12,7 +12,7 @@ use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
 use jointplay::gpr::AxisHeight;
-use jointplay::interop::export::{Recording, frames};
+use jointplay::interop::export::{MotionExport, frames};
 
 use super::lookup::{
     cell_error, interrupted, named_effector, named_slot, robot_motion, unknown_key,
@@ -62,12 +62,12 @@ pub(crate) async fn jog(
     state.work.run_while_awaited(moved).await
 }
 
-fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, Problem> {
-    let cell = recording.cell;
-    let time = request.time_s.clamp(0.0, recording.motion.duration());
+fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDocument, Problem> {
+    let cell = motion_export.cell;
+    let time = request.time_s.clamp(0.0, motion_export.motion.duration());
     let from = match request.from {
         Some(given) => positions(cell, given, "from")?,
-        None => recording.motion.sample_at(time).positions,
+        None => motion_export.motion.sample_at(time).positions,
     };
     let id = named_effector(cell, request.effector.as_deref(), "effector")?;
     let fields = ["seen_from.station", "seen_from.slot"];
@@ -75,10 +75,10 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
     let placing = |error: jointplay::interop::export::Error| {
         Problem::request(StatusCode::CONFLICT, error.to_string())
     };
-    let (_, carried) = frames(recording, time, &from).map_err(placing)?;
+    let (_, carried) = frames(motion_export, time, &from).map_err(placing)?;
     let loaded = carried.contains(&id);
     let moment =
-        PoseContext { motion: recording.motion, time, reaches: slot.map(|slot| (id, slot)) };
+        PoseContext { motion: motion_export.motion, time, reaches: slot.map(|slot| (id, slot)) };
     let start = from.clone();
     let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
         None => JogOutcome { positions: from, stopped: None },
@@ -107,7 +107,7 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
             jogged = JogOutcome { positions, stopped: Some(Stopped::Contact(pair)) };
         }
     }
-    document(recording, (&moment, id, slot), &carried, &jogged, placing)
+    document(motion_export, (&moment, id, slot), &carried, &jogged, placing)
 }
 
 /// Where nothing can be computed, the robot stays.
@@ -119,13 +119,13 @@ fn or_stay(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome 
 }
 
 fn document(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     (moment, id, slot): (&PoseContext<'_>, EffectorId, Option<SlotId>),
     carried: &[EffectorId],
     jogged: &JogOutcome,
     placing: impl Fn(jointplay::interop::export::Error) -> Problem,
 ) -> Result<JogDocument, Problem> {
-    let (cell, at) = (recording.cell, jogged.positions.as_slice());
+    let (cell, at) = (motion_export.cell, jogged.positions.as_slice());
     let loaded = carried.contains(&id);
     let effectors = cell.robot.effectors().map(|one| {
         let loaded = carried.contains(&one);
@@ -139,7 +139,7 @@ fn document(
         slot.map(|slot| from_slot(cell, slot, &cell.slot_relative_pose(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(cell_error)?;
     let ways = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(cell_error)?;
-    let (frames, _) = frames(recording, moment.time, at).map_err(placing)?;
+    let (frames, _) = frames(motion_export, moment.time, at).map_err(placing)?;
     let report = check_pose(cell, moment, at, &CheckOptions::default()).map_err(cell_error)?;
     Ok(JogDocument {
         axes: axes(cell, at),

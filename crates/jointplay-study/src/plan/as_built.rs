@@ -34,7 +34,7 @@ pub enum RodsFrom {
     AsBuilt,
 }
 
-/// By how much each dimension of each limb differs from the design, drawn for every limb by itself ([m], [rad]).
+/// Difference of each dimension of each limb from the design, drawn for every limb separately ([m], [rad]).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Tolerances {
     /// Of r_k [m].

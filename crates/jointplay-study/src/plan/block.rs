@@ -32,11 +32,11 @@ impl Outcome {
 /// Some samples of a plan: a column for all that is wanted, NaN where a sample has no answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Block {
-    /// Which samples.
+    /// Numbers of the samples.
     pub samples: Vec<u64>,
     /// Draw of each.
     pub draws: Vec<u64>,
-    /// What is wanted, in the order of the plan, in SI units.
+    /// Output quantities, in the order of the plan, in SI units.
     pub columns: Vec<Vec<f64>>,
     /// For each virtualization what became of each sample.
     pub outcomes: Vec<Vec<Outcome>>,

@@ -21,7 +21,7 @@ pub enum TiltForm {
 /// The tilts of a plan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tilts {
-    /// What the two angles are.
+    /// Meaning of the two angles.
     pub form: TiltForm,
     /// Yaw, or the angle about e_b1.
     pub first: Variation,
@@ -37,7 +37,7 @@ pub struct Tilts {
 pub struct Plan {
     /// The robot as designed.
     pub gpr: Gpr,
-    /// Where the platform plane crosses the base axis, as commanded [m].
+    /// Height at which the platform plane crosses the base axis, as commanded [m].
     pub height: Variation,
     /// Tilts, as commanded [rad].
     pub tilt: Tilts,
@@ -45,9 +45,9 @@ pub struct Plan {
     pub tolerances: Tolerances,
     /// Whose dimensions the rods are computed from.
     pub rods_from: RodsFrom,
-    /// How often what is random is drawn; 1 where nothing is.
+    /// Number of draws of the random quantities; 1 where nothing is random.
     pub draws: u64,
-    /// What the draws start from.
+    /// Seed of the random draws.
     pub seed: u64,
     /// The virtualizations, side by side.
     pub models: Vec<&'static (dyn Virtualization + Sync)>,

@@ -56,7 +56,7 @@ pub enum PlatformQuantity {
 pub(super) type Columns = Vec<(Quantity, Vec<f64>)>;
 
 impl PlatformQuantity {
-    /// What it is made of.
+    /// Quantities of the core that it is computed from.
     fn made_of(self) -> Vec<Quantity> {
         match self {
             Self::Quantity(quantity) => vec![quantity],

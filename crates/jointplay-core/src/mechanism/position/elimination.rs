@@ -185,7 +185,7 @@ impl Elimination {
                 *step = if least_norm { reached - value } else { reached };
             }
         }
-        // What the virtual joints leave to the passive ones.
+        // The mismatch that remains for the passive joints.
         for (column, step) in virtual_part.chunks_exact(m).zip(virtual_step.iter()) {
             for (entry, &a) in right[..rank].iter_mut().zip(column) {
                 *entry -= a * step;

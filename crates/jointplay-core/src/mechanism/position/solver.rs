@@ -87,7 +87,7 @@ struct Ball {
 #[derive(Debug, Clone, Copy)]
 struct Unknown {
     coordinate: usize,
-    /// What one unit of it is: radians, characteristic lengths, or the metric of virtual joints.
+    /// One unit of it: radians, characteristic lengths, or the metric of virtual joints.
     unit: f64,
 }
 
@@ -292,7 +292,7 @@ impl PositionSolver {
                 return Run { residual, settled, iterations, best };
             }
             // Newton's steps square the mismatch; by the last factor the next one still takes a share as large as the last step left.
-            // What is least depends on the derivatives here, so that they have to be fresh for it.
+            // The least displacement depends on the derivatives at this point, which therefore have to be recomputed.
             let with_last_factor = 2.0 * residual * residual / before;
             if iterations == 0 || with_last_factor > ROUND_OFF || least_norm {
                 self.linearize();

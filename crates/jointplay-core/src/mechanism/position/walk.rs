@@ -1,4 +1,4 @@
-//! Chains of joints laid out for walking fast: every turn about the z of a frame, every fixed displacement folded into the next.
+//! Chains of joints laid out for fast evaluation: every turn about the z of a frame, every fixed displacement merged into the next.
 
 use nalgebra::{Matrix3, Rotation3, Translation3, Vector3};
 
@@ -9,7 +9,7 @@ use crate::spatial::{Pose, tilt_rotation};
 /// Displacements that differ from none by less than this are none: round-off of their making.
 const NOTHING: f64 = 1e-15;
 
-/// Where a frame is.
+/// Position and orientation of a frame in the base frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     pub(super) rotation: Matrix3<f64>,

@@ -19,7 +19,7 @@ const MORE_DAMPING: f64 = 100.0;
 /// Screws of a joint of which those before leave no more than this share are combinations of them.
 const DEPENDENT: f64 = 1e-9;
 
-/// Where the entries of the normal equations are, which depends on the graph only.
+/// Sparsity pattern of the normal equations, which depends on the graph only.
 #[derive(Debug, Clone)]
 pub(super) struct Pattern {
     symbolic: SymbolicSparseColMat<usize>,
@@ -93,7 +93,7 @@ impl JointRow {
         let mut order: Vec<usize> = Vec::new();
         let mut basis: Vec<Vector6<f64>> = Vec::new();
         let largest = screws.iter().map(|(_, screw)| screw.norm()).fold(0.0, f64::max);
-        // What each is, beyond the basis so far.
+        // The part of each that is outside the span of the basis so far.
         let mut rest: Vec<Vector6<f64>> = screws.iter().map(|&(_, screw)| screw).collect();
         while let Some(next) =
             (0..rest.len()).max_by(|&a, &b| rest[a].norm().total_cmp(&rest[b].norm()))
@@ -122,7 +122,7 @@ impl JointRow {
         if count < 6 {
             basis.iter().for_each(|unit| refused -= unit * unit.transpose());
         } else {
-            // What round-off leaves of nothing is no constraint.
+            // A joint with six freedoms has no constraint, only round-off.
             refused.fill(0.0);
         }
         let follows = order.iter().map(|&k| screws[k].0).collect();

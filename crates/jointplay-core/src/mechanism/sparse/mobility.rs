@@ -18,7 +18,7 @@ const ROUNDS: usize = 6;
 const CLEAR: f64 = 10.0;
 /// Rounds of the power iteration for the largest singular value, which is needed to a few per cent.
 const POWER_ROUNDS: usize = 30;
-/// How far the fastest coordinate is led on in every direction, in radians and characteristic lengths.
+/// Distance for which the fastest coordinate is followed in every direction, in radians and characteristic lengths.
 const KEPT: f64 = 0.3;
 /// The shortest step of that, as a share of it.
 const SHORTEST_STEP: f64 = 1e-2;
@@ -38,7 +38,7 @@ pub struct SparseMobility {
     pub redundancy: usize,
     /// Finite mobility, or `None` where the bounds differ.
     pub finite: Option<usize>,
-    /// Every direction of so many has been followed a good way, or 0.
+    /// Lower bound of the finite mobility: 0 where not every direction could be followed.
     pub lower_bound: usize,
     /// Dimension that first and second order leave room for.
     pub upper_bound: usize,
@@ -246,7 +246,7 @@ impl SparseSystem<'_> {
             let home = coordinates.iter().map(|&k| self.coordinates[k]);
             let mut system =
                 SparseSystem::new(&part, DVector::from_iterator(coordinates.len(), home))?;
-            // Where links are now, and not where the tree of the block would put them.
+            // The current poses of the links, and not those from the tree of the block.
             let base = self.poses[block.base].inverse();
             system.poses = links.iter().map(|&link| base * self.poses[link]).collect();
             all.add(&system.block_mobility(relative_threshold)?, &coordinates, dimensions);
@@ -387,7 +387,7 @@ impl SparseSystem<'_> {
         Ok(quadrics.collect())
     }
 
-    /// What each joint breaks as links and coordinates go on at constant speed: second derivative of its closure.
+    /// Violation of each joint as links and coordinates continue at constant speed: second derivative of its closure.
     fn second_derivative(
         &self,
         linear: &Linear,
