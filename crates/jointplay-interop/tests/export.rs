@@ -1,7 +1,7 @@
 //! Exported motions: as long as the motion, at its ends exactly, and with what is wrong with it.
 #![expect(clippy::unwrap_used, reason = "a test may fail where it stands")]
 
-use jointplay_cell::check::{CheckOptions, Moment, check_pose};
+use jointplay_cell::check::{CheckOptions, PoseContext, check_pose};
 use jointplay_cell::program::{Handover, Path, Phase, Place, Step, expand};
 use jointplay_cell::robot::{
     Arm, ArmJoint, Axis, AxisKind, Effector, EffectorId, HybridRobot, KinematicLimits,
@@ -687,7 +687,7 @@ fn the_check_has_links_and_bodies_where_a_3d_scene_has_them() {
         }
         compared += 1;
         let positions = motion.sample_at(time).positions;
-        let moment = Moment { motion: &motion, time, reaches: None };
+        let moment = PoseContext { motion: &motion, time, reaches: None };
         let report = check_pose(&cell, &moment, &positions, &options).unwrap();
         for (name, _) in &balls {
             let shown = origin(name, time);

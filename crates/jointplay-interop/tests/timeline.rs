@@ -86,7 +86,8 @@ fn check(cell: &Cell, text: &str) {
                 for (one, other) in all.iter().zip(&sample.positions) {
                     worst_axis = worst_axis.max((one - other).abs());
                 }
-                let real = cell.drooping(&sample.positions, &described.loaded).unwrap();
+                let real =
+                    cell.forward_with_deflection(&sample.positions, &described.loaded).unwrap();
                 let rigid = cell.robot.forward(&sample.positions).unwrap();
                 let poses: Vec<Pose> = all[axes..].chunks_exact(6).map(pose).collect();
                 worst = worst.max(off(&poses[0], &real.platform.base_from_platform));

@@ -113,7 +113,7 @@ impl<'a> Scene<'a> {
         let loaded = |id: EffectorId| self.held_wafer(id).is_some();
         for arm in 0..robot.arms.len() {
             let placed = (arm, &base_from_platform);
-            self.cell.place_arm(placed, positions, loaded, |found| found, &mut buffer)?;
+            self.cell.append_arm_poses(placed, positions, loaded, |found| found, &mut buffer)?;
         }
         Ok(LinkPoses { base_from_platform, normal: platform.normal(), poses: buffer })
     }

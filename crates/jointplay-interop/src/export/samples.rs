@@ -188,7 +188,7 @@ pub(super) fn placed(
     loaded: &[EffectorId],
 ) -> Result<ChainPose, Error> {
     let failed = |source| Error::Placing { time, source: Box::new(source) };
-    motion_export.cell.drooping(positions, loaded).map_err(failed)
+    motion_export.cell.forward_with_deflection(positions, loaded).map_err(failed)
 }
 
 /// Who carries a wafer in a step.

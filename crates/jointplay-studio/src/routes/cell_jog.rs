@@ -4,7 +4,9 @@ use axum::Json;
 use axum::extract::State;
 use axum::http::StatusCode;
 use jointplay::cell::Stop;
-use jointplay::cell::check::{CheckOptions, Moment, Straight, advance_until_contact, check_pose};
+use jointplay::cell::check::{
+    CheckOptions, ContactFreePath, PoseContext, advance_until_contact, check_pose,
+};
 use jointplay::cell::jog::{JogOutcome, Stopped};
 use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
@@ -76,7 +78,7 @@ fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDoc
     let (_, loaded_effectors) = frames(motion_export, time, &from).map_err(export_error)?;
     let loaded = loaded_effectors.contains(&id);
     let moment =
-        Moment { motion: motion_export.motion, time, reaches: slot.map(|slot| (id, slot)) };
+        PoseContext { motion: motion_export.motion, time, reaches: slot.map(|slot| (id, slot)) };
     let start = from.clone();
     let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
         None => JogOutcome { positions: from, stopped: None },
@@ -98,7 +100,7 @@ fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDoc
     };
     if request.stop_at_contact {
         let line = [&start[..], &jogged.positions];
-        let Straight { positions, touching, .. } =
+        let ContactFreePath { positions, touching, .. } =
             advance_until_contact(cell, &moment, line, &CheckOptions::default())
                 .map_err(cell_error)?;
         if let Some(pair) = touching {
@@ -118,7 +120,7 @@ fn or_start(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome
 
 fn document(
     motion_export: &MotionExport<'_>,
-    (moment, id, slot): (&Moment<'_>, EffectorId, Option<SlotId>),
+    (moment, id, slot): (&PoseContext<'_>, EffectorId, Option<SlotId>),
     loaded_effectors: &[EffectorId],
     jogged: &JogOutcome,
     export_error: impl Fn(jointplay::interop::export::Error) -> Problem,

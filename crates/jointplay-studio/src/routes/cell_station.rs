@@ -3,7 +3,7 @@
 use axum::Json;
 use axum::extract::State;
 use jointplay::cell::Stop;
-use jointplay::cell::check::{CheckOptions, Moment, check_pose};
+use jointplay::cell::check::{CheckOptions, PoseContext, check_pose};
 use jointplay::format::cell;
 
 use super::lookup::{cell_error, interrupted, named_effector, named_slot, robot_motion};
@@ -69,7 +69,7 @@ fn contacts(plan: &Plan, station: &str, by: TaughtByFields) -> Result<Vec<[Strin
     let slot = named_slot(cell, &asked, ["station", "taught_by.slot"])?;
     let at = positions(cell, by.positions, "taught_by.positions")?;
     let time = by.time_s.clamp(0.0, motion_export.motion.duration());
-    let moment = Moment { motion: motion_export.motion, time, reaches: Some((id, slot)) };
+    let moment = PoseContext { motion: motion_export.motion, time, reaches: Some((id, slot)) };
     let report = check_pose(cell, &moment, &at, &CheckOptions::default()).map_err(cell_error)?;
     let touching: Vec<[String; 2]> =
         touching(&report).into_iter().map(|pair| pair.map(|one| cell.entity_name(one))).collect();

@@ -38,7 +38,7 @@ fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
     for one in &planned.report.violations {
         let sample = planned.motion.sample_at(one.worst_time);
         let loaded = planned.motion.steps.get(sample.step).map_or(&[][..], |step| &step.loaded);
-        let pose = planned.cell().drooping(&sample.positions, loaded)?;
+        let pose = planned.cell().forward_with_deflection(&sample.positions, loaded)?;
         for id in involved(planned, one) {
             let at = pose.base_from_wafer[id.arm][id.effector].translation.vector;
             view.violations.push([at.x, at.y]);
