@@ -10,7 +10,7 @@ use jointplay::cell::workcell::Cell;
 use jointplay::cell::{IncrementalPlanner, Interrupted, PlanError, PlanOptions, Stop};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::program;
-use jointplay::interop::export::{self, Flaw, Recording, Timeline};
+use jointplay::interop::export::{self, MotionExport, Timeline, ViolationNote};
 use jointplay::report;
 
 use crate::cell_files::CellFiles;
@@ -31,7 +31,7 @@ pub(crate) struct Plan {
     /// Report as from `jointplay cell check`.
     pub(crate) report: Option<report::CellReport>,
     pub(crate) timeline: Option<Timeline>,
-    flaws: Vec<Flaw>,
+    violation_notes: Vec<ViolationNote>,
 }
 
 /// The cell with the robot at home, as binary glTF.
@@ -45,7 +45,7 @@ impl Scene {
     /// `None` if the robot cannot be at home.
     fn new(cell: &Cell) -> Option<Self> {
         let motion = rest_at_home(cell)?;
-        let still = Recording { cell, motion: &motion, program: "", flaws: &[] };
+        let still = MotionExport { cell, motion: &motion, program: "", violation_notes: &[] };
         let file = export::gltf(&still, 1.0).ok()?;
         Some(Self { key: hashed(&file), file })
     }
@@ -84,7 +84,7 @@ impl Plan {
             motion: None,
             report: None,
             timeline: None,
-            flaws: Vec::new(),
+            violation_notes: Vec::new(),
         };
         match files.parse(&plan.cell_text) {
             Ok(cell) => {
@@ -100,7 +100,7 @@ impl Plan {
                     .map(|one| Diagnostic::new(SourceText::Cell, &one.place, one.to_string())),
             ),
         }
-        let (program, unread) = program::parse_what_can_be(&plan.program_text);
+        let (program, unread) = program::parse_recovering(&plan.program_text);
         let mut errors: Vec<Diagnostic> = unread
             .iter()
             .map(|one| Diagnostic::new(SourceText::Program, &one.place, one.to_string()))
@@ -138,14 +138,15 @@ impl Plan {
         let go_on = || if stop() { Err(Interrupted) } else { Ok(()) };
         go_on()?;
         let Some(cell) = &self.cell else { return Ok(()) };
-        self.flaws = export::flaws(cell, report);
+        self.violation_notes = export::violation_notes(cell, report);
         let document = report::cell(cell, &self.program_text, &motion, report);
         go_on()?;
-        let flaws = self.flaws.as_slice();
-        let recording = Recording { cell, motion: &motion, program: &self.program_text, flaws };
+        let violation_notes = self.violation_notes.as_slice();
+        let motion_export =
+            MotionExport { cell, motion: &motion, program: &self.program_text, violation_notes };
         let last = last.and_then(|last| last.timeline.as_ref());
         // Without a timeline if the platform has no pose at some time; the report lists this.
-        self.timeline = Timeline::new(&recording, &document.violations, last).ok();
+        self.timeline = Timeline::new(&motion_export, &document.violations, last).ok();
         (self.motion, self.report) = (Some(motion), Some(document));
         go_on()
     }
@@ -160,21 +161,21 @@ impl Plan {
     }
 
     /// The motion in the form of exports.
-    pub(crate) fn recording(&self) -> Option<Recording<'_>> {
-        Some(Recording {
+    pub(crate) fn motion_export(&self) -> Option<MotionExport<'_>> {
+        Some(MotionExport {
             cell: self.cell.as_ref()?,
             motion: self.motion.as_ref()?,
             program: &self.program_text,
-            flaws: &self.flaws,
+            violation_notes: &self.violation_notes,
         })
     }
 
     /// The contents of the window with a key; `None` for an unknown key.
     pub(crate) fn window(&self, key: &str) -> Option<Result<Vec<u8>, export::Error>> {
-        let (timeline, recording) = (self.timeline.as_ref()?, self.recording()?);
+        let (timeline, motion_export) = (self.timeline.as_ref()?, self.motion_export()?);
         let index = timeline.find(key)?;
         let violations = self.report.as_ref().map_or(&[][..], |report| &report.violations);
-        Some(timeline.content(&recording, violations, index))
+        Some(timeline.content(&motion_export, violations, index))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Where the last program reached, so that a change of one station costs what it changes.
+//! Inverse kinematics of the last program, so that a change of one station costs only what it changes.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -9,17 +9,17 @@ use crate::station::{SlotId, Station, Waypoints};
 use crate::wafer::Unreachable;
 use crate::workcell::Cell;
 
-/// Places that the last program came to, by what they depend on.
+/// Inverse kinematics of the last program, by what it depends on.
 #[derive(Default)]
 pub(crate) struct IkCache {
-    /// Numbers of the stations of the last program, by all that is known of each.
+    /// Numbers of the stations of the last program, by their descriptions.
     stations: GenerationalCache<u64>,
-    /// How many there have been.
+    /// How many numbers have been used.
     count: u64,
-    /// Of the stations of this one.
+    /// Numbers of the stations of this program.
     numbers: Vec<u64>,
-    ways: GenerationalCache<Waypoints>,
-    reached: GenerationalCache<Vec<f64>>,
+    waypoints: GenerationalCache<Waypoints>,
+    reachable: GenerationalCache<Vec<f64>>,
 }
 
 impl IkCache {
@@ -27,8 +27,8 @@ impl IkCache {
         let mut shared = Fingerprint::default();
         shared.add(&cell.robot).add(&cell.wafer).add(&cell.gravity).add(&cell.plane_threshold);
         self.stations.begin(&Fingerprint::default());
-        self.ways.begin(&shared);
-        self.reached.begin(&shared);
+        self.waypoints.begin(&shared);
+        self.reachable.begin(&shared);
         let number = |station: &Station| {
             let inputs = Fingerprint::default().with(station);
             let Ok(number) = self.stations.get_or_compute::<Infallible>(inputs, || {
@@ -42,8 +42,8 @@ impl IkCache {
 
     pub(super) fn end(&mut self) {
         self.stations.end();
-        self.ways.end();
-        self.reached.end();
+        self.waypoints.end();
+        self.reachable.end();
     }
 
     /// As [`Cell::waypoints`].
@@ -56,10 +56,10 @@ impl IkCache {
     ) -> Result<Arc<Waypoints>, Unreachable> {
         let mut inputs = Fingerprint::default().with(&effector);
         inputs.add(&self.numbers[slot.station]).add(&slot.slot).add(near);
-        self.ways.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
+        self.waypoints.get_or_compute(inputs, || cell.waypoints(effector, slot, near))
     }
 
-    /// The positions of [`Cell::reach`].
+    /// As [`Cell::reach`], the positions alone.
     pub(super) fn reach(
         &mut self,
         cell: &Cell,
@@ -71,10 +71,10 @@ impl IkCache {
         let mut inputs = Fingerprint::default().with(&effector).with(&loaded);
         inputs.add(&target.center).add(&target.normal).add(&target.heading).add(near);
         let reach = || cell.reach(effector, target, loaded, near).map(|found| found.positions);
-        self.reached.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
+        self.reachable.get_or_compute(inputs, reach).map(|positions| positions.to_vec())
     }
 
     pub(crate) fn stats(&self) -> CacheStats {
-        self.reached.stats()
+        self.reachable.stats()
     }
 }

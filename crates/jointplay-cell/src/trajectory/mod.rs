@@ -31,6 +31,7 @@ mod cartesian_path;
 mod error;
 mod limits;
 mod options;
+mod peaks;
 mod profile;
 mod sample;
 mod sampler;

@@ -10,7 +10,7 @@ use jointplay::cell::robot::{EffectorId, WaferTarget};
 use jointplay::cell::station::SlotId;
 use jointplay::cell::wafer::Unreachable;
 use jointplay::gpr::AxisHeight;
-use jointplay::interop::export::{Recording, frames};
+use jointplay::interop::export::{MotionExport, frames};
 
 use super::lookup::{
     cell_error, interrupted, named_effector, named_slot, robot_motion, unknown_key,
@@ -60,12 +60,12 @@ pub(crate) async fn jog(
     state.work.run_while_awaited(moved).await
 }
 
-fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, Problem> {
-    let cell = recording.cell;
-    let time = request.time_s.clamp(0.0, recording.motion.duration());
+fn moved(motion_export: &MotionExport<'_>, request: JogRequest) -> Result<JogDocument, Problem> {
+    let cell = motion_export.cell;
+    let time = request.time_s.clamp(0.0, motion_export.motion.duration());
     let from = match request.from {
         Some(given) => positions(cell, given, "from")?,
-        None => recording.motion.sample_at(time).positions,
+        None => motion_export.motion.sample_at(time).positions,
     };
     let id = named_effector(cell, request.effector.as_deref(), "effector")?;
     let fields = ["seen_from.station", "seen_from.slot"];
@@ -73,9 +73,10 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
     let export_error = |error: jointplay::interop::export::Error| {
         Problem::request(StatusCode::CONFLICT, error.to_string())
     };
-    let (_, loaded_effectors) = frames(recording, time, &from).map_err(export_error)?;
+    let (_, loaded_effectors) = frames(motion_export, time, &from).map_err(export_error)?;
     let loaded = loaded_effectors.contains(&id);
-    let moment = Moment { motion: recording.motion, time, reaches: slot.map(|slot| (id, slot)) };
+    let moment =
+        Moment { motion: motion_export.motion, time, reaches: slot.map(|slot| (id, slot)) };
     let start = from.clone();
     let mut jogged = match request.to.map(|to| to.read(cell)).transpose()? {
         None => JogOutcome { positions: from, stopped: None },
@@ -104,7 +105,7 @@ fn moved(recording: &Recording<'_>, request: JogRequest) -> Result<JogDocument, 
             jogged = JogOutcome { positions, stopped: Some(Stopped::Contact(pair)) };
         }
     }
-    document(recording, (&moment, id, slot), &loaded_effectors, &jogged, export_error)
+    document(motion_export, (&moment, id, slot), &loaded_effectors, &jogged, export_error)
 }
 
 /// The result of a jog, or the start positions if there is no solution.
@@ -116,13 +117,13 @@ fn or_start(from: &[f64], jogged: Result<JogOutcome, Unreachable>) -> JogOutcome
 }
 
 fn document(
-    recording: &Recording<'_>,
+    motion_export: &MotionExport<'_>,
     (moment, id, slot): (&Moment<'_>, EffectorId, Option<SlotId>),
     loaded_effectors: &[EffectorId],
     jogged: &JogOutcome,
     export_error: impl Fn(jointplay::interop::export::Error) -> Problem,
 ) -> Result<JogDocument, Problem> {
-    let (cell, at) = (recording.cell, jogged.positions.as_slice());
+    let (cell, at) = (motion_export.cell, jogged.positions.as_slice());
     let loaded = loaded_effectors.contains(&id);
     let effectors = cell.robot.effectors().map(|one| {
         let loaded = loaded_effectors.contains(&one);
@@ -136,7 +137,7 @@ fn document(
         slot.map(|slot| from_slot(cell, slot, &cell.slot_relative_pose(&pose, id, slot), &pose));
     let rigid = cell.robot.effector_pose(at, id).map_err(cell_error)?;
     let solutions = cell.robot.inverse(id, &WaferTarget::of(&rigid), at).map_err(cell_error)?;
-    let (frames, _) = frames(recording, moment.time, at).map_err(export_error)?;
+    let (frames, _) = frames(motion_export, moment.time, at).map_err(export_error)?;
     let report = check_pose(cell, moment, at, &CheckOptions::default()).map_err(cell_error)?;
     Ok(JogDocument {
         axes: axes(cell, at),

@@ -101,8 +101,8 @@ pub(crate) async fn overview(
         let detail = format!("unknown window {}; the plan has {count} windows", windows[place]);
         return Err(Problem::field(format!("windows[{place}]"), detail));
     }
-    let bytes = move || match (&plan.timeline, plan.recording()) {
-        (Some(timeline), Some(recording)) => Ok(timeline.overview(&recording, &windows)),
+    let bytes = move || match (&plan.timeline, plan.motion_export()) {
+        (Some(timeline), Some(motion_export)) => Ok(timeline.overview(&motion_export, &windows)),
         _ => Err(unknown_key()),
     };
     let bytes = state.work.run(bytes).await?;

@@ -49,8 +49,8 @@ pub(crate) async fn samples(
     let sampled = move |stop: Stop<'_>| {
         let plan = session.plan(cell, program, stop).map_err(interrupted)?;
         let refused = |why: String| Problem::request(StatusCode::CONFLICT, why);
-        let recording = plan.recording().ok_or_else(|| refused(no_motion(&plan)))?;
-        let range = [from.max(0.0), to.min(recording.motion.duration())];
+        let motion_export = plan.motion_export().ok_or_else(|| refused(no_motion(&plan)))?;
+        let range = [from.max(0.0), to.min(motion_export.motion.duration())];
         let rows = (range[1] - range[0]) * rate;
         if rows.is_nan() || rows > MAX_SAMPLES {
             let detail = format!(
@@ -58,7 +58,7 @@ pub(crate) async fn samples(
             );
             return Err(Problem::field("to_s", detail));
         }
-        let columns = export::samples_within(&recording, rate, peaks, range);
+        let columns = export::samples_within(&motion_export, rate, peaks, range);
         let columns = columns.map_err(|error| refused(error.to_string()))?;
         arrow(columns).map_err(|error| Problem::broken(&error.to_string()))
     };

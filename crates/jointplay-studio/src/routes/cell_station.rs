@@ -62,14 +62,14 @@ pub(crate) async fn station(
 /// A contact that is not confirmed.
 fn contacts(plan: &Plan, station: &str, by: TaughtByFields) -> Result<Vec<[String; 2]>, Problem> {
     let mut still = None;
-    let recording = robot_motion(plan, &mut still)?;
-    let cell = recording.cell;
+    let motion_export = robot_motion(plan, &mut still)?;
+    let cell = motion_export.cell;
     let id = named_effector(cell, by.effector.as_deref(), "taught_by.effector")?;
     let asked = SlotFields { station: station.to_owned(), slot: by.slot };
     let slot = named_slot(cell, &asked, ["station", "taught_by.slot"])?;
     let at = positions(cell, by.positions, "taught_by.positions")?;
-    let time = by.time_s.clamp(0.0, recording.motion.duration());
-    let moment = Moment { motion: recording.motion, time, reaches: Some((id, slot)) };
+    let time = by.time_s.clamp(0.0, motion_export.motion.duration());
+    let moment = Moment { motion: motion_export.motion, time, reaches: Some((id, slot)) };
     let report = check_pose(cell, &moment, &at, &CheckOptions::default()).map_err(cell_error)?;
     let touching: Vec<[String; 2]> =
         touching(&report).into_iter().map(|pair| pair.map(|one| cell.entity_name(one))).collect();

@@ -7,7 +7,7 @@ use jointplay::cell::trajectory::Trajectory;
 use jointplay::cell::workcell::Cell;
 use jointplay::cell::{CellError, Interrupted};
 use jointplay::format::cell::explain;
-use jointplay::interop::export::Recording;
+use jointplay::interop::export::MotionExport;
 
 use crate::plan::{Plan, rest_at_home};
 use crate::problem::Problem;
@@ -38,14 +38,14 @@ pub(super) fn unknown_key() -> Problem {
 pub(super) fn robot_motion<'p>(
     plan: &'p Plan,
     still: &'p mut Option<Trajectory>,
-) -> Result<Recording<'p>, Problem> {
+) -> Result<MotionExport<'p>, Problem> {
     let refused = || Problem::request(StatusCode::CONFLICT, no_motion(plan));
-    if let Some(recording) = plan.recording() {
-        return Ok(recording);
+    if let Some(motion_export) = plan.motion_export() {
+        return Ok(motion_export);
     }
     let cell = plan.cell.as_ref().ok_or_else(refused)?;
     let motion = still.insert(rest_at_home(cell).ok_or_else(refused)?);
-    Ok(Recording { cell, motion, program: "", flaws: &[] })
+    Ok(MotionExport { cell, motion, program: "", violation_notes: &[] })
 }
 
 pub(super) fn cell_error(error: CellError) -> Problem {

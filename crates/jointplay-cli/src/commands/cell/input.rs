@@ -12,7 +12,7 @@ use jointplay::cell::{IncrementalPlanner, Progress as JobProgress};
 use jointplay::format::cell::explain_trajectory::explain_step;
 use jointplay::format::place::Error as Placed;
 use jointplay::format::{cell, program};
-use jointplay::interop::export::{self, Flaw, Recording};
+use jointplay::interop::export::{self, MotionExport, ViolationNote};
 use jointplay::report;
 
 use super::text::counted;
@@ -84,7 +84,7 @@ pub(super) struct Planned {
     pub(super) input: Input,
     pub(super) motion: Trajectory,
     pub(super) report: Report,
-    pub(super) flaws: Vec<Flaw>,
+    pub(super) violation_notes: Vec<ViolationNote>,
 }
 
 impl CellArgs {
@@ -133,7 +133,7 @@ impl InputArgs {
             (Err(program), Ok(_)) => return Err(program),
             (Err(program), Err(cell)) => return Err(Failure::Robot(format!("{cell}\n{program}"))),
         };
-        let (program, problems) = program::parse_what_can_be(&text);
+        let (program, problems) = program::parse_recovering(&text);
         if problems.is_empty() {
             return Ok(Input { named: named?, program, text, label });
         }
@@ -196,8 +196,8 @@ impl InputArgs {
         reporter.stage("checking");
         let report = memory.check(cell, &motion, &CheckOptions::default());
         drop(progress);
-        let flaws = export::flaws(cell, &report);
-        Ok(Planned { input, motion, report, flaws })
+        let violation_notes = export::violation_notes(cell, &report);
+        Ok(Planned { input, motion, report, violation_notes })
     }
 }
 
@@ -245,12 +245,12 @@ impl Planned {
         self.report.verdict == Verdict::Sound
     }
 
-    pub(super) fn recording(&self) -> Recording<'_> {
-        Recording {
+    pub(super) fn motion_export(&self) -> MotionExport<'_> {
+        MotionExport {
             cell: self.cell(),
             motion: &self.motion,
             program: &self.input.text,
-            flaws: &self.flaws,
+            violation_notes: &self.violation_notes,
         }
     }
 

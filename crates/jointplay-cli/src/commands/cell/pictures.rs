@@ -39,7 +39,7 @@ pub(super) fn pictures(planned: &Planned) -> Result<[(String, Vec<u8>); 4], Fail
 fn top_view(planned: &Planned) -> Result<TopView<'_>, Failure> {
     let robot = &planned.cell().robot;
     let rate = POINTS.min(MOST_POINTS / planned.motion.duration().max(1.0));
-    let ways = export::tracks(&planned.recording(), rate)?;
+    let ways = export::tracks(&planned.motion_export(), rate)?;
     let mut view = TopView::new(planned.cell());
     for (effector, points) in planned.effectors().into_iter().zip(ways) {
         let reach = robot.reach(effector)?;
